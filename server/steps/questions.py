@@ -90,7 +90,10 @@ class ReplayTraceRequest(_Frozen):
 
 
 class ScenarioTraceRequest(_Frozen):
-    """A request to play a case of a declared exercise, with typed `lines` and `files`; `kit` are its parameters."""
+    """A request to play a case of a declared exercise, with typed `lines` and `files`; `kit` are its parameters.
+
+    `imports` are the names of modules that the case may use, with module and attribute.
+    """
 
     kind: Literal["scenario"] = "scenario"
     source: Bytes
@@ -99,6 +102,7 @@ class ScenarioTraceRequest(_Frozen):
     lines: tuple[str, ...] | None
     files: tuple[tuple[str, str], ...]
     kit: dict[str, Any]
+    imports: dict[str, tuple[str, str]] = {}
 
 
 TraceRequest = Annotated[

@@ -135,7 +135,9 @@ def _trace_replay(sandbox: Sandbox, request: ReplayTraceRequest) -> TraceOut:
 
 def _trace_scenario(sandbox: Sandbox, request: ScenarioTraceRequest) -> TraceOut:
     """Trace a case of a declared exercise. Its driver returns what all steps gave: each return tells its own value."""
-    scenario = Scenario(parse_scenario(request.case, request.functions), request.lines, request.files)
+    scenario = Scenario(
+        parse_scenario(request.case, request.functions, imports=request.imports), request.lines, request.files
+    )
     kit = Kit(SCENARIOS, dict(request.kit))
     return _trace_program(
         sandbox,

@@ -185,6 +185,7 @@ def _scenario_request(grader: DeclaredGrader, check: CheckResult, source: bytes,
         lines=scenario.lines,
         files=scenario.files,
         kit=dict(grader.kit(seed).parameters),
+        imports=dict(grader.declaration.imports),
     )
 
 

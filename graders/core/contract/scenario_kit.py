@@ -7,6 +7,7 @@ fichiers. Le meneur rend des données simples : une valeur par étape, et ce qui
 import builtins
 import collections
 import contextlib
+import importlib
 import io
 import itertools
 import marshal
@@ -246,17 +247,35 @@ def _decode(value: Any, names: Any, world: Any) -> Any:
         "b": lambda: content,
         "n": lambda: content,
         "a": lambda: np.frombuffer(content[2], content[0]).reshape(content[1]).copy(),
-        "f": lambda: eval(content, {"np": np, "math": math}),
-        "r": lambda: _resolve(content, names, world),
+        "f": lambda: _make_function(content, names, world),
+        "r": lambda: _find(content, names, world),
         "c": lambda: _call_nested(content, names, world),
     }
     return makers[tag]()
 
 
+def _make_function(content: Any, names: Any, world: Any) -> Any:
+    source, imports, own = content if isinstance(content, list) else (content, (), ())
+    known = {"np": np, "math": math} | {name: _imported(*where) for name, *where in imports}
+    return eval(source, known | {name: _resolve(name, names, world) for name in own})
+
+
+def _find(path: Any, names: Any, world: Any) -> Any:
+    """Return what an author's notation names: a name of the case or of the program, or what a module holds."""
+    return _imported(*path) if isinstance(path, list) else _resolve(path, names, world)
+
+
+def _imported(module: Any, attribute: Any) -> Any:
+    value = importlib.import_module(module)
+    for name in attribute.split(".") if attribute else ():
+        value = getattr(value, name)
+    return value
+
+
 def _call_nested(content: Any, names: Any, world: Any) -> Any:
     callee, args, named, base = content
     inside = {"": _decode(base[0], names, world)} if base else names
-    return _resolve(f".{callee}" if base else callee, inside, world)(
+    return _find(f".{callee}" if base else callee, inside, world)(
         *(_decode(argument, names, world) for argument in args),
         **{name: _decode(argument, names, world) for name, argument in named},
     )

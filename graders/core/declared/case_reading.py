@@ -11,6 +11,7 @@ import numpy as np
 
 from graders.core.compare.python_values import Raised
 from graders.core.contract.values import Value
+from graders.core.declared.imports import ALWAYS, Imports, import_advice
 from graders.core.declared.malformed import MalformedDeclaration
 from graders.core.declared.notation import parse_python, refusal
 from graders.core.declared.scenario_values import FunctionSource, NestedCall, Reference
@@ -20,18 +21,25 @@ from graders.core.declared.scenarios import PREPARATIONS, PRINT, PROGRAM, Statem
 MAX_CASE, MAX_STATEMENTS, MAX_NESTING = 4000, 60, 40
 #: The names of functions that make a value.
 _MAKERS = ("set", "array", "float", "bytes", "dict", "range", "list", "tuple")
+#: Calls of NumPy that are read here, and not played.
+_ARRAYS = ("np.array", "np.zeros", "np.ones")
 AS_A_PROGRAM = 'votre solution est un programme entier ; si l’on y tape 3, puis 4, écrivez programme("3", "4")'
 
 
 def parse_scenario(
-    text: str, functions: Sequence[str], *, variables: Mapping[str, Value] | None = None
+    text: str,
+    functions: Sequence[str],
+    *,
+    variables: Mapping[str, Value] | None = None,
+    imports: Imports = ALWAYS,
 ) -> tuple[Statement, ...]:
-    """Read the statements of a case that calls some of `functions`; `variables` are values that stand for names.
+    """Read the statements of a case that calls some of `functions`.
 
-    Raises MalformedDeclaration.
+    `variables` are values that stand for names; `imports` are names of modules, besides `np` and `math`. Raises
+    MalformedDeclaration.
     """
     tree = _parse(text)
-    reader = _CaseReader(frozenset(functions), dict(variables or {}))
+    reader = _CaseReader(frozenset(functions), dict(variables or {}), {**ALWAYS, **imports})
     try:
         statements = tuple(reader.statement(node) for node in tree.body)
     except RecursionError as error:
@@ -53,7 +61,7 @@ def parse_expected(text: str) -> Value:
     tree = _parse(text)
     if len(tree.body) != 1 or not isinstance(tree.body[0], ast.Expr):
         raise MalformedDeclaration(f"« {text.strip()[:80]} » n’est pas une valeur")
-    return _CaseReader(frozenset(), {}).value(tree.body[0].value)
+    return _CaseReader(frozenset(), {}, {}).value(tree.body[0].value)
 
 
 def _parse(text: str) -> ast.Module:
@@ -78,8 +86,9 @@ def _nesting(text: str) -> int:
 class _CaseReader:
     """Reads the syntax tree of a case."""
 
-    def __init__(self, functions: frozenset[str], variables: dict[str, Value]) -> None:
+    def __init__(self, functions: frozenset[str], variables: dict[str, Value], imports: Imports) -> None:
         self._functions, self._variables, self._assigned = functions, variables, set[str]()
+        self._imports = imports
         self._is_program, self._has_run = functions == {PROGRAM}, False
 
     def statement(self, node: ast.stmt) -> Statement:
@@ -134,7 +143,7 @@ class _CaseReader:
             node = node.value
         if not isinstance(node, ast.Name) or (not path and node.id in _MAKERS and node.id not in self._functions):
             return None
-        if node.id == "np" and node.id not in self._assigned:
+        if node.id in self._imports and not self._is_known(node.id):
             return None
         if not path and (node.id in PREPARATIONS or node.id == PRINT):
             return node.id
@@ -153,7 +162,7 @@ class _CaseReader:
             ast.Tuple: self._items,
             ast.Set: self._items,
             ast.Dict: self._dict,
-            ast.Lambda: lambda function: FunctionSource(ast.unparse(function)),
+            ast.Lambda: self._function,
             ast.UnaryOp: self._number,
             ast.BinOp: self._number,
             ast.Name: self._name,
@@ -164,6 +173,17 @@ class _CaseReader:
         if reader is None:
             raise refusal(node, "ce n’est ni un nombre, ni un texte, ni une liste, ni une fonction « lambda »")
         return reader(node)
+
+    def _function(self, node: ast.Lambda) -> FunctionSource:
+        """Return a function with the names that it needs. Raises MalformedDeclaration for one that nothing gives."""
+        names = _free_names(node)
+        imported = [name for name in names if name in self._imports and not self._is_known(name)]
+        left = [name for name in names if name not in imported and not hasattr(builtins, name)]
+        unknown = next((name for name in left if not self._is_known(name) and not self._has_run), None)
+        if unknown is not None:
+            raise refusal(node, f"« {unknown} » n’est pas connu ici : {import_advice(unknown)}")
+        imports = tuple((name, *self._imports[name]) for name in imported if name not in ALWAYS)
+        return FunctionSource(ast.unparse(node), imports, tuple(left))
 
     def _constant(self, node: ast.Constant) -> Value:
         if node.value is ...:
@@ -215,7 +235,20 @@ class _CaseReader:
             if "__" in text:
                 raise refusal(node, "pas de nom qui contient deux soulignés")
             return Reference(text)
-        raise refusal(node, f"« {text} » n’est pas connu ici ; un texte s’écrit entre guillemets")
+        if first in self._imports:
+            return Reference(text, self._imported(node, text))
+        if self._functions and "__" not in text and callable(getattr(builtins, text, None)):
+            return Reference(text, ("builtins", text))
+        advice = import_advice(text) if hasattr(np, text) else "un texte s’écrit entre guillemets"
+        raise refusal(node, f"« {text} » n’est pas connu ici ; {advice}")
+
+    def _imported(self, node: ast.expr, text: str) -> tuple[str, str]:
+        """Return the module and the attribute of what an imported name, or a path below it, stands for."""
+        first, _, rest = text.partition(".")
+        if "__" in rest:
+            raise refusal(node, "pas de nom qui contient deux soulignés")
+        module, attribute = self._imports[first]
+        return module, ".".join(filter(None, (attribute, rest)))
 
     def _nested_call(self, node: ast.Call) -> NestedCall | None:
         """Return a call of the program whose value is an argument, or on whose value a method is called."""
@@ -229,6 +262,9 @@ class _CaseReader:
             return None if inner is None else NestedCall(".".join(path), *self._arguments(node), inner)
         if isinstance(base, ast.Name) and self._is_known(base.id) and not self._is_program:
             return NestedCall(self._callee(node.func) or "", *self._arguments(node))
+        text = ast.unparse(node.func)
+        if isinstance(base, ast.Name) and base.id in self._imports and text not in _ARRAYS:
+            return NestedCall(text, *self._arguments(node), imported=self._imported(node, text))
         return None
 
     def _made(self, node: ast.Call) -> Value:
@@ -269,6 +305,14 @@ def _dtype(node: ast.Call) -> Any:
     if set(named) != {"dtype"} or named["dtype"] not in kinds:
         raise refusal(node, "dtype=float, int, bool ou complex")
     return kinds[named["dtype"]]
+
+
+def _free_names(node: ast.expr) -> list[str]:
+    """Return the names that an expression reads, and does not bind itself."""
+    names = [each for each in ast.walk(node) if isinstance(each, ast.Name)]
+    bound = {each.arg for each in ast.walk(node) if isinstance(each, ast.arg)}
+    bound |= {name.id for name in names if isinstance(name.ctx, ast.Store)}
+    return list(dict.fromkeys(name.id for name in names if name.id not in bound))
 
 
 def _require_texts(node: ast.Call, kind: str, arguments: Sequence[Any], into: str) -> None:

@@ -8,6 +8,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from typing import Any, Literal
 
 import numpy as np
@@ -19,6 +20,7 @@ from graders.core.contract.verdict import MAX_POINTS
 from graders.core.declared.case_reading import parse_expected, parse_scenario
 from graders.core.declared.draws_reading import parse_draws
 from graders.core.declared.generators import Draws, Variables
+from graders.core.declared.imports import Imports, read_imports
 from graders.core.declared.malformed import MalformedDeclaration
 from graders.core.declared.rules import Rule
 from graders.core.declared.scenarios import PROGRAM, Scenario
@@ -47,9 +49,11 @@ class DrawnCases:
     call: str
     count: int
     functions: tuple[str, ...]
+    imports: Imports = field(default_factory=dict)
 
     def case(self, variables: Variables) -> DrawnCase:
-        return DrawnCase(variables, Scenario(parse_scenario(self.call, self.functions, variables=variables)))
+        read = parse_scenario(self.call, self.functions, variables=variables, imports=self.imports)
+        return DrawnCase(variables, Scenario(read))
 
     def draw(self, rng: np.random.Generator) -> Iterator[DrawnCase]:
         """Yield the cases of one grading."""
@@ -96,6 +100,11 @@ class Declaration:
     solution: str
     mistakes: tuple[DeclaredMistake, ...]
     data: Mapping[str, Any] = field(compare=False)
+
+    @cached_property
+    def imports(self) -> dict[str, tuple[str, str]]:
+        """The names that the solution imports: cases may use them."""
+        return read_imports(self.solution)
 
     @property
     def is_program(self) -> bool:
@@ -187,7 +196,8 @@ def read_declaration(data: Mapping[str, Any]) -> Declaration:
         if not functions or not all(FUNCTION.fullmatch(name) for name in functions):
             raise MalformedDeclaration("au moins une fonction, par son nom", "fonctions")
         solution = table.text("solution", longest=MAX_PROGRAM)
-        checks = tuple(_check(*entry, functions) for entry in table.tables("verifications", most=MAX_CHECKS))
+        imports = read_imports(solution)
+        checks = tuple(_check(*entry, functions, imports) for entry in table.tables("verifications", most=MAX_CHECKS))
         rules = (
             *_rules(table.texts("interdits", most=MAX_CASES), "interdits", required=False),
             *_rules(table.texts("demandes", most=MAX_CASES), "demandes", required=True),
@@ -201,7 +211,7 @@ def read_declaration(data: Mapping[str, Any]) -> Declaration:
     return Declaration(functions, checks, rules, solution, mistakes, dict(data))
 
 
-def _check(place: str, data: object, functions: tuple[str, ...]) -> DeclaredCheck:
+def _check(place: str, data: object, functions: tuple[str, ...], imports: Imports) -> DeclaredCheck:
     with _TableReader(data, place) as table:
         identity = _identity(table)
         lines, files = table.lines("entrees"), table.files("fichiers")
@@ -210,10 +220,10 @@ def _check(place: str, data: object, functions: tuple[str, ...]) -> DeclaredChec
         if len(expected) != len(written):
             raise MalformedDeclaration(f"{len(expected)} pour {len(written)} cas", f"{place}.attendus")
         cases = tuple(
-            Scenario(_read_case(text, functions, f"{place}.cas[{index}]"), lines, files)
+            Scenario(_read_case(text, functions, imports, f"{place}.cas[{index}]"), lines, files)
             for index, text in enumerate(written)
         )
-        drawn = _drawn(table, functions)
+        drawn = _drawn(table, functions, imports)
         prints = is_whole_program(functions) and all(case.ends_with_program for case in cases)
         watched = table.choice("regarder", _WATCHED, "affichage" if prints else "valeur")
         cases = tuple(
@@ -238,7 +248,7 @@ def _check(place: str, data: object, functions: tuple[str, ...]) -> DeclaredChec
         )
 
 
-def _drawn(table: _TableReader, functions: tuple[str, ...]) -> DrawnCases | None:
+def _drawn(table: _TableReader, functions: tuple[str, ...], imports: Imports) -> DrawnCases | None:
     text, call = table.text("tirages", ""), table.text("appel", "")
     conditions, count = table.texts("conditions", most=MAX_CASES), int(table.number("combien", DEFAULT_DRAWS))
     if not text and not call:
@@ -248,16 +258,16 @@ def _drawn(table: _TableReader, functions: tuple[str, ...]) -> DrawnCases | None
     if not 0 < count <= MAX_DRAWS:
         raise MalformedDeclaration(f"de 1 à {MAX_DRAWS}", table.at("combien"))
     try:
-        drawn = DrawnCases(parse_draws(text, conditions), call, count, functions)
+        drawn = DrawnCases(parse_draws(text, conditions), call, count, functions, imports)
         next(drawn.draw(np.random.default_rng(0)))
     except MalformedDeclaration as error:
         raise error.at(table.at("tirages")) from error
     return drawn
 
 
-def _read_case(text: str, functions: tuple[str, ...], place: str) -> Any:
+def _read_case(text: str, functions: tuple[str, ...], imports: Imports, place: str) -> Any:
     try:
-        return parse_scenario(text, functions)
+        return parse_scenario(text, functions, imports=imports)
     except MalformedDeclaration as error:
         raise error.at(place) from error
 

@@ -267,7 +267,7 @@ class DeclaredGrader:
             return None
         written = next((case for case in check.cases if case.exact_text() == result.case), None)
         try:
-            return written or Scenario(parse_scenario(result.case, self.functions))
+            return written or Scenario(parse_scenario(result.case, self.functions, imports=self.declaration.imports))
         except MalformedDeclaration:
             return None
 

@@ -7,7 +7,7 @@ data, as the author's cases are.
 from __future__ import annotations
 
 import time
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from contextlib import closing
 from dataclasses import dataclass
 
@@ -24,7 +24,7 @@ from graders.core.declared.grading import PROBE_SEED, DeclaredGrader
 from graders.core.declared.judging import Case, Failure, judge, observed
 from graders.core.declared.malformed import MalformedDeclaration
 from graders.core.declared.playing import Player
-from graders.core.declared.scenario_values import FunctionSource, value_text
+from graders.core.declared.scenario_values import FunctionSource, Reference, value_text
 from graders.core.declared.scenarios import Scenario, Statement
 
 #: Characters of the longest witness, cases of a check that are tried, and seconds of a search for a simpler one.
@@ -34,7 +34,7 @@ KINDS: tuple[tuple[type | tuple[type, ...], str], ...] = (
     (int, "un entier"),
     (float, "un nombre"),
     (str, "un texte, entre guillemets"),
-    (FunctionSource, "une fonction, comme lambda x: x + 1"),
+    ((FunctionSource, Reference), "une fonction, comme lambda x: x + 1"),
     (list, "une liste"),
     (tuple, "un n-uplet"),
     (dict, "un dictionnaire"),
@@ -65,6 +65,8 @@ def _is_of(value: Value, kind: type | tuple[type, ...]) -> bool:
 
 
 def _are_alike(value: Value, example: Value) -> bool:
+    if isinstance(example, FunctionSource | Reference):
+        return isinstance(value, FunctionSource | Reference)
     if isinstance(value, bool) or isinstance(example, bool) or not isinstance(example, int | float):
         return type(value) is type(example)
     return isinstance(value, int) or (isinstance(value, float) and isinstance(example, float))
@@ -91,17 +93,18 @@ class DeclaredHunt:
             text = typed.get(argument.name, "").strip()
             if not text:
                 raise InputFault(argument.name, f"Donnez aussi {argument.name} : {argument.words}.")
-            value = _read_value(argument.name, text, self.grader.functions)
+            value = _read_value(argument.name, text, self.grader)
             if not argument.accepts(value):
                 raise InputFault(argument.name, f"{argument.name} doit être {argument.words}.")
             values.append(value)
         return Case(Scenario((Statement("call", "", self.function, tuple(values)),)))
 
 
-def _read_value(name: str, text: str, functions: Sequence[str]) -> Value:
+def _read_value(name: str, text: str, grader: DeclaredGrader) -> Value:
     """Return one typed value, read as data. Raises InputFault."""
+    functions = grader.functions
     try:
-        (statement,) = parse_scenario(f"{functions[0]}({text}\n)", functions)
+        (statement,) = parse_scenario(f"{functions[0]}({text}\n)", functions, imports=grader.declaration.imports)
     except MalformedDeclaration as error:
         raise InputFault(name, f"{name} : {error.message}.") from error
     except ValueError as error:

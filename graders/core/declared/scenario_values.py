@@ -14,30 +14,44 @@ from graders.core.contract.values import Value
 
 @dataclass(frozen=True)
 class FunctionSource:
-    """A function given as an argument, by its source."""
+    """A function given as an argument, by its source.
+
+    `imports` are the names that it uses of modules, each with its module and attribute; `names` those of the case and
+    of the program.
+    """
 
     source: str
+    imports: tuple[tuple[str, str, str], ...] = ()
+    names: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
 class Reference:
-    """An earlier name of the case, or a function of the program."""
+    """An earlier name of the case, a function of the program, or what is `imported`: its module and attribute."""
 
     name: str
+    imported: tuple[str, str] | None = None
 
 
 @dataclass(frozen=True)
 class NestedCall:
-    """A call whose value is an argument, or on whose value a method is called: `base` is that value."""
+    """A call whose value is an argument, or on whose value a method is called: `base` is that value.
+
+    What is called is of the program, or `imported`: its module and attribute.
+    """
 
     callee: str
     arguments: tuple[Value, ...] = ()
     named: tuple[tuple[str, Value], ...] = ()
     base: Value = None
+    imported: tuple[str, str] | None = None
 
     @property
     def function(self) -> str:
-        """The first name of the program that is called."""
+        """The first name of the program that is called; empty where none is."""
+        if self.imported is not None:
+            inside = (*self.arguments, *(value for _, value in self.named))
+            return next((value.function for value in inside if isinstance(value, NestedCall) and value.function), "")
         return self.base.function if isinstance(self.base, NestedCall) else self.callee.partition(".")[0]
 
 
@@ -73,8 +87,8 @@ def encode_value(value: Value) -> Value:
     if isinstance(value, int | float | str | complex | None):
         return value.item() if isinstance(value, np.generic) else value
     encoders: tuple[tuple[Any, str, Callable[[Any], Value]], ...] = (
-        (FunctionSource, "f", lambda function: function.source),
-        (Reference, "r", lambda reference: reference.name),
+        (FunctionSource, "f", _encode_function),
+        (Reference, "r", lambda reference: list(reference.imported) if reference.imported else reference.name),
         (NestedCall, "c", _encode_call),
         (tuple, "t", lambda items: [encode_value(item) for item in items]),
         (set | frozenset, "s", lambda items: [encode_value(item) for item in sorted(items, key=repr)]),
@@ -92,10 +106,17 @@ def _encode_array(array: Value) -> Value:
     return array.dtype.str, array.shape, array.tobytes()
 
 
+def _encode_function(function: FunctionSource) -> Value:
+    if not (function.imports or function.names):
+        return function.source
+    return [function.source, [list(each) for each in function.imports], list(function.names)]
+
+
 def _encode_call(call: NestedCall) -> Value:
     named = [[name, encode_value(value)] for name, value in call.named]
     base = [encode_value(call.base)] if call.base is not None else []
-    return [call.callee, [encode_value(value) for value in call.arguments], named, base]
+    callee = list(call.imported) if call.imported else call.callee
+    return [callee, [encode_value(value) for value in call.arguments], named, base]
 
 
 def decode_values(answer: Value) -> Iterator[Value]:

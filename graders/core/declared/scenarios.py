@@ -57,7 +57,7 @@ class Statement:
         if self.kind in RUNS and self.callee != PRINT:
             return self.callee.partition(".")[0]
         inside = (self.value, *self.arguments)
-        return next((value.function for value in inside if isinstance(value, NestedCall)), "")
+        return next((value.function for value in inside if isinstance(value, NestedCall) and value.function), "")
 
     @property
     def typed(self) -> tuple[str, ...]:

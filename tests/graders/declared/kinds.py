@@ -192,6 +192,17 @@ KINDS = (
          "Pour dichotomie(lambda x: x * x - 2, 0, 2, 1e-06), on attend 1.41421"},
     ),
     Kind(
+        "imported names",
+        declare("appliquer double", "from math import *\nfrom functools import reduce as plier\nfrom fractions import Fraction\n"
+                "def appliquer(f, *x):\n    return f(*x)\ndef double(x):\n    return 2 * x\n",
+                "appliquer(cos, 0)", "appliquer(lambda x: cos(x) + np.sin(x) + double(x), 0)", "appliquer(np.floor, 2.5)",
+                "appliquer(plier, max, [3, 5, 4])", "appliquer(float, Fraction(1, 4))", "math.floor(appliquer(abs, -2.5))",
+                tirages="x = reel(0, 1)", appel="appliquer(lambda t: exp(-t), x)"),
+        ("def appliquer(f, *x):\n    if len(x) == 1:\n        return f(x[0])\n    return f(*x)\ndouble = lambda x: x + x\n",),
+        {"def appliquer(f, *x):\n    return x[0]\ndef double(x):\n    return 2 * x\n":
+         "Pour appliquer(cos, 0), on attend 1.0 et appliquer renvoie 0."},
+    ),
+    Kind(
         "unordered list",
         declare("diviseurs", "def diviseurs(n):\n    return [d for d in range(1, n + 1) if n % d == 0]\n", "diviseurs(6)",
                 ordre="non"),
