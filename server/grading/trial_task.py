@@ -84,17 +84,21 @@ class TrialTask:
             seeds=SEEDS if work.publishes else 0,
             with_changes=not work.is_first,
         )
-        faults = list(publication_faults(work.draft, completed, report)) if work.publishes else []
+        needed = SEEDS if work.publishes else 0
+        left = list(publication_faults(work.draft, completed, report, seeds=needed))
+        faults = left if work.publishes else []
+        holds = not (report.problem or report.solution) and all(case.agrees for case in report.cases)
+        goes_on = work.is_first and holds
         stored = {
             "digest": work.digest,
             "report": report.to_data(),
             "completed": asdict(completed),
             "faults": faults,
+            "left": None if goes_on else left,
             "published": work.publishes,
         }
         if not work.publishes or faults:
-            holds = not (report.problem or report.solution) and all(case.agrees for case in report.cases)
-            return TrialOutcome(completed, stored, goes_on=work.is_first and holds)
+            return TrialOutcome(completed, stored, goes_on=goes_on)
         fingerprints = trial.fingerprints(read_declaration(completed.declaration))
         return TrialOutcome(completed, stored, {key: list(answers) for key, answers in fingerprints.items()})
 

@@ -6,15 +6,17 @@ Nothing of the author's runs here; `ExerciseTrial` asks the sandbox what the sol
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 from typing import Any
 
 from graders.core.contract.verdict import MAX_POINTS
 from graders.core.declared import proposals
 from graders.core.declared.case_reading import parse_scenario
 from graders.core.declared.declaration import is_whole_program
+from graders.core.declared.imports import read_imports
 from graders.core.declared.malformed import MalformedDeclaration
+from graders.core.declared.proposals import ProposedDraws
 from graders.core.declared.scenarios import PROGRAM, Scenario
 from graders.core.declared.trial import ExerciseTrial
 from graders.core.declared.wording import describe_case
@@ -35,6 +37,8 @@ from server.studio.drafts import (
 DRAWN_TITLE = "D’autres entrées, tirées au hasard"
 #: The share of the points that proposed draws take from the examples.
 DRAWN_POINTS = 8.0
+#: Keys of a check that say how its answers are compared; drawn inputs that a proposal shows.
+SHARED_KEYS, SHOWN_DRAWS = ("tolerance", "absolue", "ordre", "types_stricts"), 3
 FILE_LINE = re.compile(r"^===[ \t]*(\S.*?)[ \t]*$", re.M)
 #: Examples that are added below a statement, and characters of what one of them gives.
 SHOWN_EXAMPLES = 3
@@ -46,7 +50,8 @@ NOT_A_WORD = re.compile(r"[^a-z0-9]+")
 class CompletedExercise:
     """A draft with its proposals: `declaration` is what the engine reads.
 
-    `draws` and `call` are proposed draws, empty where there are none.
+    `draws`, `call` and `conditions` are draws that are proposed, and not in the declaration; `drawn` are some of these
+    inputs, with the solution's answers. All are empty where nothing is proposed.
     """
 
     title: str
@@ -58,6 +63,8 @@ class CompletedExercise:
     declaration: dict[str, Any]
     draws: str = ""
     call: str = ""
+    conditions: tuple[str, ...] = ()
+    drawn: tuple[tuple[str, str], ...] = ()
 
 
 def complete_draft(draft: ExerciseDraft, trial: ExerciseTrial) -> CompletedExercise:
@@ -75,7 +82,7 @@ def complete_draft(draft: ExerciseDraft, trial: ExerciseTrial) -> CompletedExerc
         "erreurs": _mistakes(draft.mistakes),
         "verifications": checks,
     }
-    draws, call = _add_draws(declaration, draft, trial)
+    proposed, drawn = _propose_draws(declaration, draft, trial)
     _share_points(checks)
     answers = _answers(declaration, trial)
     _drop_empty_lists(checks)
@@ -88,8 +95,10 @@ def complete_draft(draft: ExerciseDraft, trial: ExerciseTrial) -> CompletedExerc
         signatures=proposals.propose_signatures(solution, functions),
         hints=tuple(_lines(hint).strip() for hint in draft.hints),
         declaration=declaration,
-        draws=draws,
-        call=call,
+        draws=proposed.draws,
+        call=proposed.call,
+        conditions=proposed.conditions,
+        drawn=tuple(drawn),
     )
 
 
@@ -148,24 +157,37 @@ def _mistakes(drafts: Sequence[MistakeDraft]) -> list[dict[str, str]]:
     ]
 
 
-def _add_draws(declaration: dict[str, Any], draft: ExerciseDraft, trial: ExerciseTrial) -> tuple[str, str]:
-    """Add a check of drawn inputs like the examples, where the author has written examples alone."""
-    checks, first = declaration["verifications"], draft.checks[0]
+def _propose_draws(
+    declaration: Mapping[str, Any], draft: ExerciseDraft, trial: ExerciseTrial
+) -> tuple[ProposedDraws, list[tuple[str, str]]]:
+    """Propose draws like the examples, where the author has written examples alone; return some of them, answered."""
+    (first, *others), check = draft.checks, declaration["verifications"][0]
     is_plain = not (first.draws.strip() or first.lines.strip() or first.files.strip()) and first.watched == "valeur"
-    if len(checks) != 1 or not is_plain:
-        return "", ""
-    draws, call = proposals.propose_draws(checks[0]["cas"], declaration["fonctions"])
-    if not draws:
-        return "", ""
-    shared = {key: checks[0][key] for key in ("tolerance", "absolue", "ordre", "types_stricts") if key in checks[0]}
-    drawn = {"id": "v2", "titre": DRAWN_TITLE, "tirages": draws, "appel": call, **shared}
-    if "points" in checks[0]:
-        return "", ""
-    probed = {**checks[0], "points": MAX_POINTS - DRAWN_POINTS}, {**drawn, "points": DRAWN_POINTS}
-    if not trial.draws_are_answered({**declaration, "verifications": list(probed)}):
-        return "", ""
-    checks.append(drawn)
-    return draws, call
+    if others or not is_plain or "points" in check:
+        return ProposedDraws(), []
+    imports = read_imports(declaration["solution"])
+    proposed = proposals.propose_draws(check["cas"], declaration["fonctions"], imports)
+    drawn = {
+        **{key: check[key] for key in SHARED_KEYS if key in check},
+        "id": "v2", "titre": DRAWN_TITLE, "tirages": proposed.draws, "appel": proposed.call,
+        "conditions": list(proposed.conditions), "points": DRAWN_POINTS,
+    }  # fmt: skip
+    checks = [{**check, "points": MAX_POINTS - DRAWN_POINTS}, drawn]
+    answered = trial.answer_draws({**declaration, "verifications": checks}) if proposed.draws else []
+    return (proposed, answered[:SHOWN_DRAWS]) if answered else (ProposedDraws(), [])
+
+
+def add_draws(draft: ExerciseDraft, completed: Mapping[str, Any]) -> ExerciseDraft:
+    """Return the draft with a check of the draws that were proposed, compared as the examples are."""
+    if not completed.get("draws"):
+        return draft
+    first = draft.checks[0]
+    drawn = CheckDraft(
+        title=DRAWN_TITLE, draws=completed["draws"], call=completed["call"], points=f"{DRAWN_POINTS:g}",
+        conditions="\n".join(completed.get("conditions", ())), tolerance=first.tolerance, absolute=first.absolute,
+        order=first.order, strict=first.strict,
+    )  # fmt: skip
+    return replace(draft, checks=(*draft.checks, drawn))
 
 
 def _share_points(checks: list[dict[str, Any]]) -> None:
@@ -176,8 +198,6 @@ def _share_points(checks: list[dict[str, Any]]) -> None:
     for rank, check in enumerate(free):
         is_last = rank == len(free) - 1
         share = left if is_last else round(left / (len(free) - rank), 1)
-        if len(checks) == 2 and len(free) == 2 and not is_last:
-            share = MAX_POINTS - DRAWN_POINTS
         check["points"] = share
         left = round(left - share, 9)
 

@@ -39,19 +39,24 @@ def version_digest(declaration: Mapping[str, Any]) -> str:
     return hashlib.sha256(text.encode("utf-8", "replace")).hexdigest()[:16]
 
 
-def publication_faults(draft: ExerciseDraft, completed: CompletedExercise, report: TrialReport) -> Iterator[str]:
-    """Yield why a draft may not be published: what is wrong, where, and what to do."""
+def publication_faults(
+    draft: ExerciseDraft, completed: CompletedExercise, report: TrialReport, *, seeds: int = SEEDS
+) -> Iterator[str]:
+    """Yield why a draft may not be published: what is wrong, where, and what to do.
+
+    `seeds` is the number of seeds on which the solution must have been graded.
+    """
     if not draft.title.strip():
         yield "Donnez un titre à l’exercice."
     if not draft.statement.strip():
         yield "Écrivez l’énoncé."
     if report.problem or report.solution or not all(case.agrees for case in report.cases):
-        yield "La solution ne répond pas encore comme les exemples le disent : voyez plus haut."
+        yield "La solution ne répond pas encore comme les exemples le disent : voyez ce qui est marqué ✗."
         return
     if report.starter:
         yield f"{report.starter} Videz le corps des fonctions du fichier de départ."
-    if report.seeds < SEEDS:
-        yield f"La solution n’a été notée que sur {report.seeds} tirages ; il en faut {SEEDS}."
+    if report.seeds < seeds:
+        yield f"La solution n’a été notée que sur {report.seeds} tirages ; il en faut {seeds}."
     titles = {each["id"]: each for each in completed.declaration["erreurs"]}
     for tried in report.mistakes:
         title = titles[tried.id]["titre"] or "sans titre"
@@ -63,23 +68,24 @@ def publication_faults(draft: ExerciseDraft, completed: CompletedExercise, repor
             yield f"Dites en mots l’erreur « {title} » : un titre et une explication."
     alive = [change for change in report.survivors if not draft.reasons.get(program_digest(change.program), "").strip()]
     if len(alive) > MAX_ALIVE * len(report.changes):
+        have, they = ("modification", "a") if len(alive) == 1 else ("modifications", "ont")
         yield (
-            f"{len(alive)} changements de la solution, sur {len(report.changes)}, ont encore tous les points : ajoutez "
-            "les cas proposés, ou dites pourquoi ils sont justes aussi."
+            f"{len(alive)} {have} de la solution, sur {len(report.changes)}, {they} encore tous les points : ajoutez "
+            "les cas proposés, ou dites pourquoi la réponse est juste aussi."
         )
     if report.changes and 2 * sum(bool(change.refusal) for change in report.changes) < len(report.changes):
         yield (
-            "Les exemples ne montrent pas ce que fait la solution : plus de la moitié de ses changements passent. "
+            "Les exemples ne montrent pas ce que fait la solution : plus de la moitié de ses modifications passent. "
             "Ajoutez des exemples plus variés."
         )
     if not report.is_whole:
-        yield "L’essai a pris trop de temps et n’a pas tout vu : donnez des entrées plus petites."
+        yield "L’essai a pris trop de temps et n’a pas tout essayé : donnez des entrées plus petites."
 
 
 def _case_to_add(tried: TriedMistake, where: str) -> str:
     """Return what an author is to do about a mistake that no case shows."""
     if tried.case:
-        return f"ajoutez le cas `{tried.case}`, {where} (« Ajouter ces cas » le fait)."
+        return f"ajoutez le cas `{tried.case}`, {where} (cochez-le plus bas)."
     return f"ajoutez un cas {where}."
 
 

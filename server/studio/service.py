@@ -6,7 +6,7 @@ the queue: here it is text.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 from uuid import UUID
@@ -57,6 +57,28 @@ TOO_FAST = "Vous enregistrez très souvent : le prochain est possible dans {seco
 TOO_MANY_CODES = "Trop de codes inconnus de suite : réessayez dans {seconds} s."
 CODE_TOO_LONG = "Ce programme a {length} caractères ; {most} au plus."
 NOT_TRIED = "Cet exercice n’a pas encore été essayé : enregistrez-le, puis reprenez l’archive."
+NOTHING_PICKED = "Cochez au moins une des propositions de l’essai : il a pu changer depuis que vous l’avez lu."
+#: What a proposed mistake is called, by the kind of the change: nothing of the solution.
+MISTAKE_TITLES = {
+    "comparaison": "Une comparaison est fausse",
+    "opérateur": "Une opération est fausse",
+    "terme oublié": "Un terme est oublié",
+    "constante": "Une constante est fausse",
+    "indice décalé": "Un indice est décalé",
+    "intervalle décalé": "Un intervalle est décalé",
+    "borne oubliée": "Une borne est oubliée",
+    "condition": "Une condition est fausse",
+    "condition oubliée": "Une condition est oubliée",
+    "et, ou": "Une condition est fausse",
+    "branche": "Un cas est traité comme un autre",
+    "affectation": "Une affectation est fausse",
+    "fonction voisine": "Une autre fonction est appelée",
+    "argument oublié": "Un argument est oublié",
+    "opérandes échangés": "Deux termes sont échangés",
+    "signe ou négation oubliés": "Un signe est oublié",
+    "variable": "Une variable est prise pour une autre",
+    "bout de la liste": "Le mauvais bout de la liste",
+}
 PUBLISHED = "Cet exercice est publié : des élèves l’ont peut-être fait. Il ne se supprime plus."
 
 
@@ -203,17 +225,17 @@ def find_lent(db: Session, exercise_id: str) -> AuthoredExercise:
     return found
 
 
-def search_bank(exercises: Sequence[AuthoredExercise], query: str) -> Sequence[AuthoredExercise]:
-    """Return the exercises whose title, level, themes or mistakes hold every word of a query."""
+def search_exercises(exercises: Sequence[AuthoredExercise], query: str) -> Sequence[AuthoredExercise]:
+    """Return the exercises whose title, summary, level, themes or mistakes hold every word of a query."""
     words = unaccented(query).split()
 
     def has_all(text: str) -> bool:
         return all(word in text for word in words)
 
-    return [exercise for exercise in exercises if has_all(_bank_text(exercise))]
+    return [exercise for exercise in exercises if has_all(_searched_text(exercise))]
 
 
-def _bank_text(exercise: AuthoredExercise) -> str:
+def _searched_text(exercise: AuthoredExercise) -> str:
     draft = read_draft(exercise)
     parts = [draft.title, draft.summary, draft.level, draft.themes, *(mistake.title for mistake in draft.mistakes)]
     return unaccented(" ".join(parts))
@@ -227,22 +249,53 @@ def archived_content(exercise: AuthoredExercise) -> tuple[str, Mapping[str, Any]
     return exercise.slug or "exercice", completed
 
 
-def add_mistake(draft: ExerciseDraft, change: TriedChange) -> ExerciseDraft:
-    """Return the draft with one more mistake: the solution so changed, with a title to reword."""
-    title = f"`{change.after or 'rien'}` au lieu de `{change.before or 'rien'}`".replace("\n", " ")[:120]
-    return replace(draft, mistakes=(*draft.mistakes, MistakeDraft(title=title, program=change.program)))
+def add_mistakes(draft: ExerciseDraft, changes: Sequence[TriedChange]) -> ExerciseDraft:
+    """Return the draft with more mistakes: the solution so changed, with titles to reword, which give nothing away."""
+    mistakes = list(draft.mistakes)
+    for change in changes:
+        words = MISTAKE_TITLES.get(change.operator, "Une étape est fausse, ou manque")
+        titles = {mistake.title for mistake in mistakes}
+        numbered = (f"{words} ({number})" for number in range(2, MAX_MISTAKES + 2))
+        title = next(title for title in (words, *numbered) if title not in titles)
+        mistakes.append(MistakeDraft(title=title, program=change.program))
+    return replace(draft, mistakes=tuple(mistakes))
 
 
-def add_cases(draft: ExerciseDraft, report: TrialReport) -> ExerciseDraft:
-    """Return the draft with the inputs that show what no case refuses, in their checks: mistakes, and survivors."""
+def add_cases(draft: ExerciseDraft, report: TrialReport, picked: Collection[str]) -> ExerciseDraft:
+    """Return the draft with those picked of the inputs that show what no case refuses: mistakes, and survivors.
+
+    Raises Invalid where none is picked.
+    """
     checks = list(draft.checks)
     shown: tuple[TriedMistake | TriedChange, ...] = (*report.mistakes, *report.survivors)
-    for change in shown:
+    chosen = [each for each in shown if each.case and each.case in picked]
+    if not chosen:
+        raise Invalid(NOTHING_PICKED)
+    for change in chosen:
         at = change.check if change.check < len(checks) else 0
         known = {case.call.strip() for case in checks[at].cases}
-        if change.case and change.case not in known and len(checks[at].cases) < MAX_CASES:
+        if change.case not in known and len(checks[at].cases) < MAX_CASES:
             checks[at] = replace(checks[at], cases=(*checks[at].written, CaseDraft(change.case)))
     return replace(draft, checks=tuple(checks))
+
+
+def expect_exception(draft: ExerciseDraft, report: TrialReport, check: int, case: int) -> ExerciseDraft:
+    """Return the draft in which the exception that the solution raised in a case is what the case must give."""
+    tried = next((each for each in report.cases if (each.check, each.case) == (check, case) and each.raised), None)
+    checks = list(draft.checks)
+    if tried is None or check >= len(checks) or case >= len(checks[check].written):
+        return draft
+    cases = list(checks[check].written)
+    cases[case] = replace(cases[case], expected=tried.raised)
+    checks[check] = replace(checks[check], cases=tuple(cases))
+    return replace(draft, checks=tuple(checks))
+
+
+def remove_part(draft: ExerciseDraft, part: str, at: int) -> ExerciseDraft:
+    """Return the draft without one of its `part`s, "checks" or "mistakes"; the first check stays."""
+    if part == "mistakes":
+        return replace(draft, mistakes=(*draft.mistakes[:at], *draft.mistakes[at + 1 :]))
+    return replace(draft, checks=(*draft.checks[:at], *draft.checks[at + 1 :])) if at else draft
 
 
 def list_own_of_module(db: Session, account: Account | None, module: str) -> Sequence[str]:

@@ -3,13 +3,20 @@
 from __future__ import annotations
 
 import re
+from html import unescape
 
 import pytest
 
+from server.studio.drafts import ExerciseDraft
 from server.studio.models import AuthoredExercise
 from server.studio.service import find_own, read_draft
 
 from .conftest import FORM, MISTAKE, SOLUTION, Studio
+
+#: The calls of a function of one number, whose results are the solution's.
+PLAIN = {
+    "v-0-c-0-appel": "f(1)", "v-0-c-0-attendu": "", "v-0-c-1-appel": "f(2)", "v-0-c-1-attendu": "", "v-0-c-2-appel": "",
+}  # fmt: skip
 
 
 def test_a_draft_is_tried_as_it_is_saved(studio: Studio) -> None:
@@ -20,7 +27,7 @@ def test_a_draft_is_tried_as_it_is_saved(studio: Studio) -> None:
     studio.work()
     told = studio.report(path)
     assert "compter_mots(&#34;le chat&#34;) → {&#39;le&#39;: 1, &#39;chat&#39;: 1}" in re.sub(r" +", " ", told)
-    assert "0 accepté à tort" in told
+    assert "0 acceptée à tort" in told
     assert "x1 = texte(&#39; abcehlt&#39;, 0, 8)" in told
     page = studio.browser.get(path).text
     assert SOLUTION.replace('"', "&#34;") in page
@@ -52,20 +59,122 @@ def test_what_a_trial_proposes_is_taken_up(studio: Studio) -> None:
     path = studio.create()
     studio.save(path, **{"v-0-c-1-appel": 'compter_mots("a b")', "v-0-c-1-attendu": "", "v-0-c-2-appel": ""})
     told = studio.report(path)
-    assert "Ajouter ces cas" in told
+    assert "Ajouter les cas cochés" in told
     typed = {name: value for name, value in FORM.items() if not name.startswith(("v-0-c-1", "v-0-c-2"))}
     typed |= {"v-0-c-1-appel": 'compter_mots("a b")'}
-    studio.browser.post(path, data={**typed, "action": "cas"})
+    assert "Cochez au moins une" in studio.browser.post(path, data={**typed, "action": "cas"}).text
+    picked = re.findall(r'name="cas" value="([^"]+)"', studio.browser.get(path).text)
+    assert picked
+    studio.browser.post(path, data={**typed, "action": "cas", "cas": [unescape(case) for case in picked]})
     studio.work()
     assert len(read_draft(studio.stored(path)).checks[0].cases) > 2
-    assert "0 accepté à tort" in studio.report(path)
-    number = re.search(r'value="erreur:(\d+)"', studio.browser.get(path).text)
-    assert number is not None
-    assert studio.browser.post(path, data={**FORM, "action": f"erreur:{number[1]}"}).status_code == 303
-    (mistake,) = read_draft(studio.stored(path)).mistakes
-    assert mistake.program != SOLUTION
-    assert "au lieu de" in mistake.title
-    assert studio.browser.post(path, data={**FORM, "action": "erreur:999"}).status_code == 404
+    assert "0 acceptée à tort" in studio.report(path)
+    offered = re.findall(r'name="erreur" value="(\w+)"', studio.browser.get(path).text)
+    answer = studio.browser.post(path, data={**typed, "action": "erreurs", "erreur": offered[:2]})
+    assert answer.status_code == 303
+    mistakes = read_draft(studio.stored(path)).mistakes
+    assert len(mistakes) == 2
+    assert len({mistake.title for mistake in mistakes}) == 2
+    assert all(mistake.program != SOLUTION and "`" not in mistake.title for mistake in mistakes)
+    assert studio.browser.post(path, data={**FORM, "action": "erreurs", "erreur": "0" * 12}).status_code == 422
+    assert studio.browser.post(path, data={**FORM, "action": "erreur:1"}).status_code == 404
+
+
+def test_an_exception_that_nobody_expects_is_a_fault_of_the_solution(studio: Studio) -> None:
+    """An exception of the solution is the answer only once its author says so; one of a typing mistake never is."""
+    path = studio.create()
+    divides = {**PLAIN, "solution": "def f(x):\n    return 6 / x\n", "v-0-c-2-appel": "f(0)"}
+    studio.save(path, **divides, action="publier")
+    assert "Un diviseur est nul" in studio.report(path)
+    assert "Attendre ZeroDivisionError" in studio.report(path)
+    assert studio.stored(path).number == 0
+    studio.save(path, **divides, action="attendre:0:2")
+    assert read_draft(studio.stored(path)).checks[0].cases[2].expected == "ZeroDivisionError"
+    assert "Exemples ✓" in studio.report(path)
+    studio.save(path, **{**PLAIN, "solution": "def f(x):\n    return y / x\n"})
+    assert "n’est défini nulle part" in studio.report(path)
+    assert "Attendre" not in studio.report(path)
+
+
+def test_draws_are_proposed_and_never_join_unasked(studio: Studio) -> None:
+    path = studio.create()
+    form = {**PLAIN, "solution": "def f(a, b):\n    return b - a\n"}
+    form |= {"v-0-c-0-appel": "f(1, 2)", "v-0-c-1-appel": "f(0, 7)"}
+    studio.save(path, **form)
+    report, trial = studio.report(path), studio.stored(path).trial
+    assert trial is not None
+    assert "Ajouter ces tirages" in report
+    assert "avec x1 &lt; x2" in report
+    assert len(trial["completed"]["declaration"]["verifications"]) == 1
+    assert re.search(r"f\(-?\d, \d\) → \d", report), "some of the inputs are seen, with the solution's answers"
+    studio.save(path, **form, action="tirages")
+    drawn = read_draft(studio.stored(path)).checks[1]
+    assert (drawn.call, drawn.conditions, drawn.points) == ("f(x1, x2)", "x1 < x2", "8")
+    page = studio.browser.get(path).text
+    assert "Retirer cette vérification" in page
+    assert "Ajouter ces tirages" not in studio.report(path)
+    fields = {"v-1-tirages": drawn.draws, "v-1-appel": drawn.call, "v-1-points": "8"}
+    studio.save(path, **form, **fields, action="retirer-verification:1")
+    assert len(read_draft(studio.stored(path)).checks) == 1
+
+
+def test_a_proposed_case_tells_what_the_examples_have_and_it_has_not(studio: Studio) -> None:
+    path = studio.create()
+    form = {**PLAIN, "solution": "def f(a, b):\n    return max(a, b) - a\n"}
+    studio.save(path, **{**form, "v-0-c-0-appel": "f(1, 2)", "v-0-c-1-appel": "f(0, 7)"})
+    assert "Dans vos exemples, a est toujours inférieur à b" in studio.report(path)
+
+
+@pytest.mark.parametrize(("call", "expected"), [("f(2)", "3,5"), ("f(1,5)", "")])
+def test_a_decimal_comma_is_advised(studio: Studio, call: str, expected: str) -> None:
+    path = studio.create()
+    form = {**PLAIN, "solution": "def f(x):\n    return x + 1.5\n", "v-0-c-0-appel": call, "v-0-c-0-attendu": expected}
+    studio.save(path, **form)
+    assert "un nombre décimal s’écrit avec un point" in studio.report(path)
+
+
+def test_what_is_left_before_publication_is_listed(studio: Studio) -> None:
+    path = studio.create()
+    studio.save(path, **{**MISTAKE, "e-0-explication": "", "titre": "", "v-0-c-1-attendu": "{}"})
+    report = studio.report(path)
+    assert "Avant de publier, il reste à faire : Donnez un titre" in report
+    assert "Votre erreur connue sera essayée quand tous les exemples seront justes" in report
+    studio.save(path, **MISTAKE)
+    assert "Prêt à publier" in studio.report(path)
+
+
+def test_the_tolerance_is_said_beside_decimal_answers_and_changed_there(studio: Studio) -> None:
+    path = studio.create()
+    form = {**PLAIN, "solution": "def f(x):\n    return x / 3\n"}
+    studio.save(path, **form)
+    assert re.search(r'name="ecart-0" value="" placeholder="1e-9"', studio.browser.get(path).text)
+    studio.save(path, **form, **{"ecart-0": "1e-6"})
+    assert read_draft(studio.stored(path)).checks[0].tolerance == "1e-6"
+    studio.save(path, **form, **{"ecart-0": "1e-6", "v-0-tolerance": "1e-4"})
+    assert read_draft(studio.stored(path)).checks[0].tolerance == "1e-4", "the other field is changed"
+    page = studio.browser.get(path).text
+    assert "écart permis : 1e-4" in page, "the fold says what it holds"
+    studio.save(path, **{**form, "solution": "def f(x):\n    return x\n"})
+    assert "ecart-0" not in studio.browser.get(path).text
+
+
+def test_a_long_list_of_exercises_is_searched_and_paged(studio: Studio) -> None:
+    with studio.site.database.write() as db:
+        for number in range(40):
+            draft = ExerciseDraft(title=f"Tri {number:02d}", themes="tableaux" if number % 2 else "récursivité")
+            db.add(
+                AuthoredExercise(author_id=studio.teacher.id, module="l20", draft=draft.to_data(), digest=draft.digest)
+            )
+    first = studio.browser.get("/mes-exercices").text
+    second = studio.browser.get("/mes-exercices", params={"page": 2}).text
+    titles = [re.findall(r">(Tri \d\d)<", page) for page in (first, second)]
+    assert [len(page) for page in titles] == [30, 10]
+    assert len({*titles[0], *titles[1]}) == 40
+    assert "page=2" in first
+    found = studio.browser.get("/mes-exercices", params={"q": "recursivite tri"}).text
+    assert len(re.findall(r">Tri \d\d<", found)) == 20
+    assert "20 exercices sur 40" in found.replace("\u202f", " ").replace("\xa0", " ")
+    assert "ne contient tous ces mots" in studio.browser.get("/mes-exercices", params={"q": "piles"}).text
 
 
 def test_what_was_saved_meanwhile_is_not_overwritten(studio: Studio) -> None:

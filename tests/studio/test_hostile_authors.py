@@ -62,7 +62,7 @@ def test_a_hostile_solution_harms_nobody(studio: Studio, name: str) -> None:
     if name in AGAINST_PROCESSES:
         after = studio.create()
         studio.save(after)
-        assert "0 accepté à tort" in studio.report(after)
+        assert "0 acceptée à tort" in studio.report(after)
 
 
 @pytest.mark.parametrize(

@@ -31,7 +31,7 @@ from graders.core.declared.figure_data import describe_figure
 from graders.core.declared.judging import Case, Failure, expected_is_given, fails_alike, is_answered, judge, observed
 from graders.core.declared.malformed import MalformedDeclaration
 from graders.core.declared.playing import Played, Player
-from graders.core.declared.probe_answers import probe_answer
+from graders.core.declared.probe_answers import find_mistake, probe_answer
 from graders.core.declared.scenario_values import Reference
 from graders.core.declared.scenarios import Scenario
 from graders.core.declared.wording import describe_case, failed_finding, fault_finding, slip_diagnosis
@@ -309,10 +309,10 @@ class DeclaredGrader:
         return self._made["mistakes"]
 
     def _named(self, findings: Sequence[Finding], student: Player, programs: Programs) -> Diagnosis | None:
-        """Return the known mistake that answers every probe as the student's file does."""
+        """Return the known mistake that answers every probe as the student's file does, within the tolerances."""
         answers = tuple(map(probe_answer, student.play_again(self.probes())))
-        known = self._known_fingerprints(programs)
-        mistake = next((each for each in self.declaration.mistakes if known.get(each.id) == answers), None)
+        known, checks = self._known_fingerprints(programs), [check for check, _ in self.probe_cases()]
+        mistake = find_mistake(self.declaration.mistakes, known, answers, checks)
         if mistake is None:
             return None
         explains = tuple(finding.result.id for finding in findings if not finding.passed)

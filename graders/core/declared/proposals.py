@@ -9,7 +9,7 @@ import ast
 import itertools
 import re
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -18,6 +18,8 @@ from graders.core.compare.python_values import python_text
 from graders.core.contract.values import Value
 from graders.core.declared.case_reading import parse_scenario
 from graders.core.declared.declaration import is_whole_program
+from graders.core.declared.doubts import ordered_pairs
+from graders.core.declared.imports import Imports
 from graders.core.declared.malformed import MalformedDeclaration
 from graders.core.declared.scenario_values import FunctionSource, Reference
 from graders.core.declared.scenarios import PROGRAM, Statement
@@ -89,20 +91,30 @@ def _header(node: ast.AST, indent: str) -> Iterator[str]:
             yield f"{indent}    pass"
 
 
-def propose_draws(cases: Sequence[str], functions: Sequence[str]) -> tuple[str, str]:
-    """Return « tirages » and « appel » for inputs like those of the examples; empty where they are of no one kind.
+@dataclass(frozen=True)
+class ProposedDraws:
+    """« tirages », « appel » and « conditions » of a check; empty where inputs like the examples are of no one kind."""
 
-    Bounds are those of the examples, so that no input is drawn which the statement may not allow.
+    draws: str = ""
+    call: str = ""
+    conditions: tuple[str, ...] = ()
+
+
+def propose_draws(cases: Sequence[str], functions: Sequence[str], imports: Imports) -> ProposedDraws:
+    """Return how to draw inputs like those of the examples.
+
+    Bounds are those of the examples, and numbers that are in one order there are drawn in it, so that few inputs are
+    drawn which the statement may not allow.
     """
     try:
-        statements = [parse_scenario(case, functions) for case in cases]
+        statements = [parse_scenario(case, functions, imports=imports) for case in cases]
     except MalformedDeclaration:
-        return "", ""
+        return ProposedDraws()
     calls = [_with_numbers(each[0]) for each in statements if len(each) == 1 and each[0].callee and not each[0].named]
     alike = [call for call in calls if calls and call.callee == calls[0].callee]
     widths = {len(call.arguments) for call in alike}
     if len(alike) < 2 or len(widths) != 1 or "." in alike[0].callee:
-        return "", ""
+        return ProposedDraws()
     return _draws_of_calls(alike)
 
 
@@ -114,20 +126,24 @@ def _with_numbers(call: Statement) -> Statement:
     return replace(call, arguments=tuple(lines))
 
 
-def _draws_of_calls(calls: Sequence[Statement]) -> tuple[str, str]:
+def _draws_of_calls(calls: Sequence[Statement]) -> ProposedDraws:
     draws, arguments = [], []
-    for position, values in enumerate(zip(*(call.arguments for call in calls), strict=True)):
+    columns = list(zip(*(call.arguments for call in calls), strict=True))
+    for position, values in enumerate(columns):
         texts = {_constant(value) for value in values}
         if len(texts) == 1 and "" not in texts:
             arguments.append(texts.pop())
             continue
         generator = _generator(values)
         if not generator:
-            return "", ""
+            return ProposedDraws()
         name = f"x{position + 1}"
         draws.append(f"{name} = {generator}")
         arguments.append(name)
-    return ("; ".join(draws), f"{calls[0].callee}({', '.join(arguments)})") if draws else ("", "")
+    if not draws:
+        return ProposedDraws()
+    conditions = tuple(f"x{first + 1} < x{second + 1}" for first, second in ordered_pairs(columns))
+    return ProposedDraws("; ".join(draws), f"{calls[0].callee}({', '.join(arguments)})", conditions)
 
 
 def _constant(value: Value) -> str:

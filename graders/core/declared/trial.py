@@ -9,7 +9,7 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import closing
-from dataclasses import asdict
+from dataclasses import replace
 from functools import cached_property
 from typing import Any
 
@@ -20,6 +20,7 @@ from graders.core.contract.program import KitSettings, Programs, StudentFault
 from graders.core.contract.values import Value
 from graders.core.contract.verdict import MAX_POINTS
 from graders.core.declared.declaration import Declaration, DeclaredCheck, read_declaration
+from graders.core.declared.doubts import find_doubt
 from graders.core.declared.grading import DeclaredGrader, Fingerprint, SolutionFault
 from graders.core.declared.judging import Case, expected_is_given, is_answered, judge, observed
 from graders.core.declared.malformed import MalformedDeclaration
@@ -107,15 +108,23 @@ class ExerciseTrial:
             return None
         return [[case.given for case in cases if case.check == at] for at in range(len(declaration.checks))]
 
-    def draws_are_answered(self, data: Mapping[str, Any]) -> bool:
-        """Whether the solution gives a value, and no exception, to the inputs that a declaration draws."""
+    def answer_draws(self, data: Mapping[str, Any]) -> list[tuple[str, str]]:
+        """Return the inputs that a declaration draws, with what the solution gives; none where it fails in one."""
         try:
             grader = DeclaredGrader(self._exercise, read_declaration(data))
         except MalformedDeclaration:
-            return False
-        cases = [case for check in grader.declaration.checks for case in grader.cases(check, TRIAL_SEED)]
-        drawn = [case.scenario for case in cases if case.drawn is not None]
-        return all(played.fault is None and played.raised is None for played in self._play(grader, drawn))
+            return []
+        checks = grader.declaration.checks
+        drawn = [
+            (check, case) for check in checks for case in grader.cases(check, TRIAL_SEED) if case.drawn is not None
+        ]
+        played = self._play(grader, [case.scenario for _, case in drawn])
+        if any(each.fault is not None or each.raised is not None for each in played):
+            return []
+        return [
+            (case.scenario.text(), _answer_text(check, case.scenario, got))
+            for (check, case), got in zip(drawn, played, strict=True)
+        ]
 
     def _play(self, grader: DeclaredGrader, scenarios: Sequence[Scenario]) -> list[Played]:
         """Return what the solution does."""
@@ -186,62 +195,61 @@ class ExerciseTrial:
 
     def _find_case(
         self, grader: DeclaredGrader, program: str, inputs: _TriedInputs, *, unlike: str = ""
-    ) -> tuple[str, int]:
-        """Return an input to which a program answers otherwise than the solution, or than another program, and its
-        check; empty where none was found."""
+    ) -> tuple[str, int, str, str]:
+        """Return an input to which a program answers otherwise than the solution, or than another program, its check,
+        the solution's answer and why the statement may exclude it; empty where none was found."""
         scenarios = [case.scenario for _, case, _ in inputs.near]
         played = self.play_briefly(grader, program, scenarios)
         others = self.play_briefly(grader, unlike, scenarios) if unlike else played
         for (at, case, right), got, other in zip(inputs.near, played, others, strict=True):
             wrong = judge(grader.declaration.checks[at], case, right, got) is not None
             if wrong and (not unlike or probe_answer(got) != probe_answer(other)):
-                return case.scenario.exact_text() or "", at
-        return "", 0
+                return inputs.describe(at, case, right)
+        return "", 0, "", ""
 
     def _try_changes(self, grader: DeclaredGrader, until: float, inputs: _TriedInputs) -> Iterator[TriedChange]:
         """Yield the changes of the solution that were tried in time."""
         for alteration in sample_alterations(grader.solution, MAX_CHANGES):
             if self._clock() > until:
                 return
-            yield self._try_change(grader, alteration, inputs.known, inputs.near)
+            yield self._try_change(grader, alteration, inputs)
 
     def _try_change(
         self,
         grader: DeclaredGrader,
         alteration: Alteration,
-        known: Sequence[tuple[int, Case, Played]],
-        near: Sequence[tuple[int, Case, Played]],
+        inputs: _TriedInputs,
     ) -> TriedChange:
-        change = TriedChange(
-            alteration.line, "\n".join(alteration.removed), "\n".join(alteration.added), alteration.altered
-        )
+        removed, added = "\n".join(alteration.removed), "\n".join(alteration.added)
+        change = TriedChange(alteration.line, removed, added, alteration.altered, operator=alteration.operator)
         checks = grader.declaration.checks
         player = self._player(grader, alteration.altered, briefly=True)
         try:
-            for is_known, trios in ((True, known), (False, near)):
+            for is_known, trios in ((True, inputs.known), (False, inputs.near)):
                 played = player.play([case.scenario for _, case, _ in trios])
                 judged = (
-                    (at, judge(checks[at], case, right, got))
+                    (at, right, judge(checks[at], case, right, got))
                     for (at, case, right), got in zip(trios, played, strict=True)
                 )
-                at, failure = next(((at, found) for at, found in judged if found is not None), (0, None))
-                if failure is None:
+                found = next(((at, right, failure) for at, right, failure in judged if failure is not None), None)
+                if found is None:
                     continue
+                at, right, failure = found
                 if not is_known:
-                    return TriedChange(
-                        **{**asdict(change), "case": failure.case.scenario.exact_text() or "", "check": at}
-                    )
+                    case, _, answer, doubt = inputs.describe(at, failure.case, right)
+                    return replace(change, case=case, check=at, answer=answer, doubt=doubt)
                 words = grader.describe_failure(checks[at], failure).result.message
-                return TriedChange(**{**asdict(change), "refusal": words[:MAX_MESSAGE], "check": at})
+                return replace(change, refusal=words[:MAX_MESSAGE], check=at)
         finally:
             player.close()
-        return TriedChange(**{**asdict(change), "unseen": True})
+        return replace(change, unseen=True)
 
 
 class _TriedInputs:
     """The inputs on which changed programs are tried, with what the solution does: made at the first need.
 
-    `known` are the cases of the checks, `near` others beside them, which the solution answers.
+    `known` are the cases of the checks, `near` others beside them, which the solution answers: first those that have
+    all that the examples have.
     """
 
     def __init__(self, trial: ExerciseTrial, grader: DeclaredGrader) -> None:
@@ -262,16 +270,36 @@ class _TriedInputs:
         nearby = [(at, scenario) for at, check in checks for scenario in vary_cases(check)]
         played = self._trial.play_briefly(grader, grader.solution, [scenario for _, scenario in nearby])
         answered = zip(nearby, played, strict=True)
-        return [(at, Case(scenario), got) for (at, scenario), got in answered if got.fault is None and not got.raised]
+        near = [(at, Case(scenario), got) for (at, scenario), got in answered if got.fault is None and not got.raised]
+        return sorted(near, key=lambda trio: bool(self._doubt(trio[0], trio[1].scenario)))
+
+    def describe(self, at: int, case: Case, right: Played) -> tuple[str, int, str, str]:
+        """Return a proposed case: its text, its check, the solution's answer, why the statement may exclude it."""
+        check, scenario = self._grader.declaration.checks[at], case.scenario
+        answer = _answer_text(check, scenario, right)
+        return scenario.exact_text() or "", at, answer, self._doubt(at, scenario)
+
+    def _doubt(self, at: int, scenario: Scenario) -> str:
+        examples = [case for check in self._grader.declaration.checks for case in check.cases]
+        return find_doubt(scenario, examples, self._grader.parameters.get(scenario.statements[0].callee, ()))
 
 
 def _tried_case(check: DeclaredCheck, at: int, number: int, case: Scenario, got: Played) -> TriedCase:
     if not is_answered(got):
         return TriedCase(at, number, "", agrees=False, fault=_message(got.fault) if got.fault else "")
+    if got.fault is not None and not case.expected:
+        return TriedCase(at, number, "", agrees=False, fault=_message(got.fault), raised=got.fault.exception or "")
     given: Value = observed(check, got, len(case.statements) - 1)
     as_expected = not case.expected or expected_is_given(check, case.expected[0], got, len(case.statements) - 1)
-    text = str(given) if isinstance(given, Raised) else python_text(given, None)
-    return TriedCase(at, number, text[:MAX_MESSAGE], agrees=as_expected)
+    return TriedCase(at, number, _text_of(given), agrees=as_expected)
+
+
+def _answer_text(check: DeclaredCheck, scenario: Scenario, got: Played) -> str:
+    return _text_of(observed(check, got, len(scenario.statements) - 1))
+
+
+def _text_of(given: Value) -> str:
+    return (str(given) if isinstance(given, Raised) else python_text(given, None))[:MAX_MESSAGE]
 
 
 def _message(fault: StudentFault) -> str:

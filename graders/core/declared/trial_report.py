@@ -9,13 +9,18 @@ from typing import Any
 
 @dataclass(frozen=True)
 class TriedCase:
-    """A written case: what the solution answers, as Python writes it, or why it does not; whether that is expected."""
+    """A written case: what the solution answers, as Python writes it, or why it does not; whether that is expected.
+
+    `raised` is the exception of Python with which the solution ends though its author says no result: a fault of the
+    solution, until it is said that this exception is expected.
+    """
 
     check: int
     case: int
     given: str
     agrees: bool
     fault: str = ""
+    raised: str = ""
 
 
 @dataclass(frozen=True)
@@ -23,6 +28,7 @@ class TriedMistake:
     """A known mistake: whether it is refused and named, and which mistake is named in its stead.
 
     `case` is an input that refuses it, or tells it from that other one, where none of the cases does; of which check.
+    The solution gives `answer` there; `doubt` says why the statement may exclude that input.
     """
 
     id: str
@@ -31,13 +37,16 @@ class TriedMistake:
     instead: str = ""
     case: str = ""
     check: int = 0
+    answer: str = ""
+    doubt: str = ""
 
 
 @dataclass(frozen=True)
 class TriedChange:
     """A change of the solution: the lines before and after, the changed program, and how a case refuses it.
 
-    `case` is an input that shows it though no case does; `unseen` says that none was found.
+    `case` is an input that shows it though no case does, with `answer` and `doubt` as of `TriedMistake`; `unseen` says
+    that none was found. `operator` is the kind of the change.
     """
 
     line: int
@@ -48,6 +57,9 @@ class TriedChange:
     check: int = 0
     case: str = ""
     unseen: bool = False
+    answer: str = ""
+    doubt: str = ""
+    operator: str = ""
 
     @property
     def survives(self) -> bool:

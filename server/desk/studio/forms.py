@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator
+from dataclasses import replace
 
 from starlette.datastructures import FormData, UploadFile
 
@@ -22,6 +23,8 @@ from server.studio.drafts import (
 YES = "oui"
 REASON_FIELD = "raison-"
 MAX_REASONS = 60
+#: Ticked proposals of the trial: cases, and changes of the solution by their digests.
+PICKED_CASES, PICKED_CHANGES = "cas", "erreur"
 #: Rows beyond the bounds are read, so that they are told and not lost.
 ROOM = 2
 _CHECK_TEXTS = {
@@ -50,7 +53,7 @@ def read_form(fields: FormData, before: ExerciseDraft) -> ExerciseDraft:
     return ExerciseDraft(
         **texts,
         hints=tuple(_text(fields, f"indice-{number}") for number in range(1, HINTS + 1)),
-        checks=tuple(_checks(fields)),
+        checks=tuple(_with_tolerances(fields, tuple(_checks(fields)), before)),
         mistakes=tuple(_mistakes(fields)),
         reasons=dict([(name, reason) for name, reason in reasons.items() if reason][-MAX_REASONS:]),
     ).without_empty_parts()
@@ -67,6 +70,19 @@ def _checks(fields: FormData) -> Iterator[CheckDraft]:
         texts |= {name: texts[name] or usual for name, usual in CHECK_CHOICES.values()}
         flags = {name: _text(fields, f"v-{at}-{field}") == YES for name, field in _CHECK_FLAGS.items()}
         yield CheckDraft(**texts, **flags, cases=tuple(_cases(fields, at)))  # type: ignore[arg-type]
+
+
+def _with_tolerances(fields: FormData, checks: tuple[CheckDraft, ...], before: ExerciseDraft) -> Iterator[CheckDraft]:
+    """Yield the checks with the tolerances that are typed beside the trial's answers, where they change what was."""
+    for at, check in enumerate(checks):
+        was = before.checks[at].tolerance if at < len(before.checks) else ""
+        typed = fields.get(f"ecart-{at}")
+        yield replace(check, tolerance=typed) if isinstance(typed, str) and typed != was else check
+
+
+def read_picked(fields: FormData, name: str) -> frozenset[str]:
+    """Return the values of the ticked proposals of this name."""
+    return frozenset(value for value in fields.getlist(name) if isinstance(value, str))
 
 
 def _cases(fields: FormData, at: int) -> Iterator[CaseDraft]:

@@ -5,8 +5,9 @@ from __future__ import annotations
 import re
 from typing import Annotated
 
-from fastapi import APIRouter, Depends, Request
+from fastapi import APIRouter, Depends, Query, Request
 from fastapi.responses import HTMLResponse, Response
+from starlette.datastructures import FormData
 
 from graders.core.declared.trial_report import TrialReport
 from server.base.errors import Invalid, NotFound
@@ -21,7 +22,8 @@ from server.rights.models import Right
 from server.studio import importing, repository, service
 from server.studio.archive import write_archive
 from server.studio.authored import LIMITS
-from server.studio.drafts import ExerciseDraft
+from server.studio.completion import add_draws
+from server.studio.drafts import ExerciseDraft, program_digest
 from server.studio.import_drafts import ImportRefused
 from server.studio.models import AuthoredExercise
 from server.studio.service import StudioService
@@ -32,18 +34,19 @@ from server.web.rendering import render_fragment, render_page
 from server.web.views import find_module
 
 router = APIRouter(include_in_schema=False)
+PageNumber = Annotated[int, Query(ge=1, le=10**4)]
 StudioOf = Annotated[StudioService, Depends(views.studio_service)]
 SUBJECT = "Cet exercice"
 EXERCISE = f"{PATH}/{{exercise_id}}"
-_MISTAKE = re.compile(r"erreur:(\d{1,3})")
+_WITH_PLACE = re.compile(r"(attendre|retirer-erreur|retirer-verification):(\d{1,3})(?::(\d{1,3}))?")
 
 
 @router.get(PATH)
-def list_exercises(request: Request, reader: CurrentReader) -> Response:
+def list_exercises(request: Request, reader: CurrentReader, q: ShortQuery = "", page: PageNumber = 1) -> Response:
     if reader.account is None:
         return redirect_to_login(request)
     rights.require_server_right(reader.account, Right.write_exercises)
-    view = views.build_list_page(reader, repository.list_exercises(reader.db, reader.account.id))
+    view = views.build_list_page(reader, reader.account, query=q, page=page)
     return render_page(request, "studio/list.html", reader.account, page=view)
 
 
@@ -90,13 +93,14 @@ def import_exercises(
 
 
 @router.get(f"{PATH}/banque")
-def show_bank(request: Request, reader: CurrentReader, q: ShortQuery = "") -> Response:
+def show_bank(request: Request, reader: CurrentReader, q: ShortQuery = "", page: PageNumber = 1) -> Response:
     """The exercises that teachers of this server lend, by theme, level, title or mistake."""
     if reader.account is None:
         return redirect_to_login(request)
     rights.require_server_right(reader.account, Right.write_exercises)
-    found = service.search_bank(repository.list_bank(reader.db), q)
-    return render_page(request, "studio/bank.html", reader.account, page=views.build_bank_page(reader, found, q))
+    found = service.search_exercises(repository.list_bank(reader.db), q)
+    view = views.build_bank_page(reader, found, query=q, page=page)
+    return render_page(request, "studio/bank.html", reader.account, page=view)
 
 
 @router.post(f"{PATH}/copier")
@@ -110,8 +114,7 @@ def copy_exercise(
     except NotFound as refused:
         studio.count_guess(reader.db, account)
         commit_then_read(reader.db)
-        own = repository.list_exercises(reader.db, account.id)
-        view = views.build_list_page(reader, own, code=code, problem=refused.detail)
+        view = views.build_list_page(reader, account, code=code, problem=refused.detail)
         return render_page(request, "studio/list.html", account, status=404, page=view)
     made = studio.create(reader.db, account, source.module, service.read_draft(source))
     return redirect(views.exercise_path(made))
@@ -187,7 +190,7 @@ def save_exercise(
     require_same_version(fields, account, SUBJECT, stored.texts, typed.texts)
     context = StudioReader(reader, studio)
     try:
-        draft = _with_proposals(action, typed, exercise)
+        draft = _with_proposals(action, typed, exercise, fields)
         publishes = action == "publier" or (action == "cas" and bool((exercise.trial or {}).get("faults")))
         studio.save(reader.db, account, exercise, draft, publish=publishes)
     except Invalid as refused:
@@ -208,16 +211,24 @@ def _render_report(context: StudioReader, exercise: AuthoredExercise) -> HTMLRes
     return render_fragment("studio/report.html", context.reader.account, back=back, report=view)
 
 
-def _with_proposals(action: str, draft: ExerciseDraft, exercise: AuthoredExercise) -> ExerciseDraft:
-    """Return the draft with what the last trial proposes and `action` asks for. Raises NotFound."""
-    picked = _MISTAKE.fullmatch(action)
-    if picked:
-        changes = _report(exercise).changes
-        if int(picked[1]) >= len(changes):
-            raise NotFound(UNKNOWN_ACTION)
-        return service.add_mistake(draft, changes[int(picked[1])])
+def _with_proposals(action: str, draft: ExerciseDraft, exercise: AuthoredExercise, fields: FormData) -> ExerciseDraft:
+    """Return the draft with what the last trial proposes and `action` asks for. Raises NotFound, or Invalid."""
+    placed = _WITH_PLACE.fullmatch(action)
+    if placed:
+        at = int(placed[2])
+        if placed[1] == "attendre":
+            return service.expect_exception(draft, _report(exercise), at, int(placed[3] or 0))
+        return service.remove_part(draft, "mistakes" if placed[1] == "retirer-erreur" else "checks", at)
+    if action == "erreurs":
+        picked = forms.read_picked(fields, forms.PICKED_CHANGES)
+        changes = [each for each in _report(exercise).changes if program_digest(each.program) in picked]
+        if not changes:
+            raise Invalid(service.NOTHING_PICKED)
+        return service.add_mistakes(draft, changes)
     if action == "cas":
-        return service.add_cases(draft, _report(exercise))
+        return service.add_cases(draft, _report(exercise), forms.read_picked(fields, forms.PICKED_CASES))
+    if action == "tirages":
+        return add_draws(draft, (exercise.trial or {}).get("completed") or {})
     if action not in {"", "enregistrer", "brouillon", "publier", *service.LENDING}:
         raise NotFound(UNKNOWN_ACTION)
     return draft

@@ -3,20 +3,23 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
+from urllib.parse import urlencode
 
 from markupsafe import Markup
 
 from graders.core.contract.verdict import Verdict
 from graders.core.declared.trial_report import TrialReport, TriedCase, TriedChange
 from server.base.app_services import app_service
+from server.classes.repository import load_taught_classes
 from server.course import Course
 from server.course.functions import FunctionSpec
 from server.desk.studio.forms import REASON_FIELD
-from server.studio import service
+from server.identity.models import Account
+from server.studio import repository, service
 from server.studio.drafts import CaseDraft, CheckDraft, ExerciseDraft, MistakeDraft, program_digest
 from server.studio.importing import ImportedExercise
 from server.studio.models import AuthoredExercise
@@ -28,12 +31,17 @@ from server.web.views import Reader
 
 PATH = "/mes-exercices"
 EXAMPLE_ROWS, OFFERED_MISTAKES = 3, 8
+#: Exercises of a page of the list, and those below which nobody searches.
+ROWS, FEW_ROWS = 30, 8
 #: Characters and formulas of a statement that is drawn: one thread draws the formulas of all.
 MAX_STATEMENT, MAX_FORMULAS = 12_000, 60
 TOO_LONG = f"Cet énoncé dépasse {MAX_STATEMENT} caractères, ou {MAX_FORMULAS} formules : il n’est pas montré."
 _PLACE = re.compile(r"(verifications|erreurs)\[(\d+)\](?:\.(\w+)(?:\[(\d+)\])?)?")
-#: A number in which rounding, or another right method, may change the last digits.
-_DECIMAL = re.compile(r"\d\.\d{6,}|\de-\d")
+#: A decimal number among a value's digits, in which another right method may change the last ones.
+_DECIMAL = re.compile(r"\d\.\d|\de-\d")
+_DECIMAL_COMMA = re.compile(r"(?<![\w.,])-?\d+,\d+(?![\w,])")
+#: Exceptions of a solution that no statement asks for.
+_NEVER_ASKED = frozenset({"NameError", "UnboundLocalError", "ImportError", "ModuleNotFoundError", "SystemError"})
 _PART_WORDS = {"fonctions": "les fonctions", "solution": "la solution", "verifications": "les vérifications"}
 _FIELD_WORDS = {
     "cas": "le cas", "attendus": "le résultat attendu du cas", "tirages": "les tirages", "appel": "l’appel tiré",
@@ -60,9 +68,12 @@ def public_href(exercise: AuthoredExercise) -> str:
 
 
 def build_list_page(
-    reader: Reader, exercises: Sequence[AuthoredExercise], *, code: str = "", problem: str = ""
+    reader: Reader, account: Account, *, query: str = "", page: int = 1, code: str = "", problem: str = ""
 ) -> dict[str, Any]:
-    """Build the list of one's exercises; `problem` says why none has the typed `code`."""
+    """Build a page of one's exercises that hold the words of a query; `problem` says why none has the typed `code`."""
+    own = repository.list_exercises(reader.db, account.id)
+    found = service.search_exercises(own, query)
+    exercises, more = _page_of(found, page)
     rows = [
         {
             "href": exercise_path(exercise),
@@ -74,8 +85,23 @@ def build_list_page(
         }
         for exercise in exercises
     ]
-    chosen = exercises[0].module if exercises else ""
-    return {"rows": rows, "modules": _modules(reader.course), "chosen": chosen, "code": code, "problem": problem}
+    taught = load_taught_classes(reader.db, account.id) if not own else ()
+    chosen = own[0].module if own else next((each.module for each in taught), "")
+    return {
+        "rows": rows, "modules": _modules(reader.course), "chosen": chosen, "code": code, "problem": problem,
+        "query": query, "count": len(own), "found": len(found), "number": page, "more": more,
+        "searches": len(own) > FEW_ROWS, "address": _page_address(PATH, query),
+    }  # fmt: skip
+
+
+def _page_of(exercises: Sequence[AuthoredExercise], page: int) -> tuple[Sequence[AuthoredExercise], bool]:
+    """Return the rows of a page, and whether more come after it."""
+    return exercises[(page - 1) * ROWS : page * ROWS], len(exercises) > page * ROWS
+
+
+def _page_address(path: str, query: str) -> str:
+    """Return the address of a list to which the number of a page is added."""
+    return f"{path}?{urlencode({'q': query})}&page=" if query else f"{path}?page="
 
 
 def build_import_page(
@@ -85,7 +111,8 @@ def build_import_page(
     return {"modules": _modules(reader.course), "rows": rows, "problem": problem}
 
 
-def build_bank_page(reader: Reader, exercises: Sequence[AuthoredExercise], query: str) -> dict[str, Any]:
+def build_bank_page(reader: Reader, found: Sequence[AuthoredExercise], *, query: str, page: int) -> dict[str, Any]:
+    exercises, more = _page_of(found, page)
     rows = [
         {
             "id": exercise.id,
@@ -95,7 +122,8 @@ def build_bank_page(reader: Reader, exercises: Sequence[AuthoredExercise], query
         }
         for exercise in exercises
     ]
-    return {"rows": rows, "query": query}
+    address = _page_address(f"{PATH}/banque", query)
+    return {"rows": rows, "query": query, "number": page, "more": more, "address": address}
 
 
 def _modules(course: Course) -> list[tuple[str, str, str]]:
@@ -126,6 +154,7 @@ def build_edit_page(
         "slug": exercise.module,
         "draft": draft,
         "checks": [_with_rows(check, EXAMPLE_ROWS) for check in draft.checks or (CheckDraft(),)],
+        "extras": _extras(draft),
         "extra_check": _with_rows(CheckDraft(), EXAMPLE_ROWS),
         "mistakes": [*draft.mistakes, MistakeDraft()],
         "version": version_of(service.read_draft(exercise).texts),
@@ -165,7 +194,33 @@ def build_tryout_page(context: StudioReader, exercise: AuthoredExercise) -> dict
 def _with_rows(check: CheckDraft, rows: int) -> dict[str, Any]:
     """Return a check with an empty row after its cases, and at least so many rows."""
     empty = [CaseDraft()] * max(1, rows - len(check.cases))
-    return {"check": check, "rows": [*check.cases, *empty]}
+    return {"check": check, "rows": [*check.cases, *empty], "settings": list(_settings(check))}
+
+
+def _settings(check: CheckDraft) -> Iterator[str]:
+    """Yield what an author has set of a check, in short: a fold that is closed must not hide it."""
+    texts = (
+        (check.title, "titre"), (check.points, "points : {}"), (check.tolerance, "écart permis : {}"),
+        (check.draws, "tirages"), (check.count, "{} tirages"), (check.conditions, "conditions"),
+        (check.hint, "indice"), (check.lines, "saisie au clavier"), (check.files, "fichiers"),
+    )  # fmt: skip
+    yield from (words.format(text.strip()) for text, words in texts if text.strip())
+    flags = (
+        (check.absolute, "écart absolu"), (check.strict, "types stricts"), (check.ignores_spaces, "espaces libres"),
+        (check.order != "oui", "ordre libre"), (check.watched == "affichage", "affichage"),
+        (check.watched == "fichiers", "fichiers écrits"),
+    )  # fmt: skip
+    yield from (words for is_set, words in flags if is_set)
+
+
+def _extras(draft: ExerciseDraft) -> list[str]:
+    """Return what an author has set beyond the five-minute form."""
+    texts = (
+        (draft.starter, "fichier de départ"), (draft.functions, "fonctions"), ("".join(draft.hints), "indices"),
+        (draft.forbidden, "interdit : {}"), (draft.required, "demandé : {}"), (draft.summary, "résumé"),
+        (draft.level, "niveau : {}"), (draft.themes, "thèmes : {}"),
+    )  # fmt: skip
+    return [words.format(text.strip()[:60]) for text, words in texts if text.strip()]
 
 
 def build_report(context: StudioReader, exercise: AuthoredExercise) -> dict[str, Any]:
@@ -179,6 +234,7 @@ def build_report(context: StudioReader, exercise: AuthoredExercise) -> dict[str,
         "failed": trial.get("failed", ""),
         "stale": bool(trial) and not is_current,
         "faults": trial.get("faults", ()),
+        "left": trial.get("left") if is_current else None,
         "number": exercise.number,
         "public": public_href(exercise),
         "tried": "completed" in trial,
@@ -194,7 +250,8 @@ def build_report(context: StudioReader, exercise: AuthoredExercise) -> dict[str,
 def _read_report(report: TrialReport, completed: Mapping[str, Any], draft: ExerciseDraft) -> dict[str, Any]:
     checks = completed["declaration"]["verifications"]
     titles = {each["id"]: each["titre"] or "sans titre" for each in completed["declaration"]["erreurs"]}
-    changes = list(enumerate(report.changes))
+    changes = report.changes
+    holds = not (report.problem or report.solution) and all(case.agrees for case in report.cases)
     return {
         "report": report,
         "place": describe_place(report.place),
@@ -203,41 +260,54 @@ def _read_report(report: TrialReport, completed: Mapping[str, Any], draft: Exerc
         "mistakes": [
             (titles.get(tried.id, tried.id), tried, titles.get(tried.instead, "")) for tried in report.mistakes
         ],
-        "exact_to": _unsaid_tolerance(report, draft),
+        "untried": len(titles) if not holds else 0,
+        "tolerances": _tolerances(report, draft),
         "missing_cases": any(tried.case for tried in report.mistakes),
         "offered": _offered_mistakes(changes, draft),
-        "alive": [_survivor(number, change, draft) for number, change in changes if change.survives],
-        "unseen": sum(change.unseen for _, change in changes),
-        "refused": sum(bool(change.refusal) for _, change in changes),
-        "draws": (completed["draws"], completed["call"]),
+        "alive": [_survivor(change, draft) for change in changes if change.survives],
+        "unseen": sum(change.unseen for change in changes),
+        "refused": sum(bool(change.refusal) for change in changes),
+        "draws": {key: completed.get(key, "") for key in ("draws", "call", "conditions", "drawn")},
     }
 
 
-def _unsaid_tolerance(report: TrialReport, draft: ExerciseDraft) -> bool:
-    """Whether decimal numbers are compared within a tolerance that the author has not chosen."""
-    chosen = {at for at, check in enumerate(draft.checks) if check.tolerance.strip()}
-    return any(case.check not in chosen and _DECIMAL.search(case.given) for case in report.cases if not case.fault)
+def _tolerances(report: TrialReport, draft: ExerciseDraft) -> list[tuple[int, str]]:
+    """Return the checks whose answers have decimal numbers, with the tolerance that their author has chosen."""
+    decimal = sorted({case.check for case in report.cases if not case.fault and _is_decimal(case.given)})
+    return [(at, draft.checks[at].tolerance) for at in decimal if at < len(draft.checks)]
+
+
+def _is_decimal(text: str) -> bool:
+    return not text.startswith(("'", '"')) and _DECIMAL.search(text) is not None
 
 
 def _answer(check: Mapping[str, Any], case: TriedCase) -> dict[str, Any]:
     expected = check.get("attendus", ())
     wanted = expected[case.case] if case.case < len(expected) else ""
-    return {"call": check["cas"][case.case], "expected": wanted, "got": case}
+    call = check["cas"][case.case]
+    comma = "" if case.agrees else _decimal_comma(wanted) or (_decimal_comma(call) if case.fault else "")
+    may_expect = bool(case.raised) and case.raised not in _NEVER_ASKED
+    return {"call": call, "expected": wanted, "got": case, "comma": comma, "may_expect": may_expect}
 
 
-def _offered_mistakes(
-    changes: Sequence[tuple[int, TriedChange]], draft: ExerciseDraft
-) -> Sequence[tuple[int, TriedChange]]:
-    """Return refused changes that are no known mistakes yet; wrong values first, which teach more than exceptions."""
+def _decimal_comma(text: str) -> str:
+    """Return a number that a text writes as in French, « 1,1 », which Python reads as two values; empty without one."""
+    found = _DECIMAL_COMMA.search(text)
+    return found[0] if found else ""
+
+
+def _offered_mistakes(changes: Sequence[TriedChange], draft: ExerciseDraft) -> list[tuple[str, TriedChange]]:
+    """Return refused changes that are no known mistakes yet, by the digests of their programs; wrong values first,
+    which teach more than exceptions."""
     known = {mistake.program.strip() for mistake in draft.mistakes}
-    refused = [(k, change) for k, change in changes if change.refusal and change.program.strip() not in known]
-    refused.sort(key=lambda entry: not entry[1].refusal.startswith(("Pour ", "Dans ")))
-    return refused[:OFFERED_MISTAKES]
+    refused = [change for change in changes if change.refusal and change.program.strip() not in known]
+    refused.sort(key=lambda change: not change.refusal.startswith(("Pour ", "Dans ")))
+    return [(program_digest(change.program), change) for change in refused[:OFFERED_MISTAKES]]
 
 
-def _survivor(number: int, change: TriedChange, draft: ExerciseDraft) -> tuple[int, TriedChange, str, str]:
+def _survivor(change: TriedChange, draft: ExerciseDraft) -> tuple[TriedChange, str, str]:
     digest = program_digest(change.program)
-    return number, change, REASON_FIELD + digest, draft.reasons.get(digest, "")
+    return change, REASON_FIELD + digest, draft.reasons.get(digest, "")
 
 
 def describe_place(place: str) -> str:

@@ -8,6 +8,8 @@ const CALM_MS = 1200;
 const PREVIEW_MS = 350;
 const AGAIN_MS = 5000;
 const LOOK_MS = 700;
+// Proposals that are ticked: they change nothing before their button is pressed.
+const PICKED = ["cas", "erreur"];
 
 const form = document.querySelector("[data-studio]");
 const clock = new Intl.DateTimeFormat("fr-FR", { timeStyle: "medium" });
@@ -21,13 +23,17 @@ function setUp() {
 
   const written = () => {
     const fields = new FormData(form);
-    fields.delete("version");
+    for (const name of ["version", ...PICKED]) fields.delete(name);
     return new URLSearchParams(fields).toString();
   };
 
   function show(html) {
-    const typing = panel.contains(document.activeElement) && document.activeElement.matches("input");
-    if (!typing) panel.innerHTML = html;
+    const typing = panel.contains(document.activeElement) && document.activeElement.matches("input:not([data-pick])");
+    if (!typing) {
+      const picked = [...panel.querySelectorAll("[data-pick]:checked")].map(({ name, value }) => `${name} ${value}`);
+      panel.innerHTML = html;
+      for (const box of panel.querySelectorAll("[data-pick]")) box.checked = picked.includes(`${box.name} ${box.value}`);
+    }
     const place = new DOMParser().parseFromString(html, "text/html").querySelector("[data-version]");
     clearTimeout(look);
     if (place && "trying" in place.dataset) look = setTimeout(lookAgain, LOOK_MS);
@@ -79,7 +85,8 @@ function setUp() {
   }
 
   document.addEventListener("input", ({ target }) => {
-    if (target.form !== form) return;
+    if (target.form !== form || target.matches("[data-pick]")) return;
+    if (target.dataset.mirror) form.elements[target.dataset.mirror].value = target.value;
     changed = true;
     clearTimeout(timer);
     timer = setTimeout(save, CALM_MS);
@@ -132,6 +139,16 @@ function addRow(last) {
   last.after(row);
 }
 
+// A blank mistake is always free below the others.
+function addMistake(last) {
+  const blank = document.createElement("template");
+  blank.innerHTML = last.outerHTML.replace(/\be-(\d+)-/g, (_, number) => `e-${Number(number) + 1}-`);
+  last.removeAttribute("data-blank");
+  last.after(blank.content);
+  last.nextElementSibling.open = false;
+  for (const field of last.nextElementSibling.querySelectorAll("input, textarea")) field.value = "";
+}
+
 if (form) {
   setUp();
   setUpPreview();
@@ -140,6 +157,8 @@ if (form) {
     if (target.matches("textarea.code-area")) grow(target);
     const row = target.closest(".case-table tbody tr:last-child");
     if (row && target.value) addRow(row);
+    const blank = target.closest("[data-blank]");
+    if (blank && target.value) addMistake(blank);
   });
   form.addEventListener("toggle", ({ target }) => target.querySelectorAll?.("textarea.code-area").forEach(grow), true);
 }
