@@ -13,6 +13,7 @@ from starlette.concurrency import run_in_threadpool
 
 from server.base.errors import Conflict, Invalid, NotFound
 from server.board.progress import ClassProgress
+from server.board.relapses import RelapseStats, count_relapses
 from server.board.schemas import FEWEST_TO_PROJECT
 from server.board.service import load_progress
 from server.classes.models import SchoolClass
@@ -154,6 +155,13 @@ def _memory(
             unmended.add(subject)
             met.setdefault(subject, []).append(Candidate(mistake.exercise, mistake.misconception))
     return StudentMemory(reviews, met, unmended)
+
+
+def load_relapses(db: Session, course: Course, school_class: SchoolClass) -> RelapseStats:
+    """Load whether what was asked again is rarer later, with one query beside those of the class's progress."""
+    progress = load_progress(db, course, school_class, utc_now())
+    answers = recall.load_answers_of(db, [student.id for student in progress.students])
+    return count_relapses(course, progress.attempts, answers)
 
 
 def find_today(db: Session, class_id: UUID) -> WarmUp | None:

@@ -7,6 +7,7 @@ from typing import Any
 
 from sqlalchemy.orm import Session
 
+from server.board.relapses import FEWEST_CASES
 from server.classes.models import SchoolClass
 from server.course import Course
 from server.desk.views import class_head, class_href
@@ -33,6 +34,8 @@ def staff_page(db: Session, course: Course, access: ClassAccess, problem: str = 
         "questions": [] if warm_up is None else service.count_answers(db, school_class, warm_up),
         "students": polls.count_active_students(db, school_class.id),
         "may_prepare": access.has(Right.run_lessons) and school_class.archived_at is None,
+        "relapses": service.load_relapses(db, course, school_class),
+        "fewest": FEWEST_CASES,
         "problem": problem,
     }
 
