@@ -8,6 +8,7 @@ from collections.abc import Sequence
 import pytest
 
 from graders.core.code.exercise import CodeDefinition
+from graders.core.code.mutations import Edit, Model
 from graders.core.code.repairs import find_repairs
 from graders.core.contract.local import LOCAL
 from graders.core.contract.program import KitSettings, PlannedCalls, Program
@@ -116,3 +117,10 @@ def test_once_patience_is_spent_no_program_starts(monkeypatch: pytest.MonkeyPatc
     source = OTHERWISE.format("-", "+", "p[2] + q[2]").encode()
     assert marks.locate_mistake(POSES, ["angle_jamais_ramene"], source, "composer_tours", Slow(), seed=3) is None
     assert len(started) == 1
+
+
+def test_a_mistake_in_the_slices_of_an_index_is_undone() -> None:
+    edit = Edit("coin", (("H[3:, 3:]", "H[:3, :3]"),), frozenset(("bloc",)))
+    model = Model("def bloc(H):\n    return H[3:, 3:]\n", [edit])
+    found = find_repairs(model, "coin", ["bloc"], "def bloc(A):\n    B = 2 * A[:3, :3]\n    return B\n", lambda: False)
+    assert "2 * (A[3:, 3:])" in [repair.text.splitlines()[1].partition("= ")[2] for repair in found]

@@ -76,6 +76,19 @@ def is_ruled_out(
     return differing > (1.0 - MIN_AGREEMENT) * len(judged) + 1e-9
 
 
+def judged_alike(
+    observations: Sequence[Observation], seen: Sequence[Observation], function: str, tolerance: float
+) -> bool:
+    """Whether two programs gave the same results wherever one of them is wrong, nearly always, and one is."""
+    pairs = _paired([mine for mine in observations if mine.function == function], seen)
+    telling = [(mine, other) for mine, other in pairs if not (mine.ok and other.ok)]
+    alike = sum(
+        mine.ok == other.ok and mine.fault == other.fault and same_value(mine.value, other.value, tolerance=tolerance)
+        for mine, other in telling
+    )
+    return bool(telling) and alike >= MIN_AGREEMENT * len(telling)
+
+
 def _paired(mine: Sequence[Observation], seen: Sequence[Observation]) -> list[tuple[Observation, Observation]]:
     """Return the pairs of observations of both programs at the same index of the same check and function."""
     theirs = {(o.check, o.index, o.function): o for o in seen}

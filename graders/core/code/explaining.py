@@ -11,12 +11,16 @@ import numpy as np
 
 from graders.core.code.checks import Check
 from graders.core.code.confined import ConfinedWork, Unfinished
-from graders.core.code.diagnosis import Explanation, explain
+from graders.core.code.diagnosis import Explanation, explain, judged_alike
 from graders.core.code.folder import Misconception
-from graders.core.code.reenacting import Reenactor
-from graders.core.code.runner import Observation
+from graders.core.code.probes import Probes, same_probe_answer
+from graders.core.code.reenacting import Reenactment, Reenactor
+from graders.core.code.runner import Observation, Runner
 from graders.core.contract.program import KitSettings
 from graders.core.contract.streams import stream
+
+#: Differences up to which numbers that the checks have observed are the same.
+STRICT, LOOSE = 1e-6, 0.1
 
 KitMaker = Callable[[np.random.Generator], KitSettings]
 
@@ -30,6 +34,7 @@ class MistakeExplainer:
         self._misconceptions, self._checks, self._kit, self._reenactor = misconceptions, checks, kit, reenactor
         self._unfinished: set[int] = set()
         self._work = ConfinedWork(self._explain_each)
+        self._comparing = ConfinedWork(self._compare_each)
 
     def reenactable(self) -> list[int]:
         """Return those that are re-enacted: programs that are no edit of the model, nor known by a rule alone."""
@@ -49,6 +54,23 @@ class MistakeExplainer:
                 self._unfinished.add(k)
             elif answer is not None:
                 yield Explanation(self._misconceptions[k], *answer)
+
+    def holds(self, runner: Runner, seed: int, probes: Probes, text: str) -> bool:
+        """Whether the checks of this seed judge a program of ours as they judged the one of `runner`, in the function
+        of these probes; numbers are compared loosely where the probes compare them so."""
+        tolerance = STRICT if probes.same is same_probe_answer else LOOSE
+        context = (runner.observations, probes.function, tolerance, seed)
+        return [*self._comparing.answer_each([text], context)] == [True]
+
+    def _compare_each(
+        self, texts: Sequence[str], context: tuple[Sequence[Observation], str, float, int]
+    ) -> Iterator[bool]:
+        observations, function, tolerance, seed = context
+        kit = self._kit(stream(seed, "kit"))
+        for text in texts:
+            program = Misconception("", (function,), "", "", "", text)
+            seen = Reenactment(self._checks, program, kit, seed).observe()
+            yield judged_alike(observations, seen, function, tolerance)
 
     def unfinished(self, seed: int) -> Iterator[tuple[Misconception, Unfinished]]:
         """Yield the misconceptions that take too much on the inputs of this seed, each with the call that does."""

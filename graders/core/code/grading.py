@@ -5,7 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Collection, Iterator, Sequence
 from dataclasses import dataclass, field, replace
-from functools import cache
+from functools import cache, partial
 from pathlib import Path
 
 from graders.core.code.bench import Bench
@@ -19,6 +19,7 @@ from graders.core.code.diagnosis import choose_explanation, combine_diagnoses, s
 from graders.core.code.explaining import KitMaker, MistakeExplainer
 from graders.core.code.facts import IMPRECISIONS, Fact, find_facts
 from graders.core.code.folder import Misconception, Specimen, read_specimens
+from graders.core.code.pair_search import PairSearch
 from graders.core.code.prober import Prober, RecognisedMistakes
 from graders.core.code.probes import explains_itself
 from graders.core.code.reenacting import Reenactor
@@ -189,14 +190,15 @@ class CodeGrader:
     ) -> NamedMistakes:
         """Return the checks that a program fails and the mistakes named in it, without simplifying anything.
 
-        `spent` is as in `Prober.recognise`.
+        Every pair of mistakes of a function is tried until the time is `spent`, if given.
         """
         kit = self.kit(stream(seed, "kit"))
         runner = Runner(programs, source.encode(), kit, budget=NO_SHRINKING)
         try:
             findings = self._findings(runner, kit, seed, source.encode())
             pairs = self._failed_pairs(findings)
-            named = self._named_mistakes(pairs, runner, seed, source.encode(), spent) if pairs else NamedMistakes()
+            search = None if spent is None else PairSearch(spent, partial(self._explainer.holds, runner, seed))
+            named = self._named_mistakes(pairs, runner, seed, source.encode(), search) if pairs else NamedMistakes()
         finally:
             runner.close()
         failed = (finding.result for finding in findings if not finding.passed)
@@ -214,11 +216,11 @@ class CodeGrader:
 
     def _named_mistakes(
         self, pairs: Sequence[tuple[Check, Finding]], runner: Runner, seed: int, source: bytes,
-        spent: Callable[[], bool] | None = None,
+        search: PairSearch | None = None,
     ) -> NamedMistakes:  # fmt: skip
         failed = [check for check, _ in pairs]
         blamed, (functions, alone) = _blamed(failed), self._asked_of(failed)
-        found = self.prober.recognise(runner, functions, alone, spent) if self.prober else RecognisedMistakes()
+        found = self.prober.recognise(runner, functions, alone, search) if self.prober else RecognisedMistakes()
         told = [check for check, finding in pairs if explains_itself(finding.result.message)]
         others = {name for check in failed if check not in told for name in check.functions}
         left = ((alone if found.mistakes else blamed) - set(found.consequences)) & others

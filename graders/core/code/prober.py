@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import itertools
 import threading
-from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from collections.abc import Set as AbstractSet
 from functools import cached_property, partial
 from typing import Any, NamedTuple
@@ -20,7 +20,7 @@ from graders.core.code.answer_arrays import AnswerSequence
 from graders.core.code.confined import Unfinished
 from graders.core.code.mutants import MAX_COMBINED_MISTAKES, MutantAnswerCache, MutantRow
 from graders.core.code.mutations import Model, Mutant
-from graders.core.code.pair_search import slice_untried_pairs
+from graders.core.code.pair_search import PairSearch, are_telling, slice_untried_pairs
 from graders.core.code.part_matching import match_parts
 from graders.core.code.piggyback import HANG_SECONDS
 from graders.core.code.probe_runs import (
@@ -92,12 +92,11 @@ class Prober:
         runner: Runner,
         functions: Collection[str],
         alone: Collection[str],
-        spent: Callable[[], bool] | None = None,
+        search: PairSearch | None = None,
     ) -> RecognisedMistakes:
         """Return the mistakes of the program in these functions; none when unsure.
 
-        `alone` are the functions that failed a check of their own. Until the time is `spent`, if given, every pair of
-        mistakes is tried.
+        `alone` are the functions that failed a check of their own. Every pair of mistakes is tried by a `search`.
         """
         mistakes: list[str] = []
         fallback: list[str] = []
@@ -117,7 +116,7 @@ class Prober:
                     fallback += self._fallback_names(index, sequence)
                     continue
                 names, is_certain = self._name_borne_out(index, sequence, functions, named)
-            if spent is not None and not is_certain and (pair := self._find_pair(index, sequence, functions, spent)):
+            if search is not None and not is_certain and (pair := self._find_pair(index, sequence, functions, search)):
                 names, is_certain = self._borne_out(pair, self.probes[index].function, named), True
             with self._lock:
                 named[self.probes[index].function] = frozenset(names)
@@ -160,16 +159,17 @@ class Prober:
                 yield from list(self._mutants.unfinished(index))
 
     def _find_pair(
-        self, index: int, sequence: AnswerSequence, blamed: Collection[str], spent: Callable[[], bool]
+        self, index: int, sequence: AnswerSequence, blamed: Collection[str], search: PairSearch
     ) -> Sequence[str]:
         """Return two mistakes with which a mutant that the verdict leaves untried answers as the program does.
 
         None where other pairs do too, or some mutant that the verdict tries. The lock is free between two slices.
         """
-        answers = sequence.answers
-        if all(isinstance(answer, ProbeFault | str | None) for answer in answers):
-            return []
+        probes, answers = self.probes[index], sequence.answers
         with self._lock:
+            right = self._right_answers(index, sequence)
+            if right is None or not are_telling(ProbeResults(probes.calls, answers, right, probes.same)):
+                return []
             for rows in itertools.islice(self._candidates(index, answers), MAX_COMBINED_MISTAKES):
                 known = (row for row in rows if row.mutant.applies_to(blamed))
                 if self._mutants.matching(index, known, sequence):
@@ -177,12 +177,13 @@ class Prober:
             slices = slice_untried_pairs(self._mutants, index, blamed)
         fits: list[MutantRow] = []
         for slice_of_rows in slices:
-            if spent():
+            if search.spent():
                 return []
             with self._lock:
                 fits += self._mutants.matching(index, slice_of_rows, sequence)
         common = _common_mistakes(fits) if fits else []
-        return common if len(common) == MAX_COMBINED_MISTAKES else []
+        is_pair = len(common) == MAX_COMBINED_MISTAKES
+        return common if is_pair and search.holds(probes, fits[0].mutant.text) else []
 
     def _follows(self, index: int, sequence: AnswerSequence, mistakes: Sequence[str]) -> bool:
         """Whether the mistakes found in other functions explain all wrong answers of this one."""

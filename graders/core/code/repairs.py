@@ -7,6 +7,7 @@ right part. A match proves nothing: the caller runs the repaired program.
 from __future__ import annotations
 
 import ast
+import copy
 import itertools
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -232,7 +233,7 @@ def _repaired(source: str, locations: Sequence[_Location], helpers: Mapping[str,
     pieces, used = [], set[str]()
     for location in locations:
         words = _NameTranslator(location.names, helpers)
-        text = ast.unparse(ast.fix_missing_locations(words.visit(parse_source(ast.unparse(location.right)))))
+        text = ast.unparse(ast.fix_missing_locations(words.visit(copy.deepcopy(location.right))))
         if words.missing:
             return None
         used |= words.used

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -10,13 +10,18 @@ import numpy as np
 import pytest
 
 from graders.core.code.call_graph import find_callers
+from graders.core.code.explaining import MistakeExplainer
 from graders.core.code.mutations import Edit, Model
+from graders.core.code.pair_search import PairSearch, are_telling
 from graders.core.code.prober import Prober
 from graders.core.code.probes import MAX_ITEMS, TOO_LARGE, ProbeResults, Probes, read_answer, same_probe_answer
+from graders.core.code.reenacting import Reenactor
 from graders.core.code.runner import Runner
+from graders.core.code.running import run_checks
 from graders.core.contract.local import LOCAL
 from graders.core.contract.outcomes import Outcome
 from graders.core.contract.program import Reply
+from graders.core.contract.streams import stream
 from graders.l20 import world
 from tests.support.quick import some
 from tests.support.shipped import CODE
@@ -67,11 +72,11 @@ def named(
     source: str,
     functions: Sequence[str] = ("aire", "double"),
     asked: Prober = PROBER,
-    spent: Callable[[], bool] | None = None,
+    search: PairSearch | None = None,
 ) -> tuple[str, ...]:
     runner = Runner(LOCAL, source.encode(), world.STILL)
     try:
-        return asked.recognise(runner, functions, functions, spent)[0]
+        return asked.recognise(runner, functions, functions, search)[0]
     finally:
         runner.close()
 
@@ -148,10 +153,34 @@ def test_pairs_that_the_verdict_leaves_untried_are_named_after_it(monkeypatch: p
     monkeypatch.setattr("graders.core.code.mutants.MAX_COMBINED_MUTANTS", 1)
     source = written("x", "y")
     assert named(source, asked=prober()) == ()
-    assert named(source, asked=prober(), spent=lambda: False) == ("b_seul", "a_seul")
-    assert named(source, asked=prober(), spent=lambda: True) == ()
+    every = PairSearch(lambda: False, lambda probes, text: True)
+    assert named(source, asked=prober(), search=every) == ("b_seul", "a_seul")
+    assert named(source, asked=prober(), search=replace(every, spent=lambda: True)) == ()
+    assert named(source, asked=prober(), search=replace(every, holds=lambda probes, text: False)) == ()
     twin = Prober(Model(MODEL, (*EDITS, edit("jumeau", "a + 1", "a + 0")), ()), PROBER.probes)
-    assert named(source, asked=twin, spent=lambda: False) == ()
+    assert named(source, asked=twin, search=every) == ()
+
+
+def test_no_pair_is_searched_for_wrong_answers_that_many_pairs_give() -> None:
+    """As a ray that reads the range, which it was given, wherever it should meet a wall."""
+    right = [4.0, 9.0, 2.0, 7.0]
+    given, none, own = [5.0, 7.0, 3.0, 7.0], [None, 9.0, "texte", 7.0], [5.0, 9.0, 6.0, 7.0]
+    assert not are_telling(ProbeResults(CALLS, given, right))
+    assert not are_telling(ProbeResults(CALLS, none, right))
+    assert are_telling(ProbeResults(CALLS, own, right))
+
+
+def test_a_pair_holds_where_the_checks_judge_its_program_likewise() -> None:
+    grader = CODE["l19/gain"]
+    source = grader.solution.replace("v / (v + r)", "v / (v + 2 * r)").encode()
+    explainer = MistakeExplainer((), grader.checks, grader.kit, Reenactor())
+    runner = Runner(LOCAL, source, grader.kit(stream(3, "kit")))
+    run_checks(grader.checks, runner, grader.kit(stream(3, "kit")), 3)
+    assert grader.prober is not None
+    for probes in grader.prober.probes[:1]:
+        assert explainer.holds(runner, 3, probes, source.decode())
+        assert not explainer.holds(runner, 3, probes, grader.solution)
+    runner.close()
 
 
 def test_mistakes_that_look_the_same_leave_what_they_share_or_nothing() -> None:

@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import pytest
 
+from graders.core.code.grading import CodeGrader
 from graders.core.code.isolation import isolate_functions, replacing_suffix
 from graders.core.code.places import find_place
+from graders.core.code.prober import Prober
 from graders.core.contract.local import LOCAL
 from tests.support.shipped import CODE
 
@@ -34,8 +38,8 @@ def nees(vraie, estimee, P):
 """
 
 
-def place_of(exercise: str, source: str):  # type: ignore[no-untyped-def]
-    grader = CODE[exercise]
+def place_of(exercise: str, source: str, grader: CodeGrader | None = None):  # type: ignore[no-untyped-def]
+    grader = grader or CODE[exercise]
     verdict = grader.grade(source.encode(), LOCAL, seed=3, version="v").verdict
     return verdict, find_place(grader, source, verdict, LOCAL, lambda: False)
 
@@ -70,7 +74,10 @@ def test_both_mistakes_are_told_with_the_points_of_each_function() -> None:
 
 
 def test_names_that_are_consequences_of_another_one_are_withdrawn() -> None:
-    """Both other functions call the wrong one, and answer as mistakes of their own would have them answer."""
+    """Both other functions call the wrong one, and answer as mistakes of their own would have them answer.
+
+    The verdict itself leaves them out where some version of the model has them call it.
+    """
     source = """
 def avance(pas):
     return np.hypot(pas[:, 0], pas[:, 1])
@@ -90,7 +97,11 @@ def corriger(pas, gamma, beta, alpha):
     x, y = c * pas[:, 0] - s * pas[:, 1], s * pas[:, 0] + c * pas[:, 1]
     return np.column_stack([gamma * x, gamma * y, virage])
 """
-    verdict, found = place_of("l20/calibration", source)
+    known = CODE["l20/calibration"]
+    assert known.prober is not None
+    bare = replace(known, prober=Prober(replace(known.prober.model, styles=()), known.prober.probes))
+    assert len(place_of("l20/calibration", source)[0].diagnosis.titles) == 1
+    verdict, found = place_of("l20/calibration", source, bare)
     assert len(verdict.diagnosis.titles) == 3
     assert found is not None
     assert found.diagnosis.titles == ("L'avance a perdu son signe",)
