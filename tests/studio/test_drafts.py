@@ -96,6 +96,17 @@ def test_an_exception_that_nobody_expects_is_a_fault_of_the_solution(studio: Stu
     assert "Attendre" not in studio.report(path)
 
 
+def test_of_a_class_too_mistakes_and_cases_are_proposed(studio: Studio) -> None:
+    stack = "class Pile:\n    def __init__(self):\n        self.t = []\n    def empiler(self, x):\n"
+    stack += "        self.t.append(x)\n    def depiler(self):\n        return self.t.pop()\n"
+    path, form = studio.create(), {**PLAIN, "solution": stack, "v-0-c-1-appel": ""}
+    studio.save(path, **{**form, "v-0-c-0-appel": "p = Pile(); p.empiler(3); p.depiler()"})
+    page = unescape(studio.browser.get(path).text)
+    assert re.search(r'name="cas" value="p = Pile\(\); p.empiler\(\d\); p.empiler', page), "a call more shows the order"
+    studio.save(path, **{**form, "v-0-c-0-appel": "p = Pile(); p.empiler(3); p.empiler(4); p.depiler()"})
+    assert "return self.t.pop() → return self.t.pop(0) Dans" in studio.report(path)
+
+
 def test_draws_are_proposed_and_never_join_unasked(studio: Studio) -> None:
     path = studio.create()
     form = {**PLAIN, "solution": "def f(a, b):\n    return b - a\n"}

@@ -119,6 +119,12 @@ def test_a_known_mistake_is_hunted_once_the_exercise_is_solved(hunting: Studio) 
     browser = ada.browser(hunting.site)
     hunt = f"/l20/exercices/{exercise.slug}/chasse"
     assert browser.get(hunt).status_code == 403
+    for action in ("", "abandonner"):
+        fields = {"erreur": "des_carres", "fonction": "cubes", "question": "entree", "action": action, "valeur": "3"}
+        answer = browser.post(hunt, data=fields)
+        assert answer.status_code == 403
+        assert "L’exposant" not in answer.text
+        assert "Des carrés" not in answer.text
     send(hunting, ada, exercise, CUBES)
     assert hunt in browser.get(f"/l20/exercices/{exercise.slug}").text
     page = plain(browser.get(hunt).text)

@@ -23,6 +23,7 @@ from graders.core.declared.declaration import Declaration, DeclaredCheck, read_d
 from graders.core.declared.doubts import find_doubt
 from graders.core.declared.grading import DeclaredGrader, Fingerprint, SolutionFault
 from graders.core.declared.judging import Case, expected_is_given, is_answered, judge, observed
+from graders.core.declared.list_ends import swap_list_ends
 from graders.core.declared.malformed import MalformedDeclaration
 from graders.core.declared.playing import Played, Player
 from graders.core.declared.probe_answers import probe_answer
@@ -209,7 +210,7 @@ class ExerciseTrial:
 
     def _try_changes(self, grader: DeclaredGrader, until: float, inputs: _TriedInputs) -> Iterator[TriedChange]:
         """Yield the changes of the solution that were tried in time."""
-        for alteration in sample_alterations(grader.solution, MAX_CHANGES):
+        for alteration in _alterations(grader.solution):
             if self._clock() > until:
                 return
             yield self._try_change(grader, alteration, inputs)
@@ -282,6 +283,13 @@ class _TriedInputs:
     def _doubt(self, at: int, scenario: Scenario) -> str:
         examples = [case for check in self._grader.declaration.checks for case in check.cases]
         return find_doubt(scenario, examples, self._grader.parameters.get(scenario.statements[0].callee, ()))
+
+
+def _alterations(solution: str) -> list[Alteration]:
+    """Return the changes of a solution that are tried, each program once."""
+    ends = swap_list_ends(solution)[: MAX_CHANGES // 4]
+    changes = [*sample_alterations(solution, MAX_CHANGES - len(ends)), *ends]
+    return sorted({change.altered: change for change in changes}.values(), key=lambda change: change.line)
 
 
 def _tried_case(check: DeclaredCheck, at: int, number: int, case: Scenario, got: Played) -> TriedCase:

@@ -32,11 +32,26 @@ def vary_cases(check: DeclaredCheck) -> list[Scenario]:
 
 
 def _vary(case: Scenario) -> Iterator[Scenario]:
+    """Yield a case with one call repeated or left out, then with one argument changed."""
+    for statements in _other_calls(case.statements):
+        yield replace(case, statements=statements, expected=())
     for at, statement in enumerate(case.statements):
         if statement.callee:
             for changed in _vary_call(statement):
                 statements = (*case.statements[:at], changed, *case.statements[at + 1 :])
                 yield replace(case, statements=statements, expected=())
+
+
+def _other_calls(statements: tuple[Statement, ...]) -> Iterator[tuple[Statement, ...]]:
+    """Yield the calls of a case with one more, or one less: of an object, what was done before counts."""
+    calls = [at for at, each in enumerate(statements) if at and each.kind == "call" and not each.into]
+    for at in calls:
+        other = next(_vary_call(statements[at]), statements[at])
+        yield (*statements[: at + 1], other, *statements[at + 1 :])
+    for at in calls:
+        left = (*statements[:at], *statements[at + 1 :])
+        if left[-1].is_shown:
+            yield left
 
 
 def _vary_call(call: Statement) -> Iterator[Statement]:

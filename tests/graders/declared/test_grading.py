@@ -53,6 +53,23 @@ def test_a_known_mistake_is_named_by_its_answers_whatever_its_text(sandbox: Sand
     assert graded(sandbox, DECLARATION, "def moyenne(t):\n    return t[0] if t else 0.0\n").diagnosis is None
 
 
+def test_a_known_mistake_is_named_within_the_tolerance(sandbox: Sandbox) -> None:
+    """A student's other way to the same mistake differs by rounding, or by what the exercise takes for the same."""
+    third = {**EMPTY, "id": "tiers", "programme": "def f(x):\n    return x / 3\n"}
+    near = {**EMPTY, "id": "presque", "programme": "def f(x):\n    return x / 3 + 4e-4\n"}
+    declaration = declare("f", "def f(x):\n    return x / 2\n", "f(1)", "f(2)", tolerance=1e-3, erreurs=[third])
+
+    def name(declared: dict[str, Any], added: float) -> str:
+        found = graded(sandbox, declared, f"def f(x):\n    return 0.33333333333 * x + {added}\n").diagnosis
+        return found.id if found else ""
+
+    assert name({**declaration, "erreurs": [third, near]}, 0.0) == "tiers", "as near as digits tell"
+    assert [name(declaration, added) for added in (2e-4, 2e-2)] == ["tiers", ""]
+    assert name({**declaration, "erreurs": [third, near]}, 2e-4) == "", (
+        "two are as near: no name is better than a wrong one"
+    )
+
+
 def test_a_known_mistake_that_never_ends_in_a_case_is_named(sandbox: Sandbox) -> None:
     loops = "def moyenne(t):\n    while not t:\n        pass\n    return sum(t) / len(t)\n"
     declaration = declare("moyenne", MEAN, "moyenne([1, 2])", "moyenne([])", erreurs=[{**EMPTY, "programme": loops}])
