@@ -1,0 +1,3 @@
+open('/etc/passwd').read()
+def compter_mots(texte):
+    return {}

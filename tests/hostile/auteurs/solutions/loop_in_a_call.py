@@ -1,0 +1,3 @@
+def compter_mots(texte):
+    while True:
+        pass

@@ -1,0 +1,3 @@
+x = bytearray(4 << 30)
+def compter_mots(texte):
+    return {}

@@ -1,0 +1,2 @@
+def compter_mots(texte):
+    return compter_mots(texte)
