@@ -32,6 +32,7 @@ THIN = 4
 PATHS = ("odometry", "before", "matched", "solved")
 #: Errors of which one is so many times another are shown on a logarithmic scale, from TINY metres on.
 WIDE, TINY = 20.0, 1e-3
+ELSEWHERE = "Ce qui échoue est le petit graphe de la vérification : ce parcours-ci n'est pas jugé."
 ALT = (
     "Deux plans côte à côte : à gauche, votre trajectoire et les points vus d'elle, étape par étape ; à droite, la "
     "vraie trajectoire et les mêmes points. D'abord tordus par l'odométrie, vos murs se redressent avec les recalages, "
@@ -62,7 +63,10 @@ def chaine(data: dict[str, Any]) -> Replay:
     return Replay(
         _view(paths, truth, clouds),
         frames,
-        _summary(paths, errors, len(data["loops"]), worse, borrowed=bool(data.get("borrowed")), real=real),
+        [
+            *([ELSEWHERE] if data.get("unjudged") else []),
+            *_summary(paths, errors, len(data["loops"]), worse, borrowed=bool(data.get("borrowed")), real=real),
+        ],
         charts=[
             Chart(
                 f"Erreur de la trajectoire (ATE, en m{', échelle logarithmique' if wide else ''})",

@@ -248,15 +248,16 @@ def solving(bench: Bench) -> None:
 def show_solved(bench: Bench) -> None:
     """Leave the film of the whole journey where a small graph has failed: nothing is judged."""
     with suppress(Rejection, StudentFault):
-        _solved(bench, chain_of(bench))
+        _solved(bench, chain_of(bench), unjudged=True)
 
 
-def _solved(bench: Bench, chain: Chain) -> tuple[Floats, Floats]:
+def _solved(bench: Bench, chain: Chain, *, unjudged: bool = False) -> tuple[Floats, Floats]:
     """The chain (k, 3) of the matches and what `optimiser` makes of it, filmed. Raises Rejection, StudentFault."""
     matches, loops = chain.matches, chain.loops
     moves, start = steps_of(chain.odometry[chain.keys]), journeys.added_up(matches)
     got = read_poses(bench, "optimiser", bench.call("optimiser", start, matches, moves, loops), len(start))
-    film(bench, "simule", chain.odometry[chain.keys], start, loops, got, chain.keys, borrows=chain.borrowed)
+    counted = chain.odometry[chain.keys]
+    film(bench, "simule", counted, start, loops, got, chain.keys, borrows=chain.borrowed, unjudged=unjudged)
     return start, got
 
 
@@ -270,11 +271,12 @@ def film(
     keys: Sequence[int] = (),
     before: Floats | None = None,
     borrows: bool = False,
+    unjudged: bool = False,
 ) -> None:
     """Leave what the stages have come to: poses of the key scans, and the loops by their ends.
 
     `solved`: None where the matches did not get that far. `before`: what matches came to from odometry that was not yet
-    calibrated. `borrows`: it began with results of the course.
+    calibrated. `borrows`: it began with results of the course. `unjudged`: it is another case that has failed.
     """
     paths = {"before": before, "odometry": odometry, "matched": start, "solved": solved}
     bench.film(
@@ -283,6 +285,7 @@ def film(
             "kind": "chaine",
             "place": place,
             "borrowed": borrows,
+            "unjudged": unjudged,
             "keys": list(keys),
             "loops": [[a, b] for a, b, _ in loops][:400],
         }

@@ -163,6 +163,15 @@ def test_a_wrong_graph_is_drawn_and_its_journey_filmed() -> None:
     assert on.films == [{"kind": "x"}]
 
 
+def test_a_film_of_what_is_not_judged_says_so() -> None:
+    keys = [0, 5, 10]
+    poses = journeys.simulated().truth[keys]
+    data = {"kind": "chaine", "place": "simule", "keys": keys, "loops": [], "odometry": poses, "matched": poses}
+    first, *_ = REPLAYS["chaine"]({**data, "solved": poses, "unjudged": True}).summary
+    assert first.startswith("Ce qui échoue est le petit graphe")
+    assert "petit graphe" not in " ".join(REPLAYS["chaine"]({**data, "solved": poses}).summary)
+
+
 def test_inputs_by_hand_are_short_numbers() -> None:
     """They are copied to be tried at home: `0.020000000000000004` is no number that anyone has chosen."""
     for args in small.GRAPHS:
