@@ -15,6 +15,9 @@ from server.database import Database
 from tests.support.live import Live
 from tests.support.shared import shared
 
+#: A platform of a test is on this machine, without TLS.
+LOCAL_PLATFORMS = {"BALISE_PLATFORM_HTTP": "1", "BALISE_PLATFORM_NETWORKS": "127.0.0.0/8,::1/128"}
+
 
 @dataclass(frozen=True)
 class Server:
@@ -53,5 +56,5 @@ def server(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Server]:
 
 @contextmanager
 def _serving(folder: Path) -> Iterator[str]:
-    with serving(folder / "data") as server:
+    with serving(folder / "data", **LOCAL_PLATFORMS) as server:
         yield str(server)

@@ -31,8 +31,11 @@ from server.identity.models import Account
 from server.lesson.models import LiveLesson
 from server.marks.models import ManualColumn, Rubric
 from server.marks.rubrics import copy_key
+from server.recall.retrievals import today
 from server.regrades.models import Regrade
 from server.submissions.models import Submission
+from server.warmup import repository as warm_ups
+from server.warmup.schemas import WarmUpOption, WarmUpQuestion
 from tests.contract.browser.conftest import NewVisit, enters
 from tests.contract.browser.test_accessibility import check
 from tests.contract.rights.test_routes import expected
@@ -94,6 +97,8 @@ STAFF: dict[str, tuple[str, ...]] = {
     CLASS + "/mots": ("", "?exercice=" + EXERCISE),
     CLASS + "/objectifs": ("",),
     CLASS + "/previsions": ("",),
+    CLASS + "/pour-commencer": ("",),
+    CLASS + "/pour-commencer/projeter": ("", "?reponses=oui"),
     CLASS + "/questions": ("", "?etat=toutes"),
     CLASS + "/recalculs": ("",),
     CLASS + "/recalculs/{regrade_id}": ("",),
@@ -110,6 +115,7 @@ STUDENT: dict[str, tuple[str, ...]] = {
     "/classes": ("",),
     CLASS: ("",),
     CLASS + "/objectifs": ("",),
+    CLASS + "/pour-commencer": ("",),
     ONE + "/copie": ("",),
     ONE + "/mon-equipe": ("",),
     ONE + "/pourquoi": ("",),
@@ -125,7 +131,7 @@ def test_each_page_of_a_class_is_walked() -> None:
 
 @dataclass(frozen=True)
 class Walk:
-    """The demonstration's class, served."""
+    """The demonstration's class, on the server of all browser tests."""
 
     server: Server
     database: Database
@@ -151,18 +157,14 @@ def grade(exercise: str, source: bytes, seed: int) -> Judgement:
 
 
 @pytest.fixture(scope="module")
-def walk(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Walk]:
+def walk(tmp_path_factory: pytest.TempPathFactory, server: Server) -> Iterator[Walk]:
     @contextmanager
-    def start(data: Path) -> Iterator[str]:
-        class_id = _load_demo(data, students=8)
-        with serving(data) as server:
-            yield f"{server} {class_id}"
+    def start(_folder: Path) -> Iterator[str]:
+        yield str(_load_demo(Path(server.data), students=8))
 
-    with shared(tmp_path_factory, "balise-walk", start) as told:
-        *server, made = told.split()
-        served = Server(*server)
-        database = served.open_database()
-        yield _found(served, database, UUID(made))
+    with shared(tmp_path_factory, "balise-walk", start) as class_id:
+        database = server.open_database()
+        yield _found(server, database, UUID(class_id))
         database.close()
 
 
@@ -171,7 +173,7 @@ def _load_demo(data: Path, students: int) -> UUID:
 
     def load() -> UUID:
         settings = Settings(data_dir=data)
-        database, course = migrated(settings), the_course()
+        database, course = Database(settings.url), the_course()
         module = course.modules["l20"]
         loaded = create_demo_class(
             database, course, module, grade, settings, seed=3, students=students, told=lambda _done, _all: None
@@ -185,7 +187,7 @@ def _load_demo(data: Path, students: int) -> UUID:
 
 
 def _one_of_each(database: Database, loaded: DemoClass) -> None:
-    """What the demonstration's workers and its teacher would make later: a group of behaviour, a regrade, a rubric."""
+    """Add what workers and the teacher would make later: a group of behaviour, a regrade, a rubric, a warm-up."""
     with database.write() as db:
         column = ManualColumn(class_id=loaded.class_id, title="À la main", out_of=4.0, weight=1.0, position=9)
         db.add(column)
@@ -196,7 +198,8 @@ def _one_of_each(database: Database, loaded: DemoClass) -> None:
         home.team_size, home.teams_by_students = 2, True
         db.add(Rubric(column_id=column.id, assignment_id=home.id, items=[item], anonymous=True, version=1))
         sent = select(Grading.id).join(Submission, Submission.grading_id == Grading.id)
-        graded = db.scalars(sent.where(Submission.exercise == EXERCISE).order_by(Submission.created_at)).first()
+        own = Submission.account_id.in_(member.id for member in classes.load_members(db, loaded.class_id))
+        graded = db.scalars(sent.where(Submission.exercise == EXERCISE, own).order_by(Submission.created_at)).first()
         values = {
             "exercise_version": "v1",
             "structure": "",
@@ -208,6 +211,9 @@ def _one_of_each(database: Database, loaded: DemoClass) -> None:
         db.add(Regrade(class_id=loaded.class_id, exercise=EXERCISE, policy="replace"))
         begun = utc_now() - timedelta(hours=1)
         db.add(LiveLesson(class_id=loaded.class_id, exercises=[EXERCISE], started_at=begun, ended_at=utc_now()))
+        options = (WarmUpOption("A", "`a + b`", MISTAKE, "Voici pourquoi."), WarmUpOption("B", "`b + a`"))
+        question = WarmUpQuestion("s", EXERCISE, MISTAKE, "Poses", "/", "Que vaut `f(1)` ?", options, "B", needed=5)
+        warm_ups.add(db, loaded.class_id, today(), [question.to_data()])
         db.flush()
         db.add(Fingerprint(grading_id=graded, group_id=GROUP))
 
@@ -223,11 +229,16 @@ def _found(server: Server, database: Database, class_id: UUID) -> Walk:
     with database.read() as db:
         people = classes.load_members(db, class_id)
         given = db.scalars(select(Assignment).where(Assignment.class_id == class_id)).all()
-        home, rubric = _home(db, class_id), db.scalars(select(Rubric)).one()
+        home = _home(db, class_id)
+        rubric = db.scalars(select(Rubric).where(Rubric.assignment_id == home.id)).one()
         test = max((one for one in given if one.mode == Mode.test), key=lambda one: one.opens_at)
-        at_work = db.scalars(select(Submission.account_id).where(Submission.exercise == EXERCISE)).first()
+        ids = [member.id for member in people]
+        sent = select(Submission.account_id).where(Submission.exercise == EXERCISE, Submission.account_id.in_(ids))
+        at_work = db.scalars(sent).first()
         student = db.get_one(Account, at_work)
         teacher = db.get_one(Account, next(one.id for one in people if one.membership.role == ClassRole.teacher))
+        held = select(LiveLesson.id).where(LiveLesson.class_id == class_id)
+        columns = select(ManualColumn.id).where(ManualColumn.class_id == class_id)
         values = {
             "class_id": class_id,
             "aid": home.id,
@@ -239,9 +250,9 @@ def _found(server: Server, database: Database, class_id: UUID) -> Walk:
             "slug": EXERCISE.split("/")[1],
             "mistake": MISTAKE,
             "group": GROUP,
-            "regrade_id": db.scalars(select(Regrade.id)).one(),
-            "lesson_id": db.scalars(select(LiveLesson.id).where(LiveLesson.ended_at.is_not(None))).first(),
-            "column_id": db.scalars(select(ManualColumn.id).where(ManualColumn.id != rubric.column_id)).one(),
+            "regrade_id": db.scalars(select(Regrade.id).where(Regrade.class_id == class_id)).one(),
+            "lesson_id": db.scalars(held.where(LiveLesson.ended_at.is_not(None))).first(),
+            "column_id": db.scalars(columns.where(ManualColumn.id != rubric.column_id)).one(),
         }
     return Walk(server, database, teacher, student, {name: str(value) for name, value in values.items()})
 
@@ -264,6 +275,7 @@ def test_no_page_of_a_class_of_300_is_longer_than_three_screens(
     visit: NewVisit, tmp_path_factory: pytest.TempPathFactory
 ) -> None:
     data = tmp_path_factory.mktemp("crowd")
+    migrated(Settings(data_dir=data)).close()
     class_id = _load_demo(data, STUDENTS)
     with serving(data) as server:
         database = server.open_database()

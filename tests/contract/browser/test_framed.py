@@ -7,19 +7,17 @@ import json
 import threading
 from collections.abc import Iterator
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
-from pathlib import Path
 from typing import Any
 from urllib.parse import parse_qsl, quote, urlsplit
 
 import pytest
 
-from server.base.settings import Settings
 from server.federation.lti import registration
 from server.federation.lti.schemas import LtiSettings
 from tests.contract.browser.conftest import Browser
 from tests.support.platforms import CLIENT, DEPLOYMENT, Platform, private_key, sign
-from tests.support.quick import migrated, the_course
-from tests.support.served import Server, serving
+from tests.support.quick import the_course
+from tests.support.served import Server
 
 EXERCISE = "/l20/exercices/poses"
 BLOCKED = {
@@ -61,22 +59,19 @@ class Handler(BaseHTTPRequestHandler):
 
 
 @pytest.fixture(scope="module")
-def school(tmp_path_factory: pytest.TempPathFactory) -> Iterator[tuple[Server, str]]:
-    """Serve Balise at 127.0.0.1, and a platform at localhost: two sites."""
-    data = tmp_path_factory.mktemp("framed")
+def school(server: Server) -> Iterator[tuple[Server, str]]:
+    """Serve a platform at localhost, and register it with Balise at 127.0.0.1: two sites."""
     with ThreadingHTTPServer(("127.0.0.1", 0), Handler) as web:
         threading.Thread(target=web.serve_forever, daemon=True).start()
         platform = Platform(f"http://localhost:{web.server_address[1]}")
-        _register(data, platform)
-        walls = {"BALISE_PLATFORM_HTTP": "1", "BALISE_PLATFORM_NETWORKS": "127.0.0.0/8,::1/128"}
-        with serving(data, **walls) as server:
-            Handler.platform, Handler.service = platform, server.address
-            yield server, platform.issuer
+        _register(server, platform)
+        Handler.platform, Handler.service = platform, server.address
+        yield server, platform.issuer
         web.shutdown()
 
 
-def _register(data: Path, platform: Platform) -> None:
-    database = migrated(Settings(data_dir=data))
+def _register(server: Server, platform: Platform) -> None:
+    database = server.open_database()
     settings: LtiSettings = platform.settings
     texts = {"name": "Moodle", "issuer": platform.issuer, "client_id": CLIENT}
     with database.write() as db:
