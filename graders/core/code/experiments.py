@@ -30,7 +30,7 @@ from graders.core.code.seen_facts import (
 )
 from graders.core.compare.changed_arguments import ArgumentChange, replacements, variations
 from graders.core.compare.compound_forms import TupleForm
-from graders.core.compare.series import MIN_WRONG, Series, same
+from graders.core.compare.series import MIN_WRONG, Series, is_constant, same
 from graders.core.contract.program import KitSettings, PlannedCalls, Programs, Reply, StudentFault, flatten_blocks
 from graders.core.contract.streams import stream
 from graders.core.contract.values import Arguments, Floats, UnreadableError, Value, read_array
@@ -61,7 +61,7 @@ class Experimenter:
         related = [fact for view in views for fact in self._related(trial, view)]
         # Many changes give the same counts and verdicts, or leave them as they are.
         rich = [view for view in views if not _holds_counts(trial.series(view))]
-        replaced = list(self._replaced(trial, rich))
+        replaced = list(self._replaced(trial, [view for view in rich if not is_constant(trial.series(view))]))
         strong = [fact for fact in related if is_strong(fact)]
         # Among several right answers, the solution's own choice may feel an argument that others need not.
         pairs = zip(trial.got, trial.unrounded or trial.got, strict=True)

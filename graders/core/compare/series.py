@@ -45,10 +45,17 @@ def tell_relations(series: Series) -> Iterator[str]:
         return
     with np.errstate(all="ignore"):
         if all(got.shape == right.shape for got, right in zip(series.got, series.right, strict=True)):
-            for find in _RELATIONS:
+            # One answer to everything is many things of the right ones, such as the whole part of small numbers.
+            for find in (_arguments, *_RELATIONS) if is_constant(series) else _RELATIONS:
                 yield from find(series)
         else:
             yield from _conditions(series)
+
+
+def is_constant(series: Series) -> bool:
+    """Whether all answers are the same."""
+    first = series.got[0]
+    return all(got.shape == first.shape and same(got, first) for got in series.got)
 
 
 def _invariants(series: Series) -> Iterator[str]:
@@ -177,8 +184,7 @@ def _orders(series: Series) -> Iterator[str]:
 
 def _arguments(series: Series) -> Iterator[str]:
     """An argument, as it was given, or the same answer to everything."""
-    first = series.got[0]
-    if all(got.shape == first.shape and same(got, first) for got in series.got):
+    if is_constant(series):
         varied = all(_varies(series, index) for index in range(len(series.names)))
         yield f"{'ne dépend d’aucun argument : c’est' if varied else 'est'} chaque fois la même valeur"
         return

@@ -33,9 +33,10 @@ CALLS: tuple[Arguments, ...] = (
     (TALL, 4.3, 1.2, 1.3, 3.3),
     (CORRIDOR, 17.3, 1.6, 0.0, 9.5),
     (CORRIDOR, 27.3, 1.6, 0.0, 12.0),
+    (ROOM, 1.4, 5.5, 0.0, 7.3),
 )
 OPEN = (6, 7, 8, 9, 10, 11)
-RANGED = (4, 12, 13)
+RANGED = (4, 12, 13, 15)
 
 
 def read(args: Arguments, value: Value) -> Value:

@@ -150,6 +150,9 @@ FAR = plan("...#..... ......... ......... ......... ......... #........")
 ROOM = plan("######## #......# #......# #...#..# #......# #......# ########")
 SOLID = plan("##### ##.## #...# ##.## ##### #####")
 OPEN = plan("........... ........... ....#...... ........... .........#. ........... ........... .#.........")
+#: One wall, in a corner, from which the others are as far as no range reaches.
+FAR = np.ones((20, 16), dtype=bool)
+FAR[0, -1] = False
 #: As wide as high, so that who exchanges rows and columns comes to an answer.
 SQUARE = plan(".#... ..... ..... ..... ....#")
 #: A breadth-first search by steps of 1 and of the diagonal goes wrong at two steps and one.
@@ -163,8 +166,9 @@ def small_maps(rng: Rng) -> Iterator[Arguments]:
 
 
 def any_maps(rng: Rng) -> Iterator[Arguments]:
-    """Maps wide and tall, open on all sides, most of them with few walls, drawn at random."""
+    """Maps wide and tall, open on all sides, most of them with few walls, drawn at random; one beyond any range."""
     yield (OPEN,)
+    yield (FAR,)
     yield (np.ascontiguousarray(OPEN.T[::-1]),)
     for source in telling_then(rng):
         for height, width, walls in ((6, 11, 3), (12, 5, 2), (9, 13, 5)):

@@ -128,6 +128,7 @@ def chains(rng: np.random.Generator) -> Iterator[Arguments]:
     yield [fixed("base", "laser", 0.5, 0.25, 1)], "base", "laser", 0.0
     yield TURNED, "a", "c", 7.0
     yield [dated("odom", "base", 1.0, 0, 0, 0), dated("odom", "base", 2.0, 2, 4, 1)], "odom", "base", 1.25
+    yield [dated("odom", "base", 0.0, 0, 0, 0), dated("odom", "base", 2.0, 2, 4, 1)], "odom", "base", 0.5
     yield STATED, "map", "laser", 10.5
     yield STATED, "odom", "laser", 10.25
     yield STATED, "map", "base", 11.0

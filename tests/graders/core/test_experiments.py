@@ -54,6 +54,13 @@ def test_an_argument_that_never_changes_may_be_the_one_that_counts() -> None:
     assert told(same, ROWS, [(1.0, float(k)) for k in range(3)])[0] == "est chaque fois la même valeur"
 
 
+def test_one_answer_to_everything_is_told_before_what_it_is_of_the_right_ones() -> None:
+    grader = CODE["l20/odometrie"]
+    source = grader.solution + "\n\ndef sigma_dtheta(sigma_g, sigma_d, L):\n    return 0.0\n"
+    facts = Experimenter(grader, LOCAL, 3, lambda: False).find_facts(source, ["sigma_dtheta"])
+    assert [fact.title.partition(" : ")[2] for fact in facts] == ["c’est chaque fois la même valeur"]
+
+
 def test_numbers_that_are_all_multiples_of_a_step_are_told() -> None:
     right = [np.array(x) for x in (0.7, 1.3, 2.64, 3.9, 4.1)]
     got = [np.ceil(x / 0.5) * 0.5 for x in right]
