@@ -45,6 +45,7 @@ from server.pages.drawn import router as drawn_router
 from server.pages.hunts import router as hunts_router
 from server.pages.notebook import router as notebook_router
 from server.pages.objectives import router as own_objectives_router
+from server.pages.own_run import router as own_run_router
 from server.pages.person import router as person_router
 from server.pages.routes import router as pages_router
 from server.pages.school.content import router as content_router
@@ -80,6 +81,7 @@ ROUTERS = (
     notebook_router,
     own_objectives_router,
     hunts_router,
+    own_run_router,
     two_minutes_router,
     administration_router,
     calendar_router,

@@ -6,6 +6,7 @@ from dataclasses import dataclass, field, replace
 from typing import Any
 
 import pytest
+from sqlalchemy import select
 
 from graders.core.contract.findings import Judgement
 from graders.core.contract.local import LOCAL
@@ -20,6 +21,7 @@ from server.gradebook import service as gradebook
 from server.gradebook.schemas import GradingResult
 from server.identity.models import Role
 from server.steps.questions import CallTraceRequest, CellTraceRequest, ReplayTraceRequest, TraceQuestion
+from server.steps.schemas import EndOut, NumberOut, TraceOut
 from server.steps.service import StepService
 from server.submissions.models import Submission
 from tests.support.classes import Person, assign, new_class, person, seat
@@ -215,3 +217,33 @@ def test_what_was_not_followed_costs_nothing(site: Site, raises: Exception, stat
     process.raises = None
     assert ada.post("/l20/cellules/pas", json={"code": "1"}).status_code == 200
     assert ada.post("/l20/cellules/pas", json={"code": "1"}, headers=JSON).status_code == 429
+
+
+def test_a_call_runs_without_scripts_and_is_no_attempt(site: Site) -> None:
+    @dataclass
+    class Runner(Process):
+        async def __call__(self, question: bytes, *, reader: str, flow: str, rank: int = 0) -> bytes:
+            await super().__call__(question, reader=reader, flow=flow, rank=rank)
+            end = EndOut(kind="returned", value=NumberOut(type="int", text="42"))
+            return (
+                TraceOut(
+                    lines=[], filename="f", call="f()", frames=[], steps=[], end=end, left_out=[], stdout="avant <b>\n",
+                    mark=None, milliseconds=1,
+                ).model_dump_json().encode()
+            )  # fmt: skip
+
+    process = follow(site, Runner())
+    exercise = site.client.get("/l20/exercices/poses").text
+    assert 'formaction="/l20/exercices/poses/executer"' in exercise.split("<noscript>")[1].split("</noscript>")[0]
+    form = {"code": CODE, "call": "composer([1], [2])"}
+    page = site.client.post("/l20/exercices/poses/executer", data=form).text
+    assert "avant &lt;b&gt;" in page
+    assert "42" in page
+    assert CODE.replace("\n", "") in page.replace("\n", ""), "the code stays in the form"
+    assert isinstance(process.asked[0], CallTraceRequest)
+    assert process.asked[0].plain
+    refused = site.client.post("/l20/exercices/poses/executer", data=form | {"call": "composer([1"}).text
+    assert 'role="alert"' in refused
+    assert len(process.asked) == 1
+    with site.database.read() as db:
+        assert db.execute(select(Submission)).first() is None

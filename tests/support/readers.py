@@ -390,6 +390,7 @@ READERS: tuple[Reader, ...] = (
         BODY,
         {**TEXTS, **PROGRAMS},
         "body:NewSubmission.code body:NewRun.code body:CallBody.code body:CellBody.code raw:server.pages.routes._code "
+        "raw:server.pages.own_run.run_own_call "
         "raw:server.pages.routes.save raw:server.pages.routes.submit",
     ),
     Reader("a program in colours", colour_afresh, CODE, {**TEXTS, **PROGRAMS}),

@@ -1,0 +1,63 @@
+"""« Exécuter » without scripts: a call of one's own, or the file as it is, run and shown on a page. No attempt."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from fastapi import APIRouter, Request
+from fastapi.responses import Response
+from starlette.concurrency import run_in_threadpool
+
+from server.base.errors import Invalid
+from server.base.http import client_address
+from server.course.dependencies import CourseOf
+from server.identity.dependencies import BrowserAccount
+from server.steps.routes import StepsDep
+from server.steps.schemas import CallBody, TraceOut
+from server.steps.writing import write_value
+from server.web.forms import FormFields
+from server.web.rendering import render_page
+from server.web.views import exercise_href, find_exercise, module_link
+
+router = APIRouter(include_in_schema=False)
+
+MAX_CALL = 4000
+TOO_LONG = f"Un appel fait au plus {MAX_CALL} caractères."
+
+
+@router.post("/{module:module}/exercices/{slug}/executer")
+async def run_own_call(
+    request: Request,
+    module: str,
+    slug: str,
+    account: BrowserAccount,
+    course: CourseOf,
+    steps: StepsDep,
+    fields: FormFields,
+) -> Response:
+    """Run a typed call of the code of the form, or the code alone where there is none."""
+    exercise = find_exercise(course, module, slug)
+    code, call = (str(fields.get(name, "")) for name in ("code", "call"))
+    page: dict[str, Any] = {
+        "module": module_link(course.modules[exercise.module]),
+        "exercise_title": exercise.title,
+        "exercise_href": exercise_href(exercise),
+        "here": f"{exercise_href(exercise)}/executer",
+        "action": f"{exercise_href(exercise)}/soumissions",
+        "code": code,
+        "call": call,
+        "refusal": "",
+        "trace": None,
+        "value": "",
+    }
+    try:
+        if len(call) > MAX_CALL:
+            raise Invalid(TOO_LONG)
+        body = CallBody(code=code, call=call, plain=True)
+        answer = await steps.trace_call(account, exercise.id, body, client_address(request))
+    except Invalid as refused:
+        page["refusal"] = refused.detail
+    else:
+        trace = TraceOut.model_validate_json(answer)
+        page |= {"trace": trace, "value": "" if trace.end.value is None else write_value(trace.end.value)}
+    return await run_in_threadpool(render_page, request, "own_run.html", account, page=page)
