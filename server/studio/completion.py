@@ -86,13 +86,15 @@ def complete_draft(draft: ExerciseDraft, trial: ExerciseTrial) -> CompletedExerc
     _share_points(checks)
     answers = _answers(declaration, trial)
     _drop_empty_lists(checks)
+    signatures = proposals.propose_signatures(solution, functions)
+    named = ", ".join(f"la classe {name}" if signatures[name].startswith("class ") else name for name in functions)
     return CompletedExercise(
         title=draft.title.strip() or ", ".join(functions) or "Sans titre",
         summary=draft.summary.strip()
-        or ("Écrire un programme." if is_whole_program(functions) else f"Écrire {', '.join(functions)}."),
+        or ("Écrire un programme." if is_whole_program(functions) else f"Écrire {named}."),
         statement=_statement(draft, functions, answers),
         starter=_lines(draft.starter) if draft.starter.strip() else proposals.propose_starter(solution, functions),
-        signatures=proposals.propose_signatures(solution, functions),
+        signatures=signatures,
         hints=tuple(_lines(hint).strip() for hint in draft.hints),
         declaration=declaration,
         draws=proposed.draws,

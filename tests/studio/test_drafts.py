@@ -105,6 +105,10 @@ def test_of_a_class_too_mistakes_and_cases_are_proposed(studio: Studio) -> None:
     assert re.search(r'name="cas" value="p = Pile\(\); p.empiler\(\d\); p.empiler', page), "a call more shows the order"
     studio.save(path, **{**form, "v-0-c-0-appel": "p = Pile(); p.empiler(3); p.empiler(4); p.depiler()"})
     assert "return self.t.pop() → return self.t.pop(0) Dans" in studio.report(path)
+    shown = studio.browser.get(f"{path}/essayer").text
+    assert "Classe demandée" in shown
+    assert "class Pile : empiler(x), depiler()" in shown
+    assert "Écrire la classe Pile." in shown
 
 
 def test_draws_are_proposed_and_never_join_unasked(studio: Studio) -> None:

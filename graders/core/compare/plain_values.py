@@ -202,7 +202,11 @@ def _slip(expected: Value, got: Value) -> str | None:
 
 
 def _place(path: str) -> str:
-    return f"À l’indice {path} : " if path else ""
+    """Return where two values differ: « À l’indice 1 : », « Pour la clé 'le' : », « En [0]['le'] : »."""
+    inside = path[1:-1]
+    if not path or "][" in path:
+        return f"En {path} : " if path else ""
+    return f"À l’indice {inside} : " if inside.isdecimal() else f"Pour la clé {inside} : "
 
 
 def _count(count: int) -> str:

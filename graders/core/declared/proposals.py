@@ -63,8 +63,21 @@ def propose_signatures(solution: str, functions: Sequence[str]) -> dict[str, str
         if isinstance(node, ast.FunctionDef) and node.name in signatures:
             signatures[node.name] = f"{node.name}({ast.unparse(node.args)})"
         elif isinstance(node, ast.ClassDef) and node.name in signatures:
-            signatures[node.name] = f"class {node.name}"
+            signatures[node.name] = f"class {node.name}{_methods(node)}"
     return signatures
+
+
+def _methods(node: ast.ClassDef) -> str:
+    """Return what one calls of a class, without `self`: « : empiler(x), depiler() »; empty where it has no method."""
+    methods = [each for each in node.body if isinstance(each, ast.FunctionDef)]
+    public = [each for each in methods if not each.name.startswith("_") or each.name == "__init__"]
+    shown = []
+    for method in public:
+        first, _, rest = ast.unparse(method.args).partition(", ")
+        parameters = rest if first in ("self", "cls") else ast.unparse(method.args)
+        if parameters or method.name != "__init__":
+            shown.append(f"{node.name if method.name == '__init__' else method.name}({parameters})")
+    return f" : {', '.join(shown)}" if shown else ""
 
 
 def propose_starter(solution: str, functions: Sequence[str]) -> str:

@@ -46,7 +46,8 @@ KINDS = (
                 'mots("")', 'mots("a b a")'),
         ("from collections import Counter\ndef mots(t):\n    return Counter(t.split())\n",),
         {"def mots(t):\n    return {m: t.split(' ').count(m) for m in t.split(' ')}\n":
-         "Pour mots(''), on attend {} et mots renvoie {'': 1}."},
+         "Pour mots(''), on attend {} et mots renvoie {'': 1}.",
+         "def mots(t):\n    return {m: 1 for m in t.split()}\n": "Pour la clé 'a' : 1 au lieu de 2."},
     ),
     Kind(
         "set",
