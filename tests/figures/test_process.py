@@ -134,7 +134,7 @@ def test_what_takes_too_much_processor_time_ends_alone_beside_others(folder: Pat
         assert await helper.ask(question(folder, "right")) == lesson
         assert helper._process.pid == process
 
-    play(scene, helper_program(cpu_seconds=3.0, patience=600.0))
+    play(scene, helper_program(cpu_seconds=1.5, patience=600.0))
 
 
 def test_what_ends_its_process_fails_alone_and_the_next_is_drawn_by_another(folder: Path) -> None:

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any
 
 import pytest
 
 from server.base.app_services import get_service
+from server.grading import trial_task
 from server.grading.grading_task import GradingInput, GradingTask
 from server.grading.sandbox_grader import SandboxGrader, SandboxPrograms
 from server.grading.trial_task import TrialTask
@@ -101,8 +102,14 @@ class Studio:
         return " ".join(re.sub(r"<[^>]*>", " ", page.text).replace("&nbsp;", " ").replace("\u202f", " ").split())
 
 
+#: Of a trial's program, which none but an endless one comes near to: the time of the processor, whatever else it does.
+SHORT_CPU_SECONDS = 0.25
+
+
 @pytest.fixture
-def studio(site: Site, course_sandbox: Sandbox) -> Iterator[Studio]:
+def studio(site: Site, course_sandbox: Sandbox, monkeypatch: pytest.MonkeyPatch) -> Iterator[Studio]:
+    limits = replace(trial_task.TRIAL_POLICY, cpu_seconds=SHORT_CPU_SECONDS)
+    monkeypatch.setattr(trial_task, "TRIAL_POLICY", limits)
     course, service = the_course(), get_service(site.app, StudioService)
     grader = SandboxGrader(course, course_sandbox)
 
