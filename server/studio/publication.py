@@ -86,7 +86,7 @@ def _case_to_add(tried: TriedMistake, where: str) -> str:
     """Return what an author is to do about a mistake that no case shows."""
     if tried.case:
         return f"ajoutez le cas `{tried.case}`, {where} (cochez-le plus bas)."
-    return f"ajoutez un cas {where}."
+    return f"ajoutez un cas {where}, ou retirez-la."
 
 
 def version_content(completed: CompletedExercise) -> dict[str, Any]:

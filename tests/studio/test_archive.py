@@ -50,8 +50,8 @@ class NoTrial:
     def answers(self, data: object) -> None:
         return None
 
-    def draws_are_answered(self, data: object) -> bool:
-        return False
+    def answer_draws(self, data: object) -> list[tuple[str, str]]:
+        return []
 
 
 def completed(draft: ExerciseDraft) -> Any:
