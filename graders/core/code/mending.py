@@ -20,6 +20,7 @@ from graders.core.code.changes import ProgramChange, count_turns, find_changes, 
 from graders.core.code.checks import Check
 from graders.core.code.grading import NO_SHRINKING, CodeGrader
 from graders.core.code.mutants import NO_ANSWER
+from graders.core.code.pair_search import OutOfTimeError
 from graders.core.code.probes import TOLERANCE, ProbeAnswer, ProbeFault, Probes, same_probe_answer
 from graders.core.code.runner import Runner
 from graders.core.code.running import run_check
@@ -65,10 +66,6 @@ class Mending:
     def mended(self) -> frozenset[str]:
         """The ids of the checks that pass after all steps."""
         return frozenset().union(*(step.mended for step in self.steps))
-
-
-class OutOfTimeError(Exception):
-    """The search has spent its time."""
 
 
 class MendingSearch:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+import time
 from collections.abc import Callable, Collection, Iterator
 from dataclasses import dataclass
 
@@ -13,6 +14,8 @@ from graders.core.code.reachability import is_program
 
 #: Mutants that are asked in one exchange, and in all: some 0.4 ms each, in the helper process.
 SLICE, MAX_PAIRS = 50, 8000
+#: Seconds for the pairs of one function, of which some take long: other searches follow.
+MAX_SECONDS = 5.0
 
 
 @dataclass(frozen=True)
@@ -22,6 +25,19 @@ class PairSearch:
 
     spent: Callable[[], bool]
     holds: Callable[[Probes, str], bool]
+
+
+def within_seconds(slices: Iterator[list[MutantRow]], spent: Callable[[], bool]) -> Iterator[list[MutantRow]]:
+    """Yield the slices; raise OutOfTimeError where these take too long, or all time is `spent`."""
+    deadline = time.monotonic() + MAX_SECONDS
+    for rows in slices:
+        if spent() or time.monotonic() > deadline:
+            raise OutOfTimeError
+        yield rows
+
+
+class OutOfTimeError(Exception):
+    """A search has spent its time."""
 
 
 def slice_untried_pairs(mutants: MutantAnswerCache, index: int, blamed: Collection[str]) -> Iterator[list[MutantRow]]:

@@ -20,7 +20,7 @@ from graders.core.code.answer_arrays import AnswerSequence
 from graders.core.code.confined import Unfinished
 from graders.core.code.mutants import MAX_COMBINED_MISTAKES, MutantAnswerCache, MutantRow
 from graders.core.code.mutations import Model, Mutant
-from graders.core.code.pair_search import PairSearch, are_telling, slice_untried_pairs
+from graders.core.code.pair_search import OutOfTimeError, PairSearch, are_telling, slice_untried_pairs, within_seconds
 from graders.core.code.part_matching import match_parts
 from graders.core.code.piggyback import HANG_SECONDS
 from graders.core.code.probe_runs import (
@@ -176,11 +176,12 @@ class Prober:
                     return []
             slices = slice_untried_pairs(self._mutants, index, blamed)
         fits: list[MutantRow] = []
-        for slice_of_rows in slices:
-            if search.spent():
-                return []
-            with self._lock:
-                fits += self._mutants.matching(index, slice_of_rows, sequence)
+        try:
+            for rows in within_seconds(slices, search.spent):
+                with self._lock:
+                    fits += self._mutants.matching(index, rows, sequence)
+        except OutOfTimeError:
+            return []
         common = _common_mistakes(fits) if fits else []
         is_pair = len(common) == MAX_COMBINED_MISTAKES
         return common if is_pair and search.holds(probes, fits[0].mutant.text) else []

@@ -156,6 +156,9 @@ def test_pairs_that_the_verdict_leaves_untried_are_named_after_it(monkeypatch: p
     every = PairSearch(lambda: False, lambda probes, text: True)
     assert named(source, asked=prober(), search=every) == ("b_seul", "a_seul")
     assert named(source, asked=prober(), search=replace(every, spent=lambda: True)) == ()
+    with monkeypatch.context() as at_once:
+        at_once.setattr("graders.core.code.pair_search.MAX_SECONDS", -1.0)
+        assert named(source, asked=prober(), search=every) == ()
     assert named(source, asked=prober(), search=replace(every, holds=lambda probes, text: False)) == ()
     twin = Prober(Model(MODEL, (*EDITS, edit("jumeau", "a + 1", "a + 0")), ()), PROBER.probes)
     assert named(source, asked=twin, search=every) == ()
