@@ -17,7 +17,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.linalg import solve_triangular
-from scipy.stats import chi2
+from scipy.special import gammaincinv
 
 from reference.ekf_slam import EkfSlam
 from reference.errors import InvalidArgumentError
@@ -223,4 +223,4 @@ class _Search:
 def _gate(confidence: float, pairs: int) -> float:
     if not 0.0 < confidence < 1.0:
         raise AssociationError("confidence", f"{confidence} is not a probability in ]0, 1[")
-    return float(chi2.ppf(confidence, SIZE * pairs))
+    return 2.0 * float(gammaincinv(SIZE * pairs / 2.0, confidence))  # of a chi-squared law: half a gamma law's
