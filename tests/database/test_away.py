@@ -18,7 +18,6 @@ from server.base.settings import Settings
 from server.database import Database, is_unavailable
 from server.database import engine as engines
 from server.queue import repository as queue
-from server.queue import worker as workers
 from server.queue.interfaces import Lease
 from server.queue.lease_owner import process_owner
 from server.queue.worker import Worker
@@ -195,7 +194,7 @@ class Once:
 
 def test_a_result_waits_for_the_database(sqlite: Database, settings: Settings, monkeypatch: pytest.MonkeyPatch) -> None:
     """Nothing is done twice for it, and no try is counted."""
-    monkeypatch.setattr(workers, "DATABASE_PAUSE", 0.001)
+    monkeypatch.setattr("server.queue.job_runner.DATABASE_PAUSE", 0.001)
     task = Once(away(), away())
     with sqlite.write() as db:
         QUIET.enqueue(db, "bake", "a")

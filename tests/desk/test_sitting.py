@@ -123,7 +123,7 @@ def test_from_begin_to_results(room: Room) -> None:
     running = browser.get(f"{room.path}/composer").text
     assert 'data-ends="' in running
     assert "Rendre définitivement" in running
-    answer = room.send(ada, wait=5)
+    answer = room.send(ada, wait=1)  # the whole of it
     assert (answer.status_code, answer.json()["status"], answer.json()["held"]) == (202, "running", True)
     assert "quand l’enseignant publiera" in answer.json()["notice"]
     room.grade()

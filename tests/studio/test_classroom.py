@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import pytest
 from sqlalchemy import func, select
 
 from server.classes.models import ClassRole, SchoolClass
+from server.grading import tryout_task
 from server.identity.models import Role
 from server.submissions.models import Submission
 from tests.support.classes import new_class, person, seat
@@ -44,7 +47,8 @@ def test_a_draft_is_tried_as_a_student_and_nothing_counts(studio: Studio) -> Non
 
 
 @pytest.mark.parametrize("code", ["x" * 20_001, "while True:\n    pass\n", "import os\nos._exit(3)\n"])
-def test_a_hostile_program_of_an_author_ends(studio: Studio, code: str) -> None:
+def test_a_hostile_program_of_an_author_ends(studio: Studio, code: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(tryout_task, "POLICY", replace(tryout_task.POLICY, cpu_seconds=0.25))
     path = studio.create()
     studio.save(path)
     answer = studio.browser.post(f"{path}/essayer", data={"code": code})

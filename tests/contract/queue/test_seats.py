@@ -43,7 +43,7 @@ def test_an_answer_s_verdict_comes_before_the_second_of_a_flood_of_loops(
     exercise, bell, begun, closed = course.exercises[EXERCISE], Bell(), threading.Event(), threading.Event()
     loop = "def boucler(*_arguments):\n    while True:\n        pass\n"
     looping = loop + "".join(f"{function.name} = boucler\n" for function in exercise.functions)
-    brief = replace(exercise.policy, cpu_seconds=1.5, wall_seconds=20.0)  # longer than an answer waits for a seat
+    brief = replace(exercise.policy, cpu_seconds=0.8, wall_seconds=60.0)  # longer than an answer waits for a seat
     grader, submissions = SandboxGrader(course, course_sandbox), Submissions(settings, QUIET)
 
     def grade(work: GradingInput) -> Judgement:
