@@ -239,6 +239,7 @@ def test_a_call_runs_without_scripts_and_is_no_attempt(site: Site) -> None:
     page = site.client.post("/l20/exercices/poses/executer", data=form).text
     assert "avant &lt;b&gt;" in page
     assert "42" in page
+    assert 'class="form own-run"' in page, "its fields have the page's width"
     assert CODE.replace("\n", "") in page.replace("\n", ""), "the code stays in the form"
     assert isinstance(process.asked[0], CallTraceRequest)
     assert process.asked[0].plain
