@@ -104,7 +104,7 @@ def test_of_a_class_too_mistakes_and_cases_are_proposed(studio: Studio) -> None:
     page = unescape(studio.browser.get(path).text)
     assert re.search(r'name="cas" value="p = Pile\(\); p.empiler\(\d\); p.empiler', page), "a call more shows the order"
     studio.save(path, **{**form, "v-0-c-0-appel": "p = Pile(); p.empiler(3); p.empiler(4); p.depiler()"})
-    assert "return self.t.pop() → return self.t.pop(0) Dans" in studio.report(path)
+    assert "self.t.append(x) → self.t.insert(0, x) Dans" in studio.report(path), "as pop(0), which answers alike"
     shown = studio.browser.get(f"{path}/essayer").text
     assert "Classe demandée" in shown
     assert "class Pile : empiler(x), depiler()" in shown
@@ -131,6 +131,18 @@ def test_draws_are_proposed_and_never_join_unasked(studio: Studio) -> None:
     fields = {"v-1-tirages": drawn.draws, "v-1-appel": drawn.call, "v-1-points": "8"}
     studio.save(path, **form, **fields, action="retirer-verification:1")
     assert len(read_draft(studio.stored(path)).checks) == 1
+
+
+def test_an_exception_of_a_drawn_input_is_told(studio: Studio) -> None:
+    path = studio.create()
+    form = {
+        **PLAIN,
+        "solution": "def f(x):\n    return 6 / x\n",
+        "v-0-tirages": "x = entier(0, 0)",
+        "v-0-appel": "f(x)",
+    }
+    studio.save(path, **form)
+    assert "f(0) , votre solution lève ZeroDivisionError" in studio.report(path)
 
 
 def test_a_proposed_case_tells_what_the_examples_have_and_it_has_not(studio: Studio) -> None:

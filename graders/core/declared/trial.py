@@ -84,7 +84,7 @@ class ExerciseTrial:
         changes = tuple(self._try_changes(grader, until, inputs)) if with_changes else ()
         return TrialReport(
             cases=cases, starter=starter_fault, mistakes=mistakes, changes=changes, seeds=graded,
-            is_whole=self._clock() <= until,
+            is_whole=self._clock() <= until, raising=inputs.raising,
         )  # fmt: skip
 
     def _load_fault(self, solution: str, functions: object) -> str:
@@ -263,6 +263,12 @@ class _TriedInputs:
         cases = [(at, case) for at, check in checks for case in grader.cases(check, TRIAL_SEED)]
         right = self._trial.play_known(grader, [case.scenario for _, case in cases])
         return [(at, case, got) for (at, case), got in zip(cases, right, strict=True) if is_answered(got)]
+
+    @property
+    def raising(self) -> tuple[str, str]:
+        """A drawn input on which the solution raises an exception of Python, and that exception; empty without one."""
+        drawn = ((case, got) for _, case, got in self.known if case.drawn is not None and got.fault is not None)
+        return next(((case.scenario.text(), str(got.raised)) for case, got in drawn), ("", ""))
 
     @cached_property
     def near(self) -> list[tuple[int, Case, Played]]:

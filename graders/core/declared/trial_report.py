@@ -68,7 +68,10 @@ class TriedChange:
 
 @dataclass(frozen=True)
 class TrialReport:
-    """A trial. `problem` is what keeps the declaration from being read, at `place`."""
+    """A trial. `problem` is what keeps the declaration from being read, at `place`.
+
+    `raising` is a drawn input on which the solution raises an exception of Python, and that exception.
+    """
 
     place: str = ""
     problem: str = ""
@@ -79,6 +82,7 @@ class TrialReport:
     changes: tuple[TriedChange, ...] = ()
     seeds: int = 0
     is_whole: bool = True
+    raising: tuple[str, str] = ("", "")
 
     @property
     def survivors(self) -> tuple[TriedChange, ...]:
@@ -94,5 +98,6 @@ class TrialReport:
             "cases": tuple(TriedCase(**each) for each in data["cases"]),
             "mistakes": tuple(TriedMistake(**each) for each in data["mistakes"]),
             "changes": tuple(TriedChange(**each) for each in data["changes"]),
+            "raising": tuple(data.get("raising", ("", ""))),
         }
         return cls(**{**data, **lists})
