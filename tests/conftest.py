@@ -78,8 +78,9 @@ def _has_room(folder: Path) -> bool:
 
 #: Processes of xdist, where a machine has many processors: each collects all tests, and most of them start servers.
 MAX_WORKERS = 8
-#: A selection of so few files is run in this process: starting others would take longer than it does.
-SMALL_SELECTION_FILES = 5
+#: A selection of so few files is run in this process: each other one loads the course and the routes for itself, which
+#: takes longer than the tests do.
+SMALL_SELECTION_FILES = 10
 
 
 def pytest_xdist_auto_num_workers(config: pytest.Config) -> int | None:

@@ -1,9 +1,9 @@
 """The log of administrators' actions, for administrators."""
 
 from datetime import timedelta
-from typing import Annotated, Any
+from typing import Any
 
-from fastapi import APIRouter, Query, Request
+from fastapi import APIRouter, Request
 from fastapi.responses import Response
 
 from server.audit import repository
@@ -11,7 +11,7 @@ from server.audit.wording import describe_changes
 from server.base.errors import Forbidden
 from server.database import utc_now
 from server.mails import repository as mails
-from server.web.dependencies import CurrentReader
+from server.web.dependencies import CurrentReader, PageNumber
 from server.web.forms import redirect_to_login
 from server.web.rendering import render_page
 from server.web.words import short_moment
@@ -21,14 +21,11 @@ router = APIRouter(include_in_schema=False)
 LOG_PATH = "/administration/journal"
 ENTRIES_PER_PAGE = 30
 MAIL_DAYS, SHOWN_PROBLEMS = 7, 5
-MAX_PAGE = 10**6
 ADMINISTRATORS = "Ce journal est celui des administrateurs de ce serveur."
 
 
 @router.get(LOG_PATH)
-def show_log(
-    request: Request, reader: CurrentReader, number: Annotated[int, Query(alias="page", ge=1, le=MAX_PAGE)] = 1
-) -> Response:
+def show_log(request: Request, reader: CurrentReader, number: PageNumber = 1) -> Response:
     if reader.account is None:
         return redirect_to_login(request)
     if not reader.account.is_administrator:

@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import groupby
-from typing import Annotated, Any
+from typing import Any
 
-from fastapi import APIRouter, Query, Request
+from fastapi import APIRouter, Request
 from fastapi.responses import Response
 
 from server.board.catalogue import find_misconception
@@ -24,7 +24,7 @@ from server.recall import repository as recall
 from server.recall.models import RecallAnswer
 from server.recall.subjects import subject_of
 from server.submissions.models import Submission
-from server.web.dependencies import CurrentReader
+from server.web.dependencies import CurrentReader, PageNumber
 from server.web.forms import redirect, redirect_to_login
 from server.web.rendering import render_page
 from server.web.views import Reader, exercise_href, find_exercise, module_link
@@ -33,7 +33,6 @@ router = APIRouter(include_in_schema=False)
 
 PATH = "/compte/carnet-d-erreurs"
 MISTAKES_A_PAGE = 30
-MAX_PAGE = 10**6
 SOURCE_PAGE = "/soumissions/{id}"
 
 
@@ -142,9 +141,7 @@ def _with_changes(reader: Reader, entries: Sequence[NotebookEntry]) -> Sequence[
 
 
 @router.get(PATH)
-def notebook(
-    request: Request, reader: CurrentReader, number: Annotated[int, Query(alias="page", ge=1, le=MAX_PAGE)] = 1
-) -> Response:
+def notebook(request: Request, reader: CurrentReader, number: PageNumber = 1) -> Response:
     """Show one's own mistakes, to nobody else."""
     if reader.account is None:
         return redirect_to_login(request)

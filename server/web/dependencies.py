@@ -1,10 +1,10 @@
-"""Request dependencies of every room with pages: the module of the address, and the reader."""
+"""Request dependencies of every room with pages: the module of the address, the reader, the number of a page."""
 
 from __future__ import annotations
 
 from typing import Annotated
 
-from fastapi import Depends, Request
+from fastapi import Depends, Query, Request
 from starlette.convertors import Convertor, register_url_convertor
 
 from server.base.app_services import app_service_getter
@@ -54,3 +54,5 @@ async def _reader(request: Request, db: Db) -> Reader:
 
 
 CurrentReader = Annotated[Reader, Depends(_reader)]
+#: Of a list in pages; no list has a million of them.
+PageNumber = Annotated[int, Query(alias="page", ge=1, le=10**6)]

@@ -123,3 +123,9 @@ def test_a_worse_attempt_mends_nothing() -> None:
     mended = {mistake.misconception: mistake.mended for mistake in past_mistakes(attempts)}
     assert mended == {"a": attempts[3], "b": attempts[3]}
     assert [mistake.mended for mistake in past_mistakes(attempts[:3])] == [None, None]
+
+
+@pytest.mark.parametrize("path", [NOTEBOOK, "/administration/journal"])
+def test_the_number_of_a_page_is_refused_outside_its_bounds(site: Site, path: str) -> None:
+    assert [site.client.get(f"{path}?page={number}").status_code for number in ("0", "1000001", "x")] == [422] * 3
+    assert site.client.get(f"{path}?page=1000000").status_code < 400

@@ -25,7 +25,7 @@ from server.lesson import service as lessons
 from server.rights import service as rights
 from server.rights.models import Right
 from server.rights.service import ClassAccess
-from server.web.dependencies import CurrentReader
+from server.web.dependencies import CurrentReader, PageNumber
 from server.web.forms import Field, redirect, redirect_to_login
 from server.web.rendering import render_page
 from server.web.views import Reader, find_module
@@ -34,7 +34,6 @@ router = APIRouter(include_in_schema=False)
 
 CodeQuery = Annotated[str, Query(max_length=100)]
 EMPTY_FORM = JoinFormValues("", "", "")
-PageNumber = Annotated[int, Query(alias="page", ge=1, le=10**6)]
 
 
 @router.get("/classes")

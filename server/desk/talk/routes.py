@@ -18,7 +18,7 @@ from server.desk.views import class_href
 from server.identity.dependencies import SignedIn
 from server.rights import service as rights
 from server.rights.models import Right
-from server.web.dependencies import CurrentReader
+from server.web.dependencies import CurrentReader, PageNumber
 from server.web.forms import Field, redirect, redirect_to_login
 from server.web.rendering import render_page
 from server.web.threads import Draft
@@ -35,7 +35,7 @@ def list_questions(
     class_id: str,
     reader: CurrentReader,
     etat: ThreadFilter = "ouvertes",
-    number: Annotated[int, Query(alias="page", ge=1, le=10**6)] = 1,
+    number: PageNumber = 1,
 ) -> Response:
     if reader.account is None:
         return redirect_to_login(request)
