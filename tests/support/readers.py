@@ -50,6 +50,7 @@ from server.desk.rubrics.forms import parse_copy, read_copy
 from server.desk.rubrics.forms import parse_form as parse_rubric_form
 from server.desk.rubrics.forms import read_form as read_rubric_form
 from server.desk.studio.forms import read_form as read_exercise_form
+from server.desk.studio.forms import read_picked
 from server.desk.studio.views import render_statement
 from server.federation import registration as servers
 from server.federation import rule_forms
@@ -291,12 +292,13 @@ READERS: tuple[Reader, ...] = (
     Reader(
         "a teacher's exercise",
         _form(
-            "titre enonce solution v-0-c-0-appel v-0-fichiers e-0-programme raison-0123456789ab",
-            lambda form: read_exercise_form(form, ExerciseDraft()).digest,
+            "titre enonce solution v-0-c-0-appel v-0-fichiers ecart-0 e-0-programme raison-0123456789ab erreur",
+            lambda form: (read_exercise_form(form, ExerciseDraft()).digest, read_picked(form, "erreur")),
         ),
         BODY,
         TEXTS,
         "raw:server.desk.studio.forms.read_form raw:server.desk.studio.forms._text "
+        "raw:server.desk.studio.forms._with_tolerances raw:server.desk.studio.forms.read_picked "
         "raw:server.desk.studio.routes.save_exercise",
     ),
     Reader(
