@@ -1,4 +1,7 @@
-"""« Exécuter » without scripts: a call of one's own, or the file as it is, run and shown on a page. No attempt."""
+"""« Exécuter » without scripts: a call of one's own, the file as it is, or a whole program with what it reads.
+
+The result is shown on a page, and is no attempt.
+"""
 
 from __future__ import annotations
 
@@ -13,7 +16,7 @@ from server.base.http import client_address
 from server.course.dependencies import CourseOf
 from server.identity.dependencies import BrowserAccount
 from server.steps.routes import StepsDep
-from server.steps.schemas import CallBody, TraceOut
+from server.steps.schemas import MAX_STDIN, CallBody, TraceOut
 from server.steps.writing import write_value
 from server.web.forms import FormFields
 from server.web.rendering import render_page
@@ -23,6 +26,7 @@ router = APIRouter(include_in_schema=False)
 
 MAX_CALL = 4000
 TOO_LONG = f"Un appel fait au plus {MAX_CALL} caractères."
+STDIN_TOO_LONG = f"L’entrée standard fait au plus {MAX_STDIN} caractères."
 
 
 @router.post("/{module:module}/exercices/{slug}/executer")
@@ -35,9 +39,10 @@ async def run_own_call(
     steps: StepsDep,
     fields: FormFields,
 ) -> Response:
-    """Run a typed call of the code of the form, or the code alone where there is none."""
+    """Run a typed call of the code of the form, or the code alone where there is none, with its standard input."""
     exercise = find_exercise(course, module, slug)
-    code, call = (str(fields.get(name, "")) for name in ("code", "call"))
+    code, call, stdin = (str(fields.get(name, "")) for name in ("code", "call", "stdin"))
+    stdin = stdin.replace("\r\n", "\n")
     page: dict[str, Any] = {
         "module": module_link(course.modules[exercise.module]),
         "exercise_title": exercise.title,
@@ -46,6 +51,8 @@ async def run_own_call(
         "action": f"{exercise_href(exercise)}/soumissions",
         "code": code,
         "call": call,
+        "stdin": stdin,
+        "is_program": any(wanted.is_program for wanted in exercise.functions),
         "refusal": "",
         "trace": None,
         "value": "",
@@ -53,7 +60,9 @@ async def run_own_call(
     try:
         if len(call) > MAX_CALL:
             raise Invalid(TOO_LONG)
-        body = CallBody(code=code, call=call, plain=True)
+        if len(stdin) > MAX_STDIN:
+            raise Invalid(STDIN_TOO_LONG)
+        body = CallBody(code=code, call=call, plain=True, stdin=stdin)
         answer = await steps.trace_call(account, exercise.id, body, client_address(request))
     except Invalid as refused:
         page["refusal"] = refused.detail

@@ -252,7 +252,7 @@ class ExerciseFrame:
 
 @dataclass(frozen=True)
 class ExercisePage(ExerciseFrame):
-    """An exercise of code. `replay` is where one has a call of one's own replayed, empty where there is none.
+    """An exercise of code. `replay` is where one runs a call of one's own, or a whole program; empty where neither.
 
     `examples` are calls to begin from, each with the name of its function.
     """

@@ -81,7 +81,7 @@ def exercise_page(reader: Reader, exercise: Exercise, taken: str | None) -> Exer
         code=taken if taken is not None else written,
         taken=taken is not None,
         limits=policy_lines(exercise),
-        replay=f"{exercise_href(exercise)}/pas" if any(wanted.is_function for wanted in exercise.functions) else "",
+        replay=f"{exercise_href(exercise)}/pas" if any(not wanted.is_class for wanted in exercise.functions) else "",
         examples=tuple((function.name, function.example) for function in exercise.functions if function.example),
         kit_href=f"/{exercise.module}/kit/{kit}",
         kit_name=kit,

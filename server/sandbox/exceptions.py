@@ -72,6 +72,10 @@ _FRENCH = re.compile(
 )
 
 
+#: Words of the `input` of exercises that give lines to read, after the last.
+_LINES_OVER = "plus de ligne à lire"
+
+
 #: Statements by which a program raises an exception itself, with words of its own.
 _OWN = re.compile(r"(?:^|[;:]\s*)(?:raise|assert)\b")
 
@@ -134,7 +138,9 @@ def _own_exception(exception: str, text: str) -> str:
 
 
 def _special_advice(exception: str, text: str) -> str | None:
-    """Return the advice for an exception whose text holds a value: a key, a path."""
+    """Return the advice for an exception whose text holds a value: a key, a path; or says that typed lines ran out."""
+    if exception == "EOFError" and _LINES_OVER in text:
+        return "« input » est appelé plus de fois qu’il n’y a de lignes."
     if exception == "KeyError" and text:
         return f"La clé {text.splitlines()[0][:80]} n’est pas dans le dictionnaire : d.get(…) donne None à sa place."
     if exception == "FileNotFoundError" and (

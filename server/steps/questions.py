@@ -105,8 +105,22 @@ class ScenarioTraceRequest(_Frozen):
     imports: dict[str, tuple[str, str]] = {}
 
 
+class ProgramRunRequest(_Frozen):
+    """A request to run a whole program without its steps; `lines` are its standard input, `kit` its parameters.
+
+    `function` is the name under which the kit plays the file.
+    """
+
+    kind: Literal["program"] = "program"
+    source: Bytes
+    function: str
+    lines: tuple[str, ...]
+    kit: dict[str, Any]
+
+
 TraceRequest = Annotated[
-    CellTraceRequest | CallTraceRequest | ReplayTraceRequest | ScenarioTraceRequest, Field(discriminator="kind")
+    CellTraceRequest | CallTraceRequest | ReplayTraceRequest | ScenarioTraceRequest | ProgramRunRequest,
+    Field(discriminator="kind"),
 ]
 
 

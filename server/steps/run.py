@@ -15,7 +15,7 @@ from graders.core.contract.program import KitSettings, Reply
 from graders.core.contract.streams import stream
 from graders.core.contract.values import Arguments, same_value
 from graders.core.declared.case_reading import parse_scenario
-from graders.core.declared.scenarios import Scenario
+from graders.core.declared.scenarios import Scenario, Statement
 from server.grading.sandbox_grader import SandboxPrograms
 from server.sandbox import FaultKind, Kit, Policy, ProgramFault, Sandbox, TraceResult, Value
 from server.steps import calls, marks, replaying, trace_messages, values
@@ -23,6 +23,7 @@ from server.steps.questions import (
     CallTraceRequest,
     CellTraceRequest,
     LibraryFileData,
+    ProgramRunRequest,
     ReplayTraceRequest,
     ScenarioTraceRequest,
     TraceQuestion,
@@ -87,6 +88,8 @@ def _dispatch(sandbox: Sandbox, request: TraceRequest) -> TraceOut:
             return _trace_replay(sandbox, request)
         case ScenarioTraceRequest():
             return _trace_scenario(sandbox, request)
+        case ProgramRunRequest():
+            return _run_program(sandbox, request)
 
 
 def _trace_cell(sandbox: Sandbox, request: CellTraceRequest) -> TraceOut:
@@ -147,6 +150,16 @@ def _trace_scenario(sandbox: Sandbox, request: ScenarioTraceRequest) -> TraceOut
     )
 
 
+def _run_program(sandbox: Sandbox, request: ProgramRunRequest) -> TraceOut:
+    """Run a whole program as its grading does. What its prompts show and what they read is part of what it prints."""
+    played = Scenario((Statement("program", callee=request.function, arguments=request.lines),))
+    kit = Kit(SCENARIOS, dict(request.kit))
+    program = _TracedProgram(
+        request.source, FILENAME, request.function, played.arguments(), {}, kit, driven=True, plain=True
+    )
+    return _trace_program(sandbox, program)
+
+
 def _find_definition(exercise: str) -> CodeDefinition:
     definition = discovery.load_definition(exercise)
     assert isinstance(definition, CodeDefinition), "only exercises of code are request about"
@@ -182,6 +195,8 @@ def _trace_program(
     if program.plain:
         reader.frames, reader.steps, reader.omissions = [], [], []
         end = _fault_end(result.fault) if result.fault and end.kind == "cut" else end
+        if program.driven and (name := _find_own_exception(reply)):
+            end = _fault_end(ProgramFault(FaultKind.RUNTIME_ERROR, trace_messages.OWN_EXCEPTION.format(name=name)))
     omissions = trace_messages.omission_messages(reader.omissions, truncated=session.stdout_truncated)
     if before is not None and end.kind == "returned" and not (reply and same_value(before.value, reply[0])):
         omissions.append(trace_messages.ANSWERED_OTHERWISE)
@@ -211,6 +226,14 @@ def read_trace(reader: TraceReader, result: TraceResult, *, shows_value: bool) -
     if fault.kind == FaultKind.TIMEOUT and trace_messages.was_tracing_stopped(reader.omissions):
         return EndOut(kind="cut", title=trace_messages.CUT, message=trace_messages.NOT_ENDED), ()
     return _fault_end(fault), ()
+
+
+def _find_own_exception(reply: tuple[Value, ...]) -> str:
+    """Return the name of the exception of the student's own class that ended a played program, or an empty string."""
+    match reply:
+        case ([*_, ("e", [str(name), *_])],) | (([*_, ("e", [str(name), *_])], str(), *_),):
+            return visible(name)
+    return ""
 
 
 def _read_returned(answer: Value, *, shows_value: bool) -> tuple[EndOut, tuple[Value, ...]]:

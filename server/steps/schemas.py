@@ -13,15 +13,21 @@ class _Frozen(BaseModel):
     model_config = ConfigDict(extra="forbid", frozen=True)
 
 
+#: Maximum length of a standard input, in characters.
+MAX_STDIN = 4000
+
+
 class CallBody(RequestBody):
     """A typed call: the code in the editor, and the call (« predire2d((0, 0, 0), 1, 0.5) »).
 
-    `plain`: only the prints and the end are wanted; the call may then be empty, and the file runs as it is.
+    `plain`: only the prints and the end are wanted; the call may then be empty, and the file runs as it is. Where an
+    exercise asks for a whole program, its `input` reads the lines of `stdin`.
     """
 
     code: str
     call: str = Field(max_length=4000)
     plain: bool = False
+    stdin: str = Field(default="", max_length=MAX_STDIN)
 
 
 class ReplayBody(RequestBody):

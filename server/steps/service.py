@@ -30,6 +30,7 @@ from server.steps.questions import (
     CallTraceRequest,
     CellTraceRequest,
     LibraryFileData,
+    ProgramRunRequest,
     ReplayTraceRequest,
     ScenarioTraceRequest,
     TraceQuestion,
@@ -41,6 +42,8 @@ from server.submissions.queue_senders import queue_sender
 from server.submissions.service import UNKNOWN_SUBMISSION
 
 TOO_FAST = "Vous avez suivi beaucoup de programmes en peu de temps : le prochain est possible dans {seconds} s."
+#: Seed of the kit of a program that is run, so that each run draws the same.
+SEED = 20
 NO_MODULE = "Ce module n’existe pas."
 NO_EXERCISE = "Cet exercice n’existe pas, ou se fait sans code."
 NO_REPLAY = "Ce cas ne peut pas être rejoué."
@@ -75,12 +78,15 @@ class StepService:
         """Trace a typed call of the code in the editor. Raises NotFound, NotNow, Invalid or TooLarge."""
         exercise = self._exercise(exercise_id)
         source = encode_bounded(_unix_newlines(new.code), self.settings.code_bytes)
+        is_program = new.plain and not new.call.strip() and any(wanted.is_program for wanted in exercise.functions)
         if new.call.strip() or not new.plain:
             calls.parse_call(new.call)
 
         def build(db: Session) -> TraceRequest:
             if tests := feedback.load_holds(db, account.id, exercise.id).tests:
                 raise WrongMoment(IN_TEST.format(title=tests[0].title))
+            if is_program and isinstance(exercise.grader, DeclaredGrader):
+                return _program_request(exercise.grader, source, new.stdin)
             sittings.require_no_tested_imports(db, account.id, source, self._reused_exercises(exercise.id))
             own = importable_files.load_importable_files_now(db, self.course, account.id, exercise.id, source)
             tested = sittings.load_tested_exercises(db, account.id, utc_now())
@@ -187,6 +193,13 @@ def _scenario_request(grader: DeclaredGrader, check: CheckResult, source: bytes,
         kit=dict(grader.kit(seed).parameters),
         imports=dict(grader.declaration.imports),
     )
+
+
+def _program_request(grader: DeclaredGrader, source: bytes, stdin: str) -> ProgramRunRequest:
+    """Return the request to run a whole program that reads `stdin`; a newline at its end begins no line."""
+    lines = _unix_newlines(stdin).removesuffix("\n").split("\n") if stdin else []
+    kit = dict(grader.kit(SEED).parameters)
+    return ProgramRunRequest(source=source, function=grader.functions[0], lines=tuple(lines), kit=kit)
 
 
 def _unix_newlines(code: str) -> str:

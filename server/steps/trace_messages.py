@@ -37,6 +37,7 @@ NOT_THE_SAME = (
 FORGED = (
     "Votre programme a lui-même écrit sur le canal par lequel il est suivi : on ne peut pas montrer ce qu’il a fait."
 )
+OWN_EXCEPTION = "Votre programme s’arrête sur votre exception « {name} », que rien ne rattrape."
 ANSWERED_OTHERWISE = (
     "Appelée seule, la fonction n’a pas renvoyé la même chose que pendant la correction : elle se souvient d’appels "
     "précédents, ou tire au hasard."

@@ -2,9 +2,18 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
+from sqlalchemy import select
+
+from server.base.app_services import add_services, get_service
 from server.identity.models import Role
+from server.sandbox import Sandbox
+from server.steps.questions import ProgramRunRequest, TraceQuestion
+from server.steps.run import answer_question
+from server.steps.service import StepService
+from server.submissions.models import Submission
 from tests.support.classes import person
 
 from .conftest import Studio
@@ -31,7 +40,10 @@ def test_a_program_is_written_published_and_done(studio: Studio) -> None:
     page = browser.get(f"/l20/exercices/{exercise.slug}").text
     assert "Programme demandé" in page
     assert "Quand on tape « 3 », puis « 4 », le programme affiche" in page.replace("\u202f", " ").replace("\xa0", " ")
-    assert "rejouer-un-appel" not in page
+    fields = page.split('id="rejouer-un-appel"')[1].split("</form>")[0]
+    assert 'name="stdin"' in fields
+    assert 'name="call"' not in page
+    assert 'name="again"' not in page
     verdicts = []
     for code in ("print(input() + input())", "print('somme :', int(input()) + int(input()))"):
         sent = browser.post(f"/l20/exercices/{exercise.slug}/soumissions", data={"code": code})
@@ -39,6 +51,37 @@ def test_a_program_is_written_published_and_done(studio: Studio) -> None:
         verdicts.append(browser.get(sent.headers["location"]).text.replace("\u202f", " ").replace("\xa0", " "))
     assert "Quand on tape « 3 », puis « 4 »" in verdicts[0]
     assert "20/20" in verdicts[1].replace(" ", "")
+
+
+def test_a_program_runs_with_and_without_scripts_on_what_is_typed(studio: Studio, course_sandbox: Sandbox) -> None:
+    exercise = studio.publish(**FORM)
+    address = f"/l20/exercices/{exercise.slug}"
+    asked: list[ProgramRunRequest] = []
+
+    async def follow(question: bytes, *, reader: str, flow: str, rank: int = 0) -> bytes:
+        read = TraceQuestion.model_validate_json(question)
+        assert isinstance(read.steps, ProgramRunRequest)
+        asked.append(read.steps)
+        return answer_question(course_sandbox, read).model_dump_json().encode()
+
+    add_services(studio.site.app, replace(get_service(studio.site.app, StepService), trace_program=follow))
+    ada = person(studio.site, Role.student, "Ada").browser(studio.site)
+    plain = ada.get(address).text.split("<noscript>")[1].split("</noscript>")[0]
+    assert 'name="stdin"' in plain
+    assert f'formaction="{address}/executer"' in plain
+    shown = ada.post(f"{address}/executer", data={"code": FORM["solution"], "stdin": "3\r\n<b>\r\n"}).text
+    assert "a ? 3\nb ? &lt;b&gt;\n" in shown
+    assert "(ligne 2)" in shown, "the second line is no number"
+    assert "\n3\n&lt;b&gt;\n</textarea>" in shown, "what was typed stays in the form"
+    body = {"code": FORM["solution"], "call": "", "plain": True, "stdin": "3\n4"}
+    trace = ada.post(f"{address}/pas", json=body).json()
+    assert (trace["stdout"], trace["end"]["kind"], trace["steps"]) == ("a ? 3\nb ? 4\nsomme : 7\n", "returned", [])
+    assert [request.lines for request in asked] == [("3", "<b>"), ("3", "4")]
+    refused = ada.post(f"{address}/executer", data={"code": "1", "stdin": "x" * 4001}).text
+    assert "au plus 4000 caractères" in refused
+    assert ada.post(f"{address}/pas", json={**body, "stdin": "x" * 4001}).status_code == 422
+    with studio.site.database.read() as db:
+        assert db.execute(select(Submission)).first() is None
 
 
 def test_what_is_typed_alone_is_told_as_a_program(studio: Studio) -> None:

@@ -12,7 +12,7 @@ from graders.core.declared.grading import DeclaredGrader
 from graders.plotting import counterexample
 from server.grading.sandbox_grader import SandboxPrograms
 from server.sandbox import Sandbox
-from server.steps.questions import ScenarioTraceRequest, TraceQuestion
+from server.steps.questions import ProgramRunRequest, ScenarioTraceRequest, TraceQuestion
 from server.steps.run import answer_question
 from server.steps.schemas import TraceOut
 
@@ -130,6 +130,31 @@ def test_a_whole_program_is_followed(sandbox: Sandbox) -> None:
     changed = {change.name for step in trace.steps for change in step.changes}
     assert {"n", "m"} <= changed
     assert trace.stdout.strip().endswith("3")
+
+
+@pytest.mark.parametrize(
+    ("source", "lines", "printed", "message"),
+    [
+        ("n = int(input('n ? '))\nprint(n + 1)\n", ("3",), "n ? 3\n4\n", ""),
+        ("import sys\nprint(sys.stdin.read().split())\n", ("é (", "", "b"), "['é', '(', 'b']\n", ""),
+        ("print('avant')\ninput()\n", (), "avant\n", "plus de fois qu’il n’y a de lignes"),
+        ("class Oups(Exception):\n    pass\nprint(1)\nraise Oups\n", (), "1\n", "« Oups »"),
+        ("x = (\n", (), "", "jamais"),
+    ],
+    ids=["prompt", "whole input", "too few lines", "own exception", "syntax"],
+)
+def test_a_whole_program_reads_its_standard_input(
+    sandbox: Sandbox, source: str, lines: tuple[str, ...], printed: str, message: str
+) -> None:
+    grader = DeclaredGrader("l20/essai_222222", read_declaration(declare("programme", "print(1)\n", "programme()")))
+    kit = dict(grader.kit(3).parameters)
+    request = ProgramRunRequest(source=source.encode(), function=grader.functions[0], lines=lines, kit=kit)
+    question = TraceQuestion(steps=request).model_dump_json()
+    trace = answer_question(sandbox, TraceQuestion.model_validate_json(question))
+    assert trace.stdout == printed
+    assert trace.steps == []
+    assert trace.end.kind == ("fault" if message else "returned")
+    assert message in (trace.end.message or "")
 
 
 def test_a_case_that_is_not_kept_whole_is_not_offered(sandbox: Sandbox) -> None:

@@ -1,39 +1,47 @@
-// A call of one's own, run, or replayed line by line, with what the editor holds; without a call, the file is run. What stands in its field when nothing was typed
-// there is the field's default: an example, or the last counterexample that was replayed.
+// A call of one's own, run, or replayed line by line, with what the editor holds; without a call, the file is run. What
+// stands in its field when nothing was typed there is the field's default: an example, or the last counterexample that
+// was replayed. Where a whole program is asked for, the field holds its standard input instead.
 
 import { make } from "./replays/dom.js";
 import { asked, show } from "./steps/index.js";
 import { Values } from "./steps/values.js";
 
 export function setUp(form, code) {
-  const { call, again, run } = form.elements;
+  const { call, again, run, stdin } = form.elements;
+  const field = stdin ?? call;
   const output = document.getElementById("appel-sortie");
   const wrong = document.getElementById("appel-refus");
 
   const right = () => {
     wrong.hidden = true;
-    call.removeAttribute("aria-invalid");
+    field.removeAttribute("aria-invalid");
   };
   const refused = () => {
     if (wrong.hidden) return; // asked already
-    call.setAttribute("aria-invalid", "true");
-    call.focus();
+    field.setAttribute("aria-invalid", "true");
+    field.focus();
+  };
+  const execute = async () => {
+    right();
+    const given = stdin ? { call: "", stdin: stdin.value } : { call: call.value };
+    const trace = await asked(run, wrong, form.action, { code: code(), ...given, plain: true }, "Exécution…");
+    if (trace) output.replaceChildren(...parts(trace, Boolean(stdin)));
+    else refused();
   };
   form.addEventListener("submit", async (event) => {
     event.preventDefault();
+    if (stdin) return execute();
     right();
     const trace = await asked(again, wrong, form.action, { code: code(), call: call.value });
     if (trace) show(trace);
     else refused();
   });
-  run.addEventListener("click", async () => {
-    right();
-    const body = { code: code(), call: call.value, plain: true };
-    const trace = await asked(run, wrong, form.action, body, "Exécution…");
-    if (trace) output.replaceChildren(...parts(trace));
-    else refused();
-  });
-  call.addEventListener("input", right);
+  field.addEventListener("input", right);
+  if (stdin) {
+    run.disabled = false;
+    return; // there, Enter ends a line
+  }
+  run.addEventListener("click", execute);
   call.addEventListener("keydown", (event) => {
     if (event.key !== "Enter" || event.shiftKey) return;
     event.preventDefault();
@@ -49,16 +57,16 @@ export function setUp(form, code) {
 }
 
 // What was printed, then what the call returned or why it did not.
-function parts({ stdout, left_out: notes, end, call }) {
+function parts({ stdout, left_out: notes, end, call }, isProgram) {
   const printed = stdout ? [title("Affiché"), make("pre", { class: "cell-stdout", tabIndex: 0 }, stdout)] : [];
   const cut = notes.map((note) => make("p", { class: "cell-note" }, note));
-  return [...printed, ...cut, ...(end.kind === "returned" ? returned(end, call, stdout) : [fault(end)])];
+  return [...printed, ...cut, ...(end.kind === "returned" ? returned(end, call || isProgram, stdout) : [fault(end)])];
 }
 
-function returned({ value }, call, stdout) {
+function returned({ value }, saysNothing, stdout) {
   if (value) return [title("Renvoyé"), make("div", { class: "value" }, new Values().show(value, { key: "renvoi" }))];
   if (stdout) return [];
-  return [make("p", { class: "cell-note" }, call ? "Rien n’est affiché." : "Votre fichier s’exécute, et n’affiche rien.")];
+  return [make("p", { class: "cell-note" }, saysNothing ? "Rien n’est affiché." : "Votre fichier s’exécute, et n’affiche rien.")];
 }
 
 function fault({ title: name, message, line }) {
