@@ -119,6 +119,8 @@ TWO_WALLS = floor("...#..", ".#....", "......")
 #: The same for a distance in which one axis stands twice.
 WINDING = floor(".....", "#.#..", "#....", "..##.", ".#...", "..##.", ".#...")
 FOLDED = floor("...#", ".#..", "....", "....", "....")
+#: Where |di| + |dj|, which counts a diagonal for two, goes left of a wall that is passed on the right.
+FORKED = floor(".....", "..#..", ".#...", ".....", "#....")
 
 
 def shortest(rng: np.random.Generator) -> Iterator[Arguments]:
@@ -141,6 +143,7 @@ def shortest(rng: np.random.Generator) -> Iterator[Arguments]:
         (TWO_WALLS.T.copy(), (0, 1), (5, 1)),
         (FOLDED, (4, 3), (0, 0)),
         (WINDING, (4, 2), (0, 1)),
+        (FORKED, (0, 2), (4, 1)),
     ):
         yield permitted, no_cost(permitted), start, goal
     for permitted, _, start, goal in (*_always()[:3], _maze(rng), _maze(rng)):
@@ -171,6 +174,8 @@ def cheapest(rng: np.random.Generator) -> Iterator[Arguments]:
     yield np.ones((5, 7), dtype=bool), _ridge(), (2, 0), (2, 6)
     yield np.ones((4, 6), dtype=bool), _slope(), (0, 0), (0, 5)
     yield np.ones((5, 7), dtype=bool), 0.1 * _ridge(), (2, 0), (2, 6)
+    # Two diagonals around a cell, 2.83, are cheaper than two straight steps through it, 3.
+    yield floor("....", "...."), np.array([[0.0, 0.5, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]]), (1, 3), (1, 1)
     yield from _always()
     yield _maze(rng)
     yield _maze(rng)
