@@ -102,7 +102,10 @@ def load_handed_before(db: Session, before: datetime) -> Sequence[MailDelivery]:
 
 
 def find_latest_delivery(db: Session, subscription_id: UUID) -> MailDelivery | None:
-    query = select(MailDelivery).where(MailDelivery.subscription_id == subscription_id)
+    """Return the latest mail that had something to tell: a Monday without news hides no lost mail."""
+    query = select(MailDelivery).where(
+        MailDelivery.subscription_id == subscription_id, MailDelivery.state != MailState.dropped
+    )
     return db.execute(query.order_by(MailDelivery.created_at.desc(), MailDelivery.id).limit(1)).scalar_one_or_none()
 
 

@@ -373,7 +373,7 @@ def test_pages_ask_no_more_for_more_assignments_and_students(school: School) -> 
     for number in range(5):
         school.give(titre=f"Devoir {number}")
     assert asked() == few
-    assert max(few) <= 17
+    assert max(few) <= 18
 
 
 def test_a_copy_takes_the_assignments_along_at_their_time_of_day(school: School) -> None:

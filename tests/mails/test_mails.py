@@ -320,8 +320,9 @@ def test_a_message_whose_answer_is_lost_is_never_sent_twice(desk: Desk, served: 
     assert desk.post.work() == 0
     assert desk.deliveries()[0].state == MailState.unknown
     served.hangs_up = False
-    desk.now += timedelta(days=1)
+    desk.now = latest_week(desk.now + timedelta(days=7)) + timedelta(hours=1)  # a Monday with nothing to tell
     assert desk.post.work() == 0
+    assert {MailState(mail.state) for mail in desk.deliveries()} == {MailState.unknown, MailState.dropped}
     assert "peut-être arrivé" in desk.page()
 
 
