@@ -1,4 +1,4 @@
-"""Parses a call as a student types it, « predire2d((0, 0, 0), 1, np.pi / 2) », without executing anything."""
+"""Parses what a student types for a run, without executing anything: « predire2d((0, 0, 0), 1, np.pi / 2) »."""
 
 from __future__ import annotations
 
@@ -16,6 +16,7 @@ import numpy as np
 from graders.core.syntax_trees import parse_expression
 from graders.typography import limit_marks
 from server.base.errors import Invalid
+from server.base.validation import encode_bounded
 from server.sandbox import Value
 from server.sandbox.child.codec import ValueLimits, ValueTooBig, encode
 from server.text.plain import visible
@@ -95,6 +96,12 @@ def parse_value(typed: str) -> Value:
         raise Invalid("Cette valeur est imbriquée trop profondément.") from error
     except Invalid as error:
         raise Invalid(error.detail.replace(_HOW, _VALUES).replace("dans un appel", "ici")) from error
+
+
+def read_stdin(typed: str) -> tuple[str, ...]:
+    """Return the lines of a standard input; a newline at its end begins no line. Raises Invalid or TooLarge."""
+    text = encode_bounded(typed, 4 * MAX_CHARACTERS, "L’entrée standard").decode().replace("\r\n", "\n")
+    return tuple(text.removesuffix("\n").split("\n")) if text else ()
 
 
 def _describe_break(typed: str, error: SyntaxError) -> str:

@@ -196,10 +196,9 @@ def _scenario_request(grader: DeclaredGrader, check: CheckResult, source: bytes,
 
 
 def _program_request(grader: DeclaredGrader, source: bytes, stdin: str) -> ProgramRunRequest:
-    """Return the request to run a whole program that reads `stdin`; a newline at its end begins no line."""
-    lines = _unix_newlines(stdin).removesuffix("\n").split("\n") if stdin else []
-    kit = dict(grader.kit(SEED).parameters)
-    return ProgramRunRequest(source=source, function=grader.functions[0], lines=tuple(lines), kit=kit)
+    """Return the request to run a whole program that reads `stdin`. Raises Invalid or TooLarge."""
+    lines, kit = calls.read_stdin(stdin), dict(grader.kit(SEED).parameters)
+    return ProgramRunRequest(source=source, function=grader.functions[0], lines=lines, kit=kit)
 
 
 def _unix_newlines(code: str) -> str:

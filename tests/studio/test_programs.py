@@ -80,6 +80,9 @@ def test_a_program_runs_with_and_without_scripts_on_what_is_typed(studio: Studio
     refused = ada.post(f"{address}/executer", data={"code": "1", "stdin": "x" * 4001}).text
     assert "au plus 4000 caractères" in refused
     assert ada.post(f"{address}/pas", json={**body, "stdin": "x" * 4001}).status_code == 422
+    surrogate = b'{"code": "1", "call": "", "plain": true, "stdin": "\\ud800"}'
+    answer = ada.post(f"{address}/pas", content=surrogate, headers={"Content-Type": "application/json"})
+    assert answer.status_code == 422
     with studio.site.database.read() as db:
         assert db.execute(select(Submission)).first() is None
 

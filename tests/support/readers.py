@@ -72,7 +72,7 @@ from server.routers import ROUTERS
 from server.sandbox.foreign_characters import describe_odd_letters, find_foreign_characters, latin_spelling
 from server.sandbox.policy import Policy
 from server.sandbox.sources import import_set_of_program, require_text
-from server.steps.calls import MAX_CHARACTERS, parse_call, parse_value
+from server.steps.calls import MAX_CHARACTERS, parse_call, parse_value, read_stdin
 from server.studio.drafts import ExerciseDraft
 from server.studio.import_drafts import ImportRefused
 from server.studio.importing import import_file
@@ -379,6 +379,7 @@ READERS: tuple[Reader, ...] = (
     ),
     Reader("a list written again", lambda text: to_csv(read_rows(text.encode("utf-8", "replace")).rows), BODY, TEXTS),
     Reader("a call", parse_call, MAX_CHARACTERS, {**TEXTS, **PROGRAMS}, "body:CallBody.call"),
+    Reader("a standard input", read_stdin, MAX_CHARACTERS, TEXTS, "body:CallBody.stdin"),
     Reader(
         "a value",
         parse_value,
