@@ -118,7 +118,10 @@ def comparison(bench: Bench, search: Search) -> str:
         return ""
     reading, place = ([float(d(asked[None], z[None])[0, 0]) for d in LENGTHS] for z in (again, other))
     if all(far > CLEARLY * near for near, far in zip(reading, place, strict=True)):
-        return " Leurs signatures diffèrent pourtant : c'est la distance calculée entre elles qui les confond."
+        return (
+            f" Vos signatures les séparent pourtant : celle du scan {search.query} est plus de deux fois plus proche "
+            f"de celle du scan {same} (même endroit) que de celle du scan {search.wrong}."
+        )
     nearer = any(far < near for near, far in zip(reading, place, strict=True))
     shared = walk.alike.get(search.wrong) if search.outcome is Outcome.MIXED else None
     return f" Ces deux lieux ont {shared}." if nearer and shared else ""
