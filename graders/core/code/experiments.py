@@ -93,8 +93,18 @@ class Experimenter:
                     continue
                 if not same(view.read(answer), series.got[pivot]) or not self._holds_everywhere(trial, view, change):
                     continue
+                if self._is_saturated(trial, view, change, call, answer):
+                    continue
                 yield replaced_fact(trial, view, pivot, change, call)
                 break
+
+    def _is_saturated(
+        self, trial: FunctionTrial, view: ReturnedValue, change: ArgumentChange, call: Arguments, seen: Sequence[Floats]
+    ) -> bool:
+        """Whether the same change made once more gives the same answer: then any value so far off would do as well."""
+        further = change.apply(call)
+        again = next(iter(self._solution(trial, [further])), None) if further is not None else None
+        return again is not None and len(again) == len(seen) and same(view.read(again), view.read(seen))
 
     def _holds_everywhere(self, trial: FunctionTrial, view: ReturnedValue, change: ArgumentChange) -> bool:
         asked = [change.apply(call) or call for call in trial.calls]

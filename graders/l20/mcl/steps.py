@@ -112,7 +112,7 @@ def _disperses(scene: Step, bench: Bench) -> None:
     columns = (near[:, 2], near[:, 0], near[:, 1], steps[:, 0], steps[:, 1])
     frozen = next((name for name, it in zip(SAME, columns, strict=True) if distinct and np.ptp(it) < 1e-6), None)
     if distinct >= FEWEST_DISTINCT and frozen is None:
-        _not_too_much(scene, particles, np.abs(relative(scene.truth, near)), weights[close])
+        _not_too_much(scene, particles, relative(scene.truth, near), weights[close])
         return
     now = f"{distinct} poses différentes" if frozen is None else frozen if distinct > 1 else "la même pose"
     raise Rejection(
@@ -131,12 +131,18 @@ def _not_too_much(scene: Step, particles: Floats, gaps: Floats, weights: Floats)
     """The hall teaches nothing where these particles are: they lie as the noise has thrown them."""
     axes = ("case vers l'avant", "case de côté", "radian")
     for k, (axis, usual) in enumerate(zip(axes, ("0,05 case", "0,05 case", "0,03 rad"), strict=True)):
-        half = _median(gaps[:, k], weights)
+        half = _median(np.abs(gaps[:, k]), weights)
         if half > WIDE:
+            apart = _median(np.abs(gaps[:, k] - _median(gaps[:, k], weights)), weights)
             raise Rejection(
                 f"{len(scene.particles)} particules confondues font un pas : la moitié d'entre elles se trompent de "
-                f"plus de {number(half)} {axis}. L'écart-type des roues est de {usual} : un bruit dix fois plus grand "
-                "éparpille le nuage plus vite que les scans ne le resserrent.",
+                f"plus de {number(half)} {axis}. "
+                + (
+                    f"L'écart-type des roues est de {usual} : un bruit dix fois plus grand éparpille le nuage plus vite "
+                    "que les scans ne le resserrent."
+                    if apart > WIDE / 2
+                    else "Ce n'est pas leur bruit : elles restent groupées, mais loin de l'endroit où ce pas mène."
+                ),
                 inputs={"une particule (toutes les mêmes)": scene.particles[0], "u": scene.move, "scan": scene.scan},
                 expected="un bruit de l'ordre de celui des roues, ou un peu plus",
                 got=particles[:6],

@@ -166,3 +166,15 @@ def test_experiments_on_a_program(exercise: str, old: str, new: str, words: str)
     joined = join_place(Diagnosis("x", "Un nom", "Pourquoi."), seen)
     assert joined.title == "Un nom"
     assert f"{SEEN_ALSO} : {words}." in joined.explanation
+
+
+def test_an_argument_that_no_longer_counts_is_not_said_to_be_read_as_another_value() -> None:
+    """With a delta of 115, or of 6,565, no weight is left: the answers bear out « in degrees » by chance alone."""
+    grader = CODE["l20/defi_robuste"]
+    source = grader.solution.replace("systeme(x, aretes, ponderer(x, aretes, delta))", "systeme(x, aretes, [1] * 999)")
+    source = source.replace("poids, strict=True)", "poids)")
+    facts = Experimenter(grader, LOCAL, 3, lambda: False).find_facts(source, ("gauss_newton_robuste",))
+    assert "« poses », que renvoie gauss_newton_robuste, ne change pas quand delta change : il devrait" in [
+        fact.title for fact in facts
+    ]
+    assert not [fact.title for fact in facts if "converti en degrés" in fact.title]
