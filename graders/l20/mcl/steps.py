@@ -127,24 +127,26 @@ def _disperses(scene: Step, bench: Bench) -> None:
     )
 
 
+_TOO_NOISY = (
+    "L'écart-type des roues est de {} : un bruit bien plus grand éparpille le nuage plus vite que les scans ne le "
+    "resserrent."
+)
+_MISPLACED = "Ce n'est pas leur bruit : elles restent groupées, mais loin de l'endroit où ce pas mène."
+
+
 def _not_too_much(scene: Step, particles: Floats, gaps: Floats, weights: Floats) -> None:
-    """The hall teaches nothing where these particles are: they lie as the noise has thrown them."""
+    """Refuse particles far from the truth; the hall teaches nothing there: they lie as move and noise put them."""
     axes = ("case vers l'avant", "case de côté", "radian")
     for k, (axis, usual) in enumerate(zip(axes, ("0,05 case", "0,05 case", "0,03 rad"), strict=True)):
         half = _median(np.abs(gaps[:, k]), weights)
         if half > WIDE:
             apart = _median(np.abs(gaps[:, k] - _median(gaps[:, k], weights)), weights)
+            noisy = apart > WIDE / 2
             raise Rejection(
                 f"{len(scene.particles)} particules confondues font un pas : la moitié d'entre elles se trompent de "
-                f"plus de {number(half)} {axis}. "
-                + (
-                    f"L'écart-type des roues est de {usual} : un bruit dix fois plus grand éparpille le nuage plus vite "
-                    "que les scans ne le resserrent."
-                    if apart > WIDE / 2
-                    else "Ce n'est pas leur bruit : elles restent groupées, mais loin de l'endroit où ce pas mène."
-                ),
+                f"plus de {number(half)} {axis}. {_TOO_NOISY.format(usual) if noisy else _MISPLACED}",
                 inputs={"une particule (toutes les mêmes)": scene.particles[0], "u": scene.move, "scan": scene.scan},
-                expected="un bruit de l'ordre de celui des roues, ou un peu plus",
+                expected="un bruit de l'ordre de celui des roues, ou un peu plus" if noisy else scene.truth,
                 got=particles[:6],
                 figure=cloud_figure(HALL, scene, particles, "Un pas de particules confondues"),
             )
