@@ -67,6 +67,21 @@ def test_mistakes_of_a_step_are_named_without_a_loop(name: str) -> None:
     assert "ne sont pas lancés" in told.message
 
 
+@pytest.mark.parametrize(
+    ("old", "new", "words"),
+    [
+        ("(u + bruit).T", "(u + 12 * bruit).T", "un bruit bien plus grand"),
+        ("c, s = np.cos(cap), np.sin(cap)", "c, s = 1.0, 0.0", "elles restent groupées"),
+    ],
+)
+def test_particles_far_from_the_truth_are_put_down_to_noise_only_where_scattered(
+    old: str, new: str, words: str
+) -> None:
+    told = next(check for check in verdict(model(old, new), 5).checks if check.id == "dispersion")
+    assert told.message is not None
+    assert words in told.message
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("seed", range(3))
 def test_every_way_of_every_mistake_is_refused_and_named(seed: int) -> None:
