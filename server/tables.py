@@ -49,6 +49,7 @@ TABLES = (
     gradebook.SolutionOpening,
     gradebook.ClassOpening,
     comments.Thread,
+    comments.ThreadReader,
     comments.Message,
     comments.Phrase,
     comments.Note,

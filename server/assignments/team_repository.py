@@ -7,8 +7,8 @@ from collections.abc import Collection, Mapping, Sequence
 from datetime import datetime
 from uuid import UUID
 
-from sqlalchemy import Row, and_, delete, or_, select, update
-from sqlalchemy.orm import Session, aliased
+from sqlalchemy import ColumnElement, Row, and_, delete, or_, select, update
+from sqlalchemy.orm import InstrumentedAttribute, Session, aliased
 
 from server.assignments.models import AssignedExercise, Assignment, TeamMember, TeamProposal
 from server.assignments.team_rules import TeamPlace
@@ -55,6 +55,16 @@ def load_current_members(db: Session, assignment_id: UUID) -> Sequence[TeamMembe
     return db.execute(query.order_by(TeamMember.since, TeamMember.id)).scalars().all()
 
 
+def are_together(
+    mine: type[TeamMember], other: type[TeamMember], at: datetime | InstrumentedAttribute[datetime]
+) -> ColumnElement[bool]:
+    """Return the condition that two places, of one team, are both held at a time."""
+    return and_(
+        *(each.since <= at for each in (mine, other)),
+        *(or_(each.until.is_(None), each.until > at) for each in (mine, other)),
+    )
+
+
 def is_teammate(db: Session, reader: UUID, author: UUID, exercise: str, sent_at: datetime) -> bool:
     """Whether an attempt was sent while reader and author were in one team of an assignment that asks the exercise."""
     mine, other = aliased(TeamMember), aliased(TeamMember)
@@ -68,8 +78,7 @@ def is_teammate(db: Session, reader: UUID, author: UUID, exercise: str, sent_at:
             other.account_id == author,
             AssignedExercise.exercise == exercise,
             Assignment.removed_at.is_(None),
-            *(each.since <= sent_at for each in (mine, other)),
-            *(or_(each.until.is_(None), each.until > sent_at) for each in (mine, other)),
+            are_together(mine, other, sent_at),
         )
     )
     return db.execute(query.limit(1)).first() is not None

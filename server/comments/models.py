@@ -27,7 +27,7 @@ class Thread(Base):
 
     Without a submission it is about the exercise as a whole. `work_at` is when the work was submitted, else when the
     thread began: it decides who may read the thread (`server.rights`). `by_staff`: staff began it. `staff_at` is the
-    time of their last message, `seen_at` when the student last looked.
+    time of their last message; `ThreadReader` says who has read it since.
     """
 
     __tablename__ = "thread"
@@ -46,9 +46,18 @@ class Thread(Base):
     created_at: Mapped[datetime] = mapped_column(UtcDateTime, default=utc_now)
     changed_at: Mapped[datetime] = mapped_column(UtcDateTime, default=utc_now)
     staff_at: Mapped[datetime | None] = mapped_column(UtcDateTime)
-    seen_at: Mapped[datetime | None] = mapped_column(UtcDateTime)
 
     __table_args__ = (Index("ix_thread_account_id_exercise", "account_id", "exercise"),)
+
+
+class ThreadReader(Base):
+    """When somebody last looked at a thread: the author of the work, or one who hands it in with them."""
+
+    __tablename__ = "thread_reader"
+
+    thread_id: Mapped[UUID] = mapped_column(ForeignKey("thread.id", ondelete="CASCADE"), primary_key=True)
+    account_id: Mapped[UUID] = mapped_column(ForeignKey("account.id", ondelete="CASCADE"), primary_key=True, index=True)
+    seen_at: Mapped[datetime] = mapped_column(UtcDateTime)
 
 
 class Message(Base):

@@ -9,14 +9,14 @@ from sqlalchemy.orm import Session
 
 from server.classes.models import ClassRole, Membership, SchoolClass, Status
 from server.comments.models import Message, Thread, ThreadState
-from server.comments.schemas import AuthoredMessage, UnreadThread
+from server.comments.readers_repository import readable_threads, unread_clause
+from server.comments.schemas import AuthoredMessage
 from server.identity.models import Account
 from server.submissions.models import Submission
 
-#: Earlier attempts whose threads are tracked to a later one; threads and news shown at once.
+#: Earlier attempts whose threads are tracked to a later one; threads shown at once.
 MAX_TRACKED_ATTEMPTS = 3
 MAX_THREADS_SHOWN = 100
-MAX_UNREAD_THREADS = 30
 
 
 def find_thread(db: Session, thread_id: UUID) -> Thread | None:
@@ -90,15 +90,12 @@ def load_submissions(db: Session, submissions: Collection[UUID]) -> Mapping[UUID
 
 
 def load_page_threads(db: Session, account_id: UUID, exercise: str) -> Sequence[Thread]:
-    """Load the last threads on an exercise as a whole, and those that the student has not read, oldest first."""
-    query = select(Thread).where(_on_exercise(account_id, exercise), or_(Thread.submission_id.is_(None), _is_unread()))
+    """Load a student's last threads on an exercise as a whole, and the unread ones on attempts, oldest first."""
+    whole = and_(_on_exercise(account_id, exercise), Thread.submission_id.is_(None))
+    unread = and_(Thread.exercise == exercise, unread_clause(account_id), Thread.id.in_(readable_threads(account_id)))
+    query = select(Thread).where(or_(whole, unread))
     newest_first = query.order_by(Thread.created_at.desc(), Thread.id.desc()).limit(MAX_THREADS_SHOWN)
     return db.execute(newest_first).scalars().all()[::-1]
-
-
-def _is_unread() -> ColumnElement[bool]:
-    """The condition of `server.comments.schemas.is_new`."""
-    return and_(Thread.staff_at.is_not(None), or_(Thread.seen_at.is_(None), Thread.seen_at < Thread.staff_at))
 
 
 def load_attempt_numbers(
@@ -110,26 +107,6 @@ def load_attempt_numbers(
     numbered = query.subquery()
     rows = db.execute(select(numbered.c.id, numbered.c.number).where(numbered.c.id.in_(submissions)))
     return dict(rows.all())
-
-
-def load_unread_threads(db: Session, account_id: UUID) -> Sequence[UnreadThread]:
-    """Load the threads that a student has not read, newest first, each with its last message."""
-    last = (
-        select(Message.text)
-        .where(Message.thread_id == Thread.id)
-        .order_by(Message.created_at.desc(), Message.id.desc())
-        .limit(1)
-        .scalar_subquery()
-    )
-    query = select(Thread, last).where(Thread.account_id == account_id, _is_unread())
-    rows = db.execute(query.order_by(Thread.changed_at.desc(), Thread.id).limit(MAX_UNREAD_THREADS))
-    return [UnreadThread(thread, text or "") for thread, text in rows]
-
-
-def mark_seen(db: Session, threads: Collection[UUID], now: datetime) -> None:
-    db.execute(
-        update(Thread).where(Thread.id.in_(threads)).values(seen_at=now).execution_options(synchronize_session=False)
-    )
 
 
 def load_class_threads(

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from datetime import datetime
 from uuid import UUID
@@ -44,7 +44,8 @@ class Conversation:
     """A thread seen from one submission, with its messages, oldest first.
 
     `fate` and `lines` locate its lines in that submission (`lines` is None without any, or where they are gone).
-    `number` and `origin` identify the attempt that it was written on, where that is another.
+    `number` and `origin` identify the attempt that it was written on, where that is another. `is_new`: its reader, one
+    of those who sent the work, has not read the last staff message.
     """
 
     thread: Thread
@@ -53,27 +54,20 @@ class Conversation:
     lines: LineRange | None = None
     number: int | None = None
     origin: UUID | None = None
+    is_new: bool = False
 
     @property
     def state(self) -> ThreadState:
         return ThreadState(self.thread.state)
 
-    @property
-    def is_new(self) -> bool:
-        """Whether the student has not read the last staff message."""
-        return is_new(self.thread)
-
-
-def is_new(thread: Thread) -> bool:
-    return thread.staff_at is not None and (thread.seen_at is None or thread.seen_at < thread.staff_at)
-
 
 @dataclass(frozen=True)
 class UnreadThread:
-    """A thread that the student has not read, with its last message."""
+    """A thread that a student has not read, with its last message; `is_shared`: on what a partner sent for both."""
 
     thread: Thread
     text: str
+    is_shared: bool = False
 
 
 @dataclass(frozen=True)
@@ -117,9 +111,15 @@ class SentNote:
 
 @dataclass(frozen=True)
 class AccountComments:
-    """All comments, phrases and notes of one account."""
+    """All comments, phrases and notes of one account.
+
+    `seen`: when it last looked at each thread on its work; `shared_readings`: exercise and time of each thread on the
+    work of partners that it has read.
+    """
 
     conversations: Sequence[Conversation] = field(default=())
+    seen: Mapping[UUID, datetime] = field(default_factory=dict)
+    shared_readings: Sequence[tuple[str, datetime]] = field(default=())
     staff_messages: Sequence[tuple[Message, str]] = field(default=())
     phrases: Sequence[Phrase] = field(default=())
     received_notes: Sequence[ReceivedNote] = field(default=())

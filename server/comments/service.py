@@ -16,7 +16,7 @@ from server.base.settings import Settings
 from server.base.validation import parse_uuid
 from server.classes.models import SchoolClass
 from server.classes.schemas import Member
-from server.comments import notes_repository, repository
+from server.comments import notes_repository, readers_repository, repository
 from server.comments.difference import diff_lines, split_lines
 from server.comments.line_tracking import GONE, LineFate, LineRange, TrackedLines, track_lines
 from server.comments.models import TITLE_LENGTH, Message, Thread, ThreadState
@@ -26,9 +26,11 @@ from server.comments.schemas import (
     ThreadPage,
     ThreadSummary,
     ThreadTarget,
+    UnreadThread,
     validate_text,
 )
 from server.database import utc_now
+from server.gradebook import service as gradebook
 from server.gradebook.schemas import Attempt
 from server.identity.models import Account
 from server.limits import service as limits
@@ -148,9 +150,9 @@ def _add_message(db: Session, by: Account, thread: Thread, text: str) -> Message
     thread.state = ThreadState.answered if as_staff else ThreadState.open
     if as_staff:
         thread.staff_at = now
-    else:
-        thread.seen_at = now
     db.flush()
+    if not as_staff:
+        readers_repository.mark_seen(db, by.id, [thread.id], now)
     return message
 
 
@@ -163,8 +165,11 @@ def set_settled(thread: Thread, settled: bool) -> None:
         thread.state = ThreadState.answered if answered else ThreadState.open
 
 
-def load_attempt_conversations(db: Session, attempt: Attempt) -> Sequence[Conversation]:
-    """Load the threads on an attempt, on the exercise, and on earlier attempts where they still apply, oldest first."""
+def load_attempt_conversations(db: Session, attempt: Attempt, reader: UUID | None = None) -> Sequence[Conversation]:
+    """Load the threads on an attempt, on the exercise, and on earlier attempts where they still apply, oldest first.
+
+    `reader` is one of those who sent it, for whom threads may be new.
+    """
     submission = attempt.submission
     threads = repository.load_threads_for_submission(db, submission)
     if attempt.shared:  # the rest is between its author and their teachers
@@ -180,6 +185,7 @@ def load_attempt_conversations(db: Session, attempt: Attempt) -> Sequence[Conver
     diffs = {name: diff_lines(split_lines(earlier.code), lines) for name, earlier in submissions.items()}
     shown = [thread for thread in threads if thread.submission_id in {None, submission.id, *submissions}]
     messages = repository.load_messages(db, [thread.id for thread in shown])
+    unread = _find_unread(db, reader, shown)
     conversations = []
     for thread in reversed(shown):
         origin = thread.submission_id if thread.submission_id in submissions else None
@@ -188,8 +194,16 @@ def load_attempt_conversations(db: Session, attempt: Attempt) -> Sequence[Conver
         if origin is not None:
             tracked = track_lines(diffs[origin], own_lines) if own_lines else GONE
         number = None if origin is None else numbers.get(origin)
-        conversations.append(Conversation(thread, messages[thread.id], tracked.fate, tracked.lines, number, origin))
+        is_new = thread.id in unread
+        said = messages[thread.id]
+        conversations.append(Conversation(thread, said, tracked.fate, tracked.lines, number, origin, is_new))
     return conversations
+
+
+def _find_unread(db: Session, reader: UUID | None, threads: Sequence[Thread]) -> frozenset[UUID]:
+    """Return which threads are new to a reader; without any remark of the staff, no query is made."""
+    remarks = [thread.id for thread in threads if thread.staff_at is not None]
+    return frozenset() if reader is None or not remarks else readers_repository.find_unread(db, reader, remarks)
 
 
 def _origins(threads: Sequence[Thread], current: UUID) -> list[UUID]:
@@ -224,20 +238,44 @@ def load_exercise_conversations(
     ]
 
 
-def load_page_conversations(db: Session, student: UUID, exercise: str) -> Sequence[Conversation]:
-    """Load the threads on an exercise as a whole, and those that the student has not read, oldest first."""
-    threads = repository.load_page_threads(db, student, exercise)
+def load_page_conversations(db: Session, student: Account, exercise: str) -> Sequence[Conversation]:
+    """Load a student's threads on an exercise as a whole, and those on attempts that they have not read, oldest first.
+
+    Those on what a partner sent for both are among the latter, where the student may see the attempt.
+    """
+    found = repository.load_page_threads(db, student.id, exercise)
+    threads = [thread for thread in found if _is_shown(db, student, thread)]
     messages = repository.load_messages(db, [thread.id for thread in threads]) if threads else {}
-    return [Conversation(thread, messages[thread.id]) for thread in threads]
+    unread = _find_unread(db, student.id, threads)
+    return [Conversation(thread, messages[thread.id], is_new=thread.id in unread) for thread in threads]
 
 
-def mark_seen(db: Session, conversations: Sequence[Conversation]) -> None:
-    """Record that the student has looked at these threads."""
-    repository.mark_seen(db, [conversation.thread.id for conversation in conversations], utc_now())
+def load_unread_threads(db: Session, student: Account) -> Sequence[UnreadThread]:
+    """Load the threads that a student has not read, on their work and on their partners’, newest first."""
+    rows = readers_repository.load_unread_threads(db, student.id)
+    return [row for row in rows if _is_shown(db, student, row.thread)]
 
 
-def load_conversation(db: Session, thread: Thread) -> Conversation:
-    return Conversation(thread, repository.load_messages(db, [thread.id])[thread.id], lines=_lines(thread))
+def _is_shown(db: Session, student: Account, thread: Thread) -> bool:
+    """Whether the student is the author of the work, or may see what a partner sent: a test withholds it."""
+    if thread.account_id == student.id or thread.submission_id is None:
+        return True
+    try:
+        gradebook.find_attempt(db, student, thread.submission_id)
+    except NotFound:
+        return False
+    return True
+
+
+def mark_seen(db: Session, reader: UUID, conversations: Sequence[Conversation]) -> None:
+    """Record that one of those who sent the work has looked at these threads."""
+    readers_repository.mark_seen(db, reader, [conversation.thread.id for conversation in conversations], utc_now())
+
+
+def load_conversation(db: Session, thread: Thread, reader: UUID | None = None) -> Conversation:
+    """Load a thread with its messages; `reader` is one of those who sent the work, to whom it may be new."""
+    said, unread = repository.load_messages(db, [thread.id])[thread.id], _find_unread(db, reader, [thread])
+    return Conversation(thread, said, lines=_lines(thread), is_new=thread.id in unread)
 
 
 def count_open_questions(db: Session, student: UUID, until: datetime | None = None) -> Mapping[str, int]:
@@ -264,6 +302,8 @@ def load_account_comments(db: Session, account_id: UUID) -> AccountComments:
     messages = repository.load_account_messages(db, account_id)
     return AccountComments(
         conversations=[Conversation(thread, messages.get(thread.id, ()), lines=_lines(thread)) for thread in threads],
+        seen=readers_repository.load_times(db, account_id),
+        shared_readings=[tuple(row) for row in readers_repository.load_shared_readings(db, account_id)],
         staff_messages=repository.load_staff_messages(db, account_id),
         phrases=notes_repository.load_all_phrases(db, account_id),
         received_notes=notes_repository.load_all_received_notes(db, account_id),
@@ -274,4 +314,5 @@ def load_account_comments(db: Session, account_id: UUID) -> AccountComments:
 def adopt(db: Session, guest_id: UUID, account_id: UUID) -> None:
     """Move a guest's threads and notes to their account."""
     repository.move_threads(db, guest_id, account_id)
+    readers_repository.move_readings(db, guest_id, account_id)
     notes_repository.move_notes(db, guest_id, account_id)

@@ -27,6 +27,7 @@ from server.classes.schemas import Member
 from server.classes.service import valid_code
 from server.classes.slips import PasswordSlip
 from server.comments import repository as comments
+from server.comments.service import load_unread_threads
 from server.course import Course
 from server.database import utc_now
 from server.desk.guide.chapters import chapter_href
@@ -93,7 +94,7 @@ def build_classes_page(db: Session, course: Course, account: Account | None) -> 
     courses = [] if account is None else waiting.load_taught_contexts(db, account.id)
     return {
         "school_courses": [(course, students) for course, _, students in courses if course.class_id is None],
-        "news": [] if account is None else comments.load_unread_threads(db, account.id),
+        "news": [] if account is None else load_unread_threads(db, account),
         "taught": [row for row in rows if row["listed"].archived_at is None and row["is_staff"]],
         "attended": [row for row in rows if row["listed"].archived_at is None and not row["is_staff"]],
         "archived": [row for row in rows if row["listed"].archived_at is not None],

@@ -7,10 +7,11 @@ from dataclasses import dataclass
 from datetime import datetime
 from uuid import UUID
 
-from sqlalchemy import and_, or_, select
+from sqlalchemy import and_, select
 from sqlalchemy.orm import Session, aliased
 
 from server.assignments.models import AssignedExercise, Assignment, AttemptSelection, TeamMember
+from server.assignments.team_repository import are_together
 from server.base.errors import NotFound
 from server.classes.models import Membership
 from server.classes.schemas import display_name
@@ -79,8 +80,7 @@ def load_team_attempts(
             mine.account_id.in_(students),
             Assignment.removed_at.is_(None),
             Submission.created_at <= (until or END_OF_TIME),
-            *(each.since <= Submission.created_at for each in (mine, other)),
-            *(or_(each.until.is_(None), each.until > Submission.created_at) for each in (mine, other)),
+            are_together(mine, other, Submission.created_at),
         )
         .order_by(Submission.created_at, Submission.id)
     )

@@ -133,7 +133,7 @@ def _thread(
 ) -> HTMLResponse:
     view = talk.thread_page(reader, service.find_thread(reader.db, reader.account, thread_id), draft)
     answer = render_page(request, "thread.html", reader.account, status=status, page=view)
-    note_seen(request, database, view.unread)
+    note_seen(request, reader, database, view.unread)
     return answer
 
 

@@ -210,7 +210,7 @@ _ROWS: tuple[Callable[[Settings], Row], ...] = (
         "tant que le compte de l’élève existe ; sans le nom d’un enseignant dont le compte est effacé",
         AT_ONCE,
         ACCOUNT_SETTINGS,
-        ("thread", "message", "phrase", "note", "note_reader"),
+        ("thread", "thread_reader", "message", "phrase", "note", "note_reader"),
     ),
     lambda settings: Row(
         "Demandes d’effacement : le compte, qui l’a demandé, quand",

@@ -116,15 +116,15 @@ def exercise_page(
     said = talk.exercise_talk(reader, exercise, asks=asks, draft=draft)
     shown: dict[str, Any] = {"page": view, "results": view.results, "talk": said}
     answer = render_page(request, template, reader.account, status=status, **shown)
-    note_seen(request, database, said.unread)
+    note_seen(request, reader, database, said.unread)
     return answer
 
 
-def note_seen(request: Request, database: Database, talks: Sequence[Conversation]) -> None:
+def note_seen(request: Request, reader: Reader, database: Database, talks: Sequence[Conversation]) -> None:
     """In a transaction of its own: a page only reads. (Where a form is shown again, its own is still open.)"""
-    if talks and request.method in SAFE_METHODS:
+    if talks and reader.account is not None and request.method in SAFE_METHODS:
         with database.write() as db:
-            comments.mark_seen(db, talks)
+            comments.mark_seen(db, reader.account.id, talks)
 
 
 @router.get("/{module:module}/exercices/{slug}/essais")
@@ -265,7 +265,7 @@ def attempt_page(
     answer = render_page(
         request, "attempt.html", reader.account, status=status, page=view, results=view.results, talk=said
     )
-    note_seen(request, database, said.unread)
+    note_seen(request, reader, database, said.unread)
     return answer
 
 

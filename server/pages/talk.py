@@ -91,8 +91,8 @@ def attempt_talk(reader: Reader, exercise: Exercise, attempt: Attempt, aim: Aim,
     """`asks`: it is one's own, and somebody would read a question."""
     submission, account = attempt.submission, reader.account
     assert account is not None  # who may read an attempt is somebody
-    talks = service.load_attempt_conversations(reader.db, attempt)
     own = account.id == submission.account_id or attempt.shared
+    talks = service.load_attempt_conversations(reader.db, attempt, account.id if own else None)
     may_write = asks or not own
     back = f"/soumissions/{submission.id}"
     write = (
@@ -111,7 +111,7 @@ def attempt_talk(reader: Reader, exercise: Exercise, attempt: Attempt, aim: Aim,
         chosen=_chosen(attempt, aim, shown) if may_write else Chosen(draft=aim.draft),
         checks=_checks(attempt),
         student=None if own else _student(reader, account, submission.account_id, exercise),
-        unread=tuple(talk for talk in talks if talk.is_new) if own and not attempt.shared else (),
+        unread=tuple(talk for talk in talks if talk.is_new),
         partner=find_teammate_name(reader.db, account.id, submission.account_id) if attempt.shared else "",
     )
 
@@ -175,10 +175,12 @@ def exercise_talk(reader: Reader, exercise: Exercise, *, asks: bool, draft: Draf
     if account is None:
         return ExerciseTalk()
     href = exercise_href(exercise)
-    talks = service.load_page_conversations(reader.db, account.id, exercise.id)
+    talks = service.load_page_conversations(reader.db, account, exercise.id)
     whole = [talk for talk in talks if talk.thread.submission_id is None]
     found = [
-        UnreadThread(talk.thread, talk.messages[-1].text) for talk in talks if talk.thread.submission_id is not None
+        UnreadThread(talk.thread, talk.messages[-1].text, talk.thread.account_id != account.id)
+        for talk in talks
+        if talk.thread.submission_id is not None
     ]
     received = notes_repository.load_received_notes(reader.db, account.id, exercise.id)
     return ExerciseTalk(
@@ -217,9 +219,9 @@ AROUND = 4
 def thread_page(reader: Reader, thread: Thread, draft: Draft) -> ThreadPage:
     account = reader.account
     assert account is not None  # who may read a thread is somebody
-    found = service.load_conversation(reader.db, thread)
     exercise = find_exercise(reader.course, *thread.exercise.split("/"))
     own = account.id == thread.account_id
+    found = service.load_conversation(reader.db, thread, account.id if own else None)
     attempt = None if thread.submission_id is None else gradebook.find_attempt(reader.db, account, thread.submission_id)
     number = None if attempt is None else gradebook.attempt_number(reader.db, attempt.submission)
     whole = exercise_href(exercise)
@@ -240,7 +242,7 @@ def thread_page(reader: Reader, thread: Thread, draft: Draft) -> ThreadPage:
             reader.db, account, thread.exercise, f"/fils/{thread.id}", staff=not own, diagnosis=_diagnosis(attempt)
         ),
         draft=draft,
-        unread=(found,) if own and found.is_new else (),
+        unread=(found,) if found.is_new else (),
     )
 
 

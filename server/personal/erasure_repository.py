@@ -11,7 +11,7 @@ from sqlalchemy.orm import InstrumentedAttribute, Session
 from server.assignments.models import Assignment, Exemption, Mode, SavedWork, Sitting, TeamMember, TeamProposal
 from server.audit.models import AuditEvent
 from server.classes.models import ClassRole, Membership, Status
-from server.comments.models import Message, Note, NoteReader, Thread
+from server.comments.models import Message, Note, NoteReader, Thread, ThreadReader
 from server.database.base import Base
 from server.mails.models import MailSubscription
 from server.marks.models import ManualColumn, ManualMark, Override, RubricMarking, StateDecision
@@ -114,6 +114,8 @@ def _rows_of_account(account_id: UUID, class_id: UUID | None) -> dict[type[Base]
     assignments = select(Assignment.id).where(Assignment.class_id == class_id)
     columns = select(ManualColumn.id).where(ManualColumn.class_id == class_id)
     notes = select(Note.id).where(Note.class_id == class_id)
+    others = select(Membership.account_id).where(Membership.class_id == class_id, Membership.account_id != account_id)
+    threads = select(Thread.id).where(Thread.account_id.in_(others))
     classes = select(Membership.class_id).where(Membership.class_id == class_id)
     return {
         SavedWork: inside(SavedWork.assignment_id, assignments, SavedWork.account_id),
@@ -125,6 +127,7 @@ def _rows_of_account(account_id: UUID, class_id: UUID | None) -> dict[type[Base]
         Override: inside(Override.class_id, classes, Override.account_id),
         ManualMark: inside(ManualMark.column_id, columns, ManualMark.account_id),
         RubricMarking: inside(RubricMarking.column_id, columns, RubricMarking.account_id),
+        ThreadReader: inside(ThreadReader.thread_id, threads, ThreadReader.account_id),
         NoteReader: inside(NoteReader.note_id, notes, NoteReader.account_id),
         MailSubscription: inside(MailSubscription.class_id, classes, MailSubscription.account_id),
         Membership: inside(Membership.class_id, classes, Membership.account_id),

@@ -286,7 +286,8 @@ def _classes(db: Session, account_id: UUID) -> list[dict[str, Any]]:
 def _messages(db: Session, account_id: UUID) -> dict[str, Any]:
     own = comments.load_account_comments(db, account_id)
     return {
-        "threads": [_thread(talk) for talk in own.conversations],
+        "threads": [_thread(talk, own.seen.get(talk.thread.id)) for talk in own.conversations],
+        "read_on_shared_work": [{"exercise": name, "seen_at": format_time(at)} for name, at in own.shared_readings],
         "written_on_work_of_others": [
             {"exercise": exercise, "text": message.text, "at": format_time(message.created_at)}
             for message, exercise in own.staff_messages
@@ -317,7 +318,7 @@ def _messages(db: Session, account_id: UUID) -> dict[str, Any]:
     }
 
 
-def _thread(talk: Conversation) -> dict[str, Any]:
+def _thread(talk: Conversation, seen_at: datetime | None) -> dict[str, Any]:
     """Convert a thread; authors of answers are not named: their names are their own data."""
     thread = talk.thread
     return {
@@ -326,7 +327,7 @@ def _thread(talk: Conversation) -> dict[str, Any]:
         "lines": None if talk.lines is None else [talk.lines.first, talk.lines.last],
         "check": thread.check_id,
         "state": thread.state,
-        "seen_at": format_time(thread.seen_at),
+        "seen_at": format_time(seen_at),
         "messages": [
             {
                 "by": "staff" if said.message.as_staff else "you",

@@ -92,7 +92,6 @@ def thread_views(talks: Sequence[Conversation], account: Account | None) -> tupl
 
 def thread_view(talk: Conversation, account: Account | None) -> ThreadView:
     thread = talk.thread
-    mine = account is not None and account.id == thread.account_id
     return ThreadView(
         id=str(thread.id),
         about=thread_subject(thread, talk.lines),
@@ -101,7 +100,7 @@ def thread_view(talk: Conversation, account: Account | None) -> ThreadView:
         note=_note(talk),
         origin="" if talk.number is None else f"essai n° {talk.number}",
         origin_href="" if talk.origin is None else f"/soumissions/{talk.origin}#fil-{thread.id}",
-        is_new=mine and talk.is_new,
+        is_new=talk.is_new,
         messages=tuple(_message(said, account) for said in talk.messages),
     )
 

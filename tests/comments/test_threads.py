@@ -105,15 +105,15 @@ def test_a_question_waits_is_answered_and_settled_and_an_answer_opens_it_again(e
     assert (thread.state, thread.by_staff, thread.check_title) == (ThreadState.open, False, "Seconde")
     with room.database.read() as db:
         assert repository.count_open_questions_by_class(db, [room.made.id]) == {room.made.id: 1}
-        assert not repository.load_unread_threads(db, room.ada.id)
+        assert not service.load_unread_threads(db, room.ada)
     answered = room.reply(room.teacher, thread)
     assert answered.state == ThreadState.answered
     with room.database.write() as db:
-        (news,) = repository.load_unread_threads(db, room.ada.id)
+        (news,) = service.load_unread_threads(db, room.ada)
         assert (news.thread.id, news.text) == (thread.id, "Parce que.")
-        repository.mark_seen(db, [thread.id], utc_now())
+        service.mark_seen(db, room.ada.id, [service.load_conversation(db, news.thread)])
     with room.database.write() as db:
-        assert not repository.load_unread_threads(db, room.ada.id)
+        assert not service.load_unread_threads(db, room.ada)
         service.set_settled(service.find_thread(db, room.ada, thread.id), True)
     assert room.reply(room.ada, thread, "Et pourtant").state == ThreadState.open
     with room.database.read() as db:
@@ -260,7 +260,7 @@ def test_a_guest_s_questions_are_those_of_their_account(either: Room) -> None:
         talk = service.load_conversation(db, service.find_thread(db, room.ada, thread.id))
         assert [said.message.author_id for said in talk.messages] == [room.ada.id, room.teacher.id]
         assert len(notes_repository.load_all_received_notes(db, room.ada.id)) == 1
-        assert len(repository.load_unread_threads(db, room.ada.id)) == 1
+        assert len(service.load_unread_threads(db, room.ada)) == 1
 
 
 def test_a_word_is_for_those_who_have_the_mistake_now(either: Room) -> None:

@@ -283,7 +283,7 @@ def test_of_an_account_of_another_class_only_what_it_has_in_this_one_goes(school
 
 def test_every_table_of_a_class_and_an_account_is_erased_with_it() -> None:
     """A table that comes later with both an account's and a class's data is to be named."""
-    in_class = {"school_class", "assignment", "manual_column", "rubric", "note"}
+    in_class = {"school_class", "assignment", "manual_column", "rubric", "note", "thread"}
     both = set()
     for table in metadata.tables.values():
         keys = [key for column in table.columns for key in column.foreign_keys if key.ondelete == "CASCADE"]
