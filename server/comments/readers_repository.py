@@ -6,7 +6,7 @@ from collections.abc import Collection, Mapping, Sequence
 from datetime import datetime
 from uuid import UUID
 
-from sqlalchemy import ColumnElement, Row, Select, and_, delete, exists, select, update
+from sqlalchemy import ColumnElement, Select, and_, delete, exists, select, update
 from sqlalchemy.orm import Session, aliased
 
 from server.assignments.models import AssignedExercise, Assignment, TeamMember
@@ -76,11 +76,11 @@ def load_times(db: Session, reader: UUID) -> Mapping[UUID, datetime]:
     return dict(db.execute(own).all())
 
 
-def load_shared_readings(db: Session, reader: UUID) -> Sequence[Row[str, datetime]]:
+def load_shared_readings(db: Session, reader: UUID) -> Sequence[tuple[str, datetime]]:
     """Load the exercise and the time of each thread on the work of others that an account has read."""
     query = select(Thread.exercise, ThreadReader.seen_at).join(ThreadReader, ThreadReader.thread_id == Thread.id)
     query = query.where(ThreadReader.account_id == reader, Thread.account_id != reader)
-    return db.execute(query.order_by(ThreadReader.seen_at, Thread.id)).all()
+    return [(name, at) for name, at in db.execute(query.order_by(ThreadReader.seen_at, Thread.id))]
 
 
 def mark_seen(db: Session, reader: UUID, threads: Collection[UUID], now: datetime) -> None:

@@ -303,7 +303,7 @@ def load_account_comments(db: Session, account_id: UUID) -> AccountComments:
     return AccountComments(
         conversations=[Conversation(thread, messages.get(thread.id, ()), lines=_lines(thread)) for thread in threads],
         seen=readers_repository.load_times(db, account_id),
-        shared_readings=[tuple(row) for row in readers_repository.load_shared_readings(db, account_id)],
+        shared_readings=readers_repository.load_shared_readings(db, account_id),
         staff_messages=repository.load_staff_messages(db, account_id),
         phrases=notes_repository.load_all_phrases(db, account_id),
         received_notes=notes_repository.load_all_received_notes(db, account_id),
