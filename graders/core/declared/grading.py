@@ -210,6 +210,10 @@ class DeclaredGrader:
         elif len(scenario.statements) == 1:
             verb = "lève" if failure.got.raised else "renvoie"
             message = f"Pour {scenario.text()}, on attend {texts[0]} et {scenario.function} {verb} {texts[1]}."
+        elif failure.right.raised:  # a fault does not say which of the statements raised it
+            returned = statement.is_shown and not failure.got.raised
+            obtained = f" et {statement.text()} renvoie {texts[1]}" if returned else ""
+            message = f"Dans « {scenario.text()} », on attend {texts[0]}{obtained}."
         else:
             message = f"Dans « {scenario.text()} », {statement.text()} doit donner {texts[0]} et donne {texts[1]}."
         return failed_finding(

@@ -63,9 +63,10 @@ def _judge_exception(check: DeclaredCheck, case: Case, right: Played, got: Playe
         return None
     if got.fault is not None and got.raised is None:
         return Failure(case, right, got, None, len(case.scenario.statements) - 1)
-    step = len(right.values) - (right.fault is None)
-    obtained = got.raised or _value_at(got, step)
-    return Failure(case, right, got, check.comparator(right.raised, obtained) or Mismatch(""), step)
+    step = (len(right.values) if right.fault is None else len(case.scenario.statements)) - 1
+    if got.raised is None:  # no slip: what a value looks like says nothing of why nothing is raised
+        return Failure(case, right, got, Mismatch("Aucune exception n’est levée."), step)
+    return Failure(case, right, got, check.comparator(right.raised, got.raised) or Mismatch(""), step)
 
 
 def _judge_values(check: DeclaredCheck, case: Case, right: Played, got: Played) -> Failure | None:

@@ -84,6 +84,16 @@ KINDS = (
          "p.depiler() doit donner 4 et donne 3"},
     ),
     Kind(
+        "exception of a method",
+        declare("Pile", "class Pile:\n    def __init__(self):\n        self.t = []\n    def depiler(self):\n        return self.t.pop()\n",
+                "p = Pile(); p.depiler()"),
+        ("class Pile(list):\n    depiler = list.pop\n",),
+        {"class Pile:\n    def depiler(self):\n        return -1\n":
+         "on attend l’exception IndexError et p.depiler() renvoie -1. Aucune exception",
+         "class Pile:\n    def depiler(self):\n        pass\n":
+         "on attend l’exception IndexError et p.depiler() renvoie None. Aucune exception"},
+    ),
+    Kind(
         "generator",
         declare("pairs", "def pairs(n):\n    for k in range(0, n, 2):\n        yield k\n", "pairs(7)", "pairs(0)"),
         ("def pairs(n):\n    return (k for k in range(n) if k % 2 == 0)\n", "def pairs(n):\n    return list(range(0, n, 2))\n"),
