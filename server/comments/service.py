@@ -5,7 +5,7 @@ Every function works inside the caller's transaction.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from datetime import datetime
 from uuid import UUID
 
@@ -244,7 +244,8 @@ def load_page_conversations(db: Session, student: Account, exercise: str) -> Seq
     Those on what a partner sent for both are among the latter, where the student may see the attempt.
     """
     found = repository.load_page_threads(db, student.id, exercise)
-    threads = [thread for thread in found if _is_shown(db, student, thread)]
+    withheld = _find_withheld(db, student, found)
+    threads = [thread for thread in found if thread.submission_id not in withheld]
     messages = repository.load_messages(db, [thread.id for thread in threads]) if threads else {}
     unread = _find_unread(db, student.id, threads)
     return [Conversation(thread, messages[thread.id], is_new=thread.id in unread) for thread in threads]
@@ -253,15 +254,19 @@ def load_page_conversations(db: Session, student: Account, exercise: str) -> Seq
 def load_unread_threads(db: Session, student: Account) -> Sequence[UnreadThread]:
     """Load the threads that a student has not read, on their work and on their partners’, newest first."""
     rows = readers_repository.load_unread_threads(db, student.id)
-    return [row for row in rows if _is_shown(db, student, row.thread)]
+    withheld = _find_withheld(db, student, [row.thread for row in rows])
+    return [row for row in rows if row.thread.submission_id not in withheld]
 
 
-def _is_shown(db: Session, student: Account, thread: Thread) -> bool:
-    """Whether the student is the author of the work, or may see what a partner sent: a test withholds it."""
-    if thread.account_id == student.id or thread.submission_id is None:
-        return True
+def _find_withheld(db: Session, student: Account, threads: Iterable[Thread]) -> frozenset[UUID]:
+    """Return the attempts of partners that the student may not see: a test withholds them. Asks for each once."""
+    shared = {thread.submission_id for thread in threads if thread.account_id != student.id}
+    return frozenset(attempt for attempt in shared if attempt is not None and not _may_see(db, student, attempt))
+
+
+def _may_see(db: Session, student: Account, attempt: UUID) -> bool:
     try:
-        gradebook.find_attempt(db, student, thread.submission_id)
+        gradebook.find_attempt(db, student, attempt)
     except NotFound:
         return False
     return True

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from hashlib import blake2b
@@ -46,6 +46,7 @@ from server.queue.interfaces import Sender
 from server.recall import repository
 from server.recall.calculations import can_calculate
 from server.recall.models import QuestionKind, RecallAnswer
+from server.recall.service import Candidate
 from server.recall.subjects import list_misconceptions, subject_of
 from server.steps.service import TraceProgram
 from server.submissions.queue_senders import queue_sender
@@ -258,6 +259,11 @@ def order_hunts(exercise: Exercise, own: Collection[str], account: Account) -> l
     shuffled = [names[k] for k in np.random.default_rng(form_seed(account, exercise.id)).permutation(len(names))]
     ordered = sorted(shuffled, key=lambda name: rank.get(name, len(rank)))
     return [HuntName(exercise=exercise.id, misconception=name) for name in ordered]
+
+
+def name_hunts(candidates: Iterable[Candidate]) -> list[HuntName]:
+    """Return the hunts of misconceptions, whichever function of the exercise makes them."""
+    return [HuntName(exercise=candidate.exercise, misconception=candidate.misconception) for candidate in candidates]
 
 
 def choose_kind(offer: OfferedHunt, turn: int) -> QuestionKind:

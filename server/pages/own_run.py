@@ -16,7 +16,7 @@ from server.base.http import client_address
 from server.course.dependencies import CourseOf
 from server.identity.dependencies import BrowserAccount
 from server.steps.routes import StepsDep
-from server.steps.schemas import MAX_STDIN, CallBody, TraceOut
+from server.steps.schemas import MAX_CALL, MAX_STDIN, CallBody, TraceOut
 from server.steps.writing import write_value
 from server.web.forms import FormFields
 from server.web.rendering import render_page
@@ -24,7 +24,6 @@ from server.web.views import exercise_href, find_exercise, module_link
 
 router = APIRouter(include_in_schema=False)
 
-MAX_CALL = 4000
 TOO_LONG = f"Un appel fait au plus {MAX_CALL} caractères."
 STDIN_TOO_LONG = f"L’entrée standard fait au plus {MAX_STDIN} caractères."
 

@@ -20,7 +20,7 @@ from server.database.dependencies import DatabaseOf
 from server.gradebook import service as gradebook
 from server.hunts.dependencies import HuntsOf
 from server.hunts.questions import HuntName, OfferedHunt
-from server.hunts.service import MAX_ARGUMENTS, HuntService, choose_kind, may_ask_again
+from server.hunts.service import MAX_ARGUMENTS, HuntService, choose_kind, may_ask_again, name_hunts
 from server.identity.dependencies import OptionalAccount, SignedIn
 from server.identity.models import Account
 from server.pages.hunts import MAX_NAME, WORDS, Act, Kind, Typed, answer_question, hunt_page
@@ -94,11 +94,7 @@ async def _offer_hunt(
     hunts: HuntService, account: Account, turn: int, candidates: Sequence[Candidate], address: str
 ) -> tuple[OfferedHunt | None, Kind]:
     """Offer the first misconception about which a question can be asked: a hunt, a prediction and a line in turn."""
-    names = [
-        HuntName(exercise=candidate.exercise, misconception=candidate.misconception)
-        for candidate in _from_turn(candidates, turn)
-    ]
-    offer = await hunts.offer_first(account, names, address)
+    offer = await hunts.offer_first(account, name_hunts(_from_turn(candidates, turn)), address)
     return offer, "entree" if offer is None else WORDS[choose_kind(offer, turn)]
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from datetime import date, timedelta
+from datetime import date
 
 from sqlalchemy.orm import Session
 
@@ -21,7 +21,7 @@ from server.course import Course, Exercise
 from server.identity.models import Account
 from server.recall import repository
 from server.recall.models import QuestionKind, RecallAnswer
-from server.recall.retrievals import NO_QUESTION, OTHER_DAY, today
+from server.recall.retrievals import NO_QUESTION, require_recent
 from server.recall.subjects import subject_of
 
 IN_TEST = "Cette question attend les résultats du contrôle « {title} »."
@@ -107,8 +107,7 @@ def answer(
 
     Raises Conflict for another day and during a test that asks the exercise, Invalid for what is no answer.
     """
-    if not timedelta(0) <= today() - asked.day <= timedelta(days=1):
-        raise Conflict(OTHER_DAY)
+    require_recent(asked.day)
     if tests := feedback.load_holds(db, account.id, asked.exercise.id).tests:
         raise Conflict(IN_TEST.format(title=tests[0].title))
     marked = mark(asked, typed)

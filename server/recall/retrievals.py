@@ -54,6 +54,12 @@ def today() -> date:
     return school_time.to_local(utc_now()).date()
 
 
+def require_recent(day: date) -> None:
+    """Raise Conflict for a question of another day than today or yesterday."""
+    if not timedelta(0) <= today() - day <= timedelta(days=1):
+        raise Conflict(OTHER_DAY)
+
+
 def ask(module: Module, name: str, account: Account | None, day: date) -> AskedQuestion:
     """Draw a question for an account and a day. Raises NotFound."""
     if name not in module.retrievals:
@@ -67,8 +73,7 @@ def answer(db: Session, module: Module, name: str, account: Account | None, day:
 
     Raises NotFound, Conflict for another day, and Invalid for what is no answer.
     """
-    if not timedelta(0) <= today() - day <= timedelta(days=1):
-        raise Conflict(OTHER_DAY)
+    require_recent(day)
     asked = ask(module, name, account, day)
     try:
         marking = asked.question.mark(typed, asked.seed)

@@ -57,7 +57,7 @@ def load_recall(
     can_ask: Callable[[Exercise], bool],
     choices: Mapping[str, str],
 ) -> Recall:
-    """Load what comes back, in two queries: of the solved exercises about which questions can be asked, and of lessons.
+    """Load what comes back: of the solved exercises about which questions can be asked, and of lessons.
 
     A question of a lesson is scheduled from its first wrong answer on. Nothing is asked of an exercise during its test.
 

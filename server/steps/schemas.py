@@ -13,8 +13,8 @@ class _Frozen(BaseModel):
     model_config = ConfigDict(extra="forbid", frozen=True)
 
 
-#: Maximum length of a standard input, in characters.
-MAX_STDIN = 4000
+#: Maximum lengths of a typed call and of a standard input, in characters.
+MAX_CALL, MAX_STDIN = 4000, 4000
 
 
 class CallBody(RequestBody):
@@ -25,7 +25,7 @@ class CallBody(RequestBody):
     """
 
     code: str
-    call: str = Field(max_length=4000)
+    call: str = Field(max_length=MAX_CALL)
     plain: bool = False
     stdin: str = Field(default="", max_length=MAX_STDIN)
 

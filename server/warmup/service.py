@@ -21,8 +21,7 @@ from server.classes.service import require_open
 from server.course import Course, Exercise
 from server.database import Database, utc_now
 from server.gradebook.mistakes import PastMistake, past_mistakes
-from server.hunts.questions import HuntName
-from server.hunts.service import HuntService, may_have_hunts
+from server.hunts.service import HuntService, may_have_hunts, name_hunts
 from server.identity.models import Account
 from server.lesson.service import load_projection_rules
 from server.polls import repository as polls
@@ -92,8 +91,7 @@ class WarmUpService:
         found = retrievals.find_question(self.course, need.subject)
         if found is not None:
             return await run_in_threadpool(retrieval_question, *found, need, seed)
-        names = [HuntName(exercise=one.exercise, misconception=one.misconception) for one in need.candidates]
-        comparison = await self.hunts.compare(account, names, address)
+        comparison = await self.hunts.compare(account, name_hunts(need.candidates), address)
         return None if comparison is None else comparison_question(self.course, need, comparison, seed)
 
     def _store(self, class_id: UUID, day: date, questions: Sequence[WarmUpQuestion]) -> None:
