@@ -29,7 +29,7 @@ def find_doubt(scenario: Scenario, examples: Sequence[Scenario], names: Sequence
 
 def ordered_pairs(columns: Sequence[Sequence[Value]]) -> Iterator[tuple[int, int]]:
     """Yield the positions of numbers of which the first is less than the second in every example."""
-    numbers = [at for at, column in enumerate(columns) if all(map(_is_number, column)) and len(set(column)) > 1]
+    numbers = [at for at, column in enumerate(columns) if all(map(_is_number, column))]
     for first, second in itertools.permutations(numbers, 2):
         if all(a < b for a, b in zip(columns[first], columns[second], strict=True)):
             yield first, second
@@ -45,13 +45,9 @@ def _width(call: Statement) -> int:
 
 
 def _order(call: Statement, columns: Sequence[Sequence[Value]], names: Sequence[str]) -> Iterator[str]:
-    for first, second in itertools.permutations(range(len(columns)), 2):
-        pairs = list(zip(columns[first], columns[second], strict=True))
-        if not all(
-            _is_number(value) for pair in (*pairs, (call.arguments[first], call.arguments[second])) for value in pair
-        ):
-            continue
-        if all(a < b for a, b in pairs) and not call.arguments[first] < call.arguments[second]:
+    for first, second in ordered_pairs(columns):
+        low, high = call.arguments[first], call.arguments[second]
+        if _is_number(low) and _is_number(high) and not low < high:
             yield f"Dans vos exemples, {names[first]} est toujours inférieur à {names[second]}."
 
 

@@ -50,15 +50,15 @@ def _are_alike(known: Sequence[str], answers: Sequence[str], checks: Sequence[De
     return all(same_probe_answer(*trio) for trio in zip(checks, known, answers, strict=True))
 
 
-def same_probe_answer(check: DeclaredCheck, one: str, other: str) -> bool:
+def same_probe_answer(check: DeclaredCheck, text: str, other: str) -> bool:
     """Whether two answers are the same for a check: the same text, or values that its comparator takes for the same.
 
     An answer keeps `PROBE_DIGITS` digits: numbers agree at least within their rounding.
     """
-    if one == other:
+    if text == other:
         return True
     try:
-        values, others = evaluate_literal(one), evaluate_literal(other)
+        values, others = evaluate_literal(text), evaluate_literal(other)
     except (ValueError, SyntaxError, RecursionError, MemoryError):  # a fault, or a value that no literal writes
         return False
     if not (isinstance(values, list) and isinstance(others, list) and len(values) == len(others)):

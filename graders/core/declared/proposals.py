@@ -155,7 +155,11 @@ def _draws_of_calls(calls: Sequence[Statement]) -> ProposedDraws:
         arguments.append(name)
     if not draws:
         return ProposedDraws()
-    conditions = tuple(f"x{first + 1} < x{second + 1}" for first, second in ordered_pairs(columns))
+    conditions = tuple(
+        f"x{first + 1} < x{second + 1}"
+        for first, second in ordered_pairs(columns)
+        if len(set(columns[first])) > 1 < len(set(columns[second]))
+    )
     return ProposedDraws("; ".join(draws), f"{calls[0].callee}({', '.join(arguments)})", conditions)
 
 

@@ -11,7 +11,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import closing
 from dataclasses import replace
 from functools import cached_property
-from typing import Any
+from typing import Any, NamedTuple
 
 from graders.core.alterations.alterations import Alteration, sample_alterations
 from graders.core.compare.python_values import Raised, python_text
@@ -187,18 +187,19 @@ class ExerciseTrial:
                 continue
             named = verdict.diagnosis.id if verdict.diagnosis else ""
             if verdict.points == MAX_POINTS:
-                yield TriedMistake(name, False, False, "", *self._find_case(grader, program, inputs))
+                found = self._find_case(grader, program, inputs)
+                yield TriedMistake(name, False, False, **found._asdict())
             elif named != name and named in programs:
                 found = self._find_case(grader, program, inputs, unlike=programs[named])
-                yield TriedMistake(name, True, False, named, *found)
+                yield TriedMistake(name, True, False, named, **found._asdict())
             else:
                 yield TriedMistake(name, True, named == name, "" if named == name else named)
 
     def _find_case(
         self, grader: DeclaredGrader, program: str, inputs: _TriedInputs, *, unlike: str = ""
-    ) -> tuple[str, int, str, str]:
-        """Return an input to which a program answers otherwise than the solution, or than another program, its check,
-        the solution's answer and why the statement may exclude it; empty where none was found."""
+    ) -> _ProposedCase:
+        """Return an input to which a program answers otherwise than the solution, or than another program; an empty
+        one where none was found."""
         scenarios = [case.scenario for _, case, _ in inputs.near]
         played = self.play_briefly(grader, program, scenarios)
         others = self.play_briefly(grader, unlike, scenarios) if unlike else played
@@ -206,7 +207,7 @@ class ExerciseTrial:
             wrong = judge(grader.declaration.checks[at], case, right, got) is not None
             if wrong and (not unlike or probe_answer(got) != probe_answer(other)):
                 return inputs.describe(at, case, right)
-        return "", 0, "", ""
+        return _ProposedCase()
 
     def _try_changes(self, grader: DeclaredGrader, until: float, inputs: _TriedInputs) -> Iterator[TriedChange]:
         """Yield the changes of the solution that were tried in time."""
@@ -237,13 +238,21 @@ class ExerciseTrial:
                     continue
                 at, right, failure = found
                 if not is_known:
-                    case, _, answer, doubt = inputs.describe(at, failure.case, right)
-                    return replace(change, case=case, check=at, answer=answer, doubt=doubt)
+                    return replace(change, **inputs.describe(at, failure.case, right)._asdict())
                 words = grader.describe_failure(checks[at], failure).result.message
                 return replace(change, refusal=words[:MAX_MESSAGE], check=at)
         finally:
             player.close()
         return replace(change, unseen=True)
+
+
+class _ProposedCase(NamedTuple):
+    """An input by its text, its check, the solution's answer, and why the statement may exclude it."""
+
+    case: str = ""
+    check: int = 0
+    answer: str = ""
+    doubt: str = ""
 
 
 class _TriedInputs:
@@ -280,11 +289,10 @@ class _TriedInputs:
         near = [(at, Case(scenario), got) for (at, scenario), got in answered if got.fault is None and not got.raised]
         return sorted(near, key=lambda trio: bool(self._doubt(trio[0], trio[1].scenario)))
 
-    def describe(self, at: int, case: Case, right: Played) -> tuple[str, int, str, str]:
-        """Return a proposed case: its text, its check, the solution's answer, why the statement may exclude it."""
+    def describe(self, at: int, case: Case, right: Played) -> _ProposedCase:
         check, scenario = self._grader.declaration.checks[at], case.scenario
         answer = _answer_text(check, scenario, right)
-        return scenario.exact_text() or "", at, answer, self._doubt(at, scenario)
+        return _ProposedCase(scenario.exact_text() or "", at, answer, self._doubt(at, scenario))
 
     def _doubt(self, at: int, scenario: Scenario) -> str:
         examples = [case for check in self._grader.declaration.checks for case in check.cases]

@@ -12,6 +12,7 @@ from urllib.parse import urlencode
 from markupsafe import Markup
 
 from graders.core.contract.verdict import Verdict
+from graders.core.declared.declaration import DEFAULT_DRAWS
 from graders.core.declared.trial_report import TrialReport, TriedCase, TriedChange
 from server.base.app_services import app_service
 from server.classes.repository import load_taught_classes
@@ -20,6 +21,7 @@ from server.course.functions import FunctionSpec
 from server.desk.studio.forms import REASON_FIELD
 from server.identity.models import Account
 from server.studio import repository, service
+from server.studio.completion import DRAWN_POINTS
 from server.studio.drafts import CaseDraft, CheckDraft, ExerciseDraft, MistakeDraft, program_digest
 from server.studio.importing import ImportedExercise
 from server.studio.models import AuthoredExercise
@@ -267,7 +269,8 @@ def _read_report(report: TrialReport, completed: Mapping[str, Any], draft: Exerc
         "alive": [_survivor(change, draft) for change in changes if change.survives],
         "unseen": sum(change.unseen for change in changes),
         "refused": sum(bool(change.refusal) for change in changes),
-        "draws": {key: completed.get(key, "") for key in ("draws", "call", "conditions", "drawn")},
+        "draws": {key: completed.get(key, "") for key in ("draws", "call", "conditions", "drawn")}
+        | {"count": DEFAULT_DRAWS, "points": DRAWN_POINTS},
     }
 
 
