@@ -57,6 +57,11 @@ def plus_proche_libre(x: float, y: float, marge: float = 0.3) -> tuple[float, fl
     return float(min(near_x[best], width - 1e-6)), float(min(near_y[best], height - 1e-6))
 
 
+def milliers(nombre: float) -> str:
+    """« 3 851 » : un nombre entier, ses milliers séparés."""
+    return f"{nombre:,.0f}".replace(",", "\N{NARROW NO-BREAK SPACE}")
+
+
 def pluriel(nombre: int, un: str, plusieurs: str) -> str:
     """« 1 rayon », « 3 rayons » : le nombre et le mot qui va avec."""
     return f"{nombre} {un if nombre < 2 else plusieurs}"

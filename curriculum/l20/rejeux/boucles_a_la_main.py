@@ -7,7 +7,7 @@ from functools import cache
 import numpy as np
 
 from curriculum.l20.rejeux import laboratoire
-from curriculum.l20.rejeux._carte import pluriel
+from curriculum.l20.rejeux._carte import milliers, pluriel
 from graders.l20.tp_slam import journeys
 from graders.scene.replay import (
     Chart,
@@ -182,18 +182,12 @@ def squares(path: np.ndarray) -> int:
     return len(np.unique(np.floor(points / SQUARE).astype(np.int64), axis=0))
 
 
-def thousands(count: int) -> str:
-    return f"{count:,}".replace(",", "\N{NARROW NO-BREAK SPACE}")
-
-
 @cache
 def view() -> View:
     """Les deux scans de chaque boucle, tels qu'elle les superpose, et les places du robot."""
     seen = [points for loop in CHOSEN for points in superposed(loop)]
     places = [np.array([wanted(loop)[:2], chain()[laboratoire.loops().pairs[loop, 1], :2]]) for loop in CHOSEN]
-    everything = np.vstack([*seen, *places])
-    low, high = everything.min(axis=0) - MARGIN, everything.max(axis=0) + MARGIN
-    return View(float(low[0]), float(low[1]), float(high[0]), float(high[1]), up=True)
+    return laboratoire.view(*seen, *places, margin=MARGIN)
 
 
 def summary(path: np.ndarray, accepted: np.ndarray, told: bool) -> list[str]:
@@ -201,7 +195,7 @@ def summary(path: np.ndarray, accepted: np.ndarray, told: bool) -> list[str]:
     count = int(np.sum(accepted))
     kept = f"{pluriel(count, 'boucle acceptée', 'boucles acceptées') if count else 'Aucune boucle'} sur {len(CHOSEN)}"
     sharp = (
-        f"La carte occupe {thousands(squares(path))} carrés de 10 cm. Ce compte juge toutes les boucles acceptées "
+        f"La carte occupe {milliers(squares(path))} carrés de 10 cm. Ce compte juge toutes les boucles acceptées "
         "ensemble, pas la dernière cochée : cherchez le choix qui en laisse le moins."
     )
     if not told:

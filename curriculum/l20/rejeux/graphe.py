@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from curriculum.l20.rejeux._carte import carte, contours, en_cases, pluriel
+from curriculum.l20.rejeux._carte import carte, contours, en_cases, milliers, pluriel
 from graders.scene.replay import (
     Chart,
     Choice,
@@ -227,7 +227,7 @@ def layers(
 
 
 def number(cost: float) -> str:
-    return decimal(cost, 1) if cost < 100 else f"{cost:,.0f}".replace(",", "\u202f")
+    return decimal(cost, 1) if cost < 100 else milliers(cost)
 
 
 def summary(states: list[State], count: int, values: Values) -> list[str]:

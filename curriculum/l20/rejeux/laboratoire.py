@@ -297,10 +297,10 @@ def judged(allowed: float, seen: list[int]) -> Chart:
     )
 
 
-def view(*points: np.ndarray) -> View:
-    """Tout ce qui est dessiné de l'une et de l'autre carte, sans rien couper."""
+def view(*points: np.ndarray, margin: float = 1.0) -> View:
+    """Tout ce qui est dessiné, sans rien couper, et une marge autour, en mètres."""
     everything = np.vstack(points)
-    low, high = everything.min(axis=0) - 1.0, everything.max(axis=0) + 1.0
+    low, high = everything.min(axis=0) - margin, everything.max(axis=0) + margin
     return View(float(low[0]), float(low[1]), float(high[0]), float(high[1]), up=True)
 
 

@@ -17,6 +17,12 @@ GRAPH, SMALL_MAP, MAP, MATCH = "graphe", "petite_carte", "carte", "recalage"
 FAR = 1e4
 
 
+def match_figure(a: Floats, b: Floats, wanted: Floats, got: Floats, start: Floats) -> FigureData:
+    """Two clouds (n, 2) and the pose of b in the frame of a (3,): expected, obtained, and from where one began."""
+    clouds = {"a": np.round(a, 3), "b": np.round(b, 3)}
+    return {"kind": MATCH, **clouds, "wanted": wanted, "got": np.clip(got, -FAR, FAR), "start": start}
+
+
 def graph_figure(graph: PoseGraph, start: Floats, expected: Floats, got: Floats) -> FigureData:
     """The poses (k, 3) given, expected and obtained, with the error √(eᵀΩe) that each edge keeps."""
     near = np.clip(got, -FAR, FAR)

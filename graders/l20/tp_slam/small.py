@@ -146,8 +146,7 @@ def matches(bench: Bench) -> None:
                 inputs={"points_a": f"{len(a)} points", "points_b": f"{len(b)} points", "depart": start},
                 expected=[None if lost else np.round(wanted, 3), round(share, 3)],
                 got=[np.round(pose, 3), round(part, 3)],
-                figure={"kind": pictures.MATCH, "a": np.round(a, 3), "b": np.round(b, 3), "wanted": wanted,
-                        "got": np.clip(pose, -1e4, 1e4), "start": start},
+                figure=pictures.match_figure(a, b, wanted, pose, start),
             )  # fmt: skip
 
 

@@ -25,7 +25,7 @@ from graders.l20.tp_slam.chain import (
     steps_of,
     truth_at,
 )
-from graders.l20.tp_slam.pictures import FAR, MATCH
+from graders.l20.tp_slam.pictures import FAR, match_figure
 from graders.l20.tp_slam.told import centimetres, given_up, metres
 from reference.odometry import DifferentialDrive, integrate
 from reference.se2 import relative, wrap_angle
@@ -130,8 +130,7 @@ def matching(bench: Bench) -> None:
                     f"{len(clouds[k + 1])} points"},
             expected=truth[k],
             got=found[k],
-            figure={"kind": MATCH, "a": np.round(clouds[k], 3), "b": np.round(clouds[k + 1], 3), "wanted": truth[k],
-                    "got": np.clip(found[k], -FAR, FAR), "start": moves[k]},
+            figure=match_figure(clouds[k], clouds[k + 1], truth[k], found[k], moves[k]),
         )  # fmt: skip
     if not (0.75 <= float(np.mean(parts)) <= 1.0 and min(parts) >= 0.0 and max(parts) <= 1.0):
         raise Rejection(
