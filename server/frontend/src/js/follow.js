@@ -83,8 +83,9 @@ export async function followPlace() {
   }
 }
 
-// A hint that was open stays open; the folds of a verdict are another verdict's.
+// A hint that was open stays open; the folds of a verdict are another verdict's. Who reads the part goes on there.
 function put(part, old) {
+  const isRead = old.contains(document.activeElement);
   if (part.dataset.part !== "verdict") {
     const folds = part.querySelectorAll("details");
     old.querySelectorAll("details").forEach((fold, place) => {
@@ -92,6 +93,14 @@ function put(part, old) {
     });
   }
   old.replaceWith(part);
+  if (isRead) focusTitle(part);
+}
+
+export function focusTitle(part) {
+  const title = part.querySelector("h2") ?? part;
+  title.tabIndex = -1;
+  title.focus({ preventScroll: true });
+  return title;
 }
 
 export function showWaiting(text) {

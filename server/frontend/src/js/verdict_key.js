@@ -1,6 +1,6 @@
 // Ctrl+Maj+Entrée goes to the verdict; once more, back to where one was.
 
-import { announce } from "./follow.js";
+import { announce, focusTitle } from "./follow.js";
 
 export function setUpVerdictKey() {
   let before = null;
@@ -12,10 +12,7 @@ export function setUpVerdictKey() {
     if (place.hidden) return announce("Pas encore de verdict : envoyez d’abord.");
     if (place.contains(document.activeElement)) return before?.focus();
     before = focused();
-    const title = place.querySelector("h2") ?? place;
-    title.tabIndex = -1;
-    title.focus();
-    title.scrollIntoView({ block: "nearest" });
+    focusTitle(place).scrollIntoView({ block: "nearest" });
   });
 }
 
