@@ -47,7 +47,7 @@ def stop_helpers() -> None:
 
 @pytest.fixture(autouse=True)
 def short_time(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
-    monkeypatch.setattr(confined, "CPU_SECONDS", 0.1)
+    monkeypatch.setattr(confined, "CPU_SECONDS", 0.3)
     stop_helpers()  # forked with the usual time
     yield
     stop_helpers()
