@@ -2,13 +2,16 @@
 
 A method unlike the model's, or a mistake that no catalogue holds, still shows itself: in a relation between its answers
 and the right ones, as one argument read for another, in what they should feel and do not. Each is tried on the probes,
-in which the exercise's solution answers beside the program, and told with one call as it came out. The words state
-what was seen, never a cause.
+in which the exercise's solution answers beside the program, then held against the calls of the checks, those that
+failed first, and told with one call as it came out. The words state what was seen, never a cause.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+import itertools
+import pickle
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from types import MappingProxyType
 
 import numpy as np
 
@@ -37,36 +40,53 @@ from graders.core.contract.values import Arguments, Floats, UnreadableError, Val
 
 #: Calls of a function; calls in one launch; facts that are told of a function.
 MAX_CALLS, SLICE, MAX_FACTS = 12, 120, 2
+#: Further calls that bear a fact out, of each check and in all.
+MAX_DRAWN, MAX_FURTHER = 16, 60
+_FEELS, _FEELS_NOT = ("change", "il ne devrait pas", NOT_FELT), ("ne change pas", "il devrait", FELT)
+#: A varied call, the answer of the program, and that of the solution.
+_VariedAnswer = tuple[Variation, list[Floats] | None, list[Floats] | None]
+_NO_EXAMPLES: Mapping[str, Sequence[Arguments]] = MappingProxyType({})
 #: Calls in which a result must feel an argument, and does not, or the other way round.
 MIN_FELT = 2
 
 
 class Experimenter:
-    """Tries a program and the solution of its exercise on the same calls, until the time is `spent`."""
+    """Tries a program and the solution of its exercise on the same calls, until the time is `spent`.
 
-    def __init__(self, grader: CodeGrader, programs: Programs, seed: int, spent: Callable[[], bool]) -> None:
+    `examples` are the calls that the verdict's failed checks show, by function.
+    """
+
+    def __init__(
+        self, grader: CodeGrader, programs: Programs, seed: int, spent: Callable[[], bool],
+        examples: Mapping[str, Sequence[Arguments]] = _NO_EXAMPLES,
+    ) -> None:  # fmt: skip
         self._grader, self._programs, self._seed, self._spent = grader, programs, seed, spent
+        self._examples = examples
 
     def find_facts(self, source: str, functions: Sequence[str]) -> list[SeenFact]:
         """Return facts on the answers of these functions, the most telling first; [] where nothing is established."""
         facts = []
         for function in functions:
             trial = None if self._spent() else self._trial(source, function)
-            if trial is not None:
+            if trial is not None and trial.wrong_views():
                 facts += self._facts_of(source, trial)[:MAX_FACTS]
         return facts
 
     def _facts_of(self, source: str, trial: FunctionTrial) -> list[SeenFact]:
-        views = trial.wrong_views()
-        related = [fact for view in views for fact in self._related(trial, view)]
+        """Return the facts of a function; `trial` are its calls to the probes, against which all others are held."""
+        views, wider = trial.wrong_views(), self._widened(source, trial)
+        if wider is None:
+            return []
+        related = [fact for view in views for fact in self._related(wider, view)]
         # Many changes give the same counts and verdicts, or leave them as they are.
         rich = [view for view in views if not _holds_counts(trial.series(view))]
-        replaced = list(self._replaced(trial, [view for view in rich if not is_constant(trial.series(view))]))
+        varied = [view for view in rich if not is_constant(wider.series(view))]
+        replaced = list(self._replaced(trial, wider, varied))
         strong = [fact for fact in related if is_strong(fact)]
         # Among several right answers, the solution's own choice may feel an argument that others need not.
         pairs = zip(trial.got, trial.unrounded or trial.got, strict=True)
         is_free = any(not same(mine, its) for row, own in pairs for mine, its in zip(row, own, strict=True))
-        felt = [] if strong or replaced or is_free else list(self._felt(source, trial, rich))
+        felt = [] if strong or replaced or is_free else list(self._felt(source, trial, wider, rich))
         return [*strong, *replaced, *felt, *(fact for fact in related if not is_strong(fact))]
 
     def _related(self, trial: FunctionTrial, view: ReturnedValue) -> list[SeenFact]:
@@ -77,7 +97,9 @@ class Experimenter:
         columns = [fact for column in columns_of(trial, view) if (fact := related_fact(trial, column)) is not None]
         return [fact for fact in columns if is_strong(fact)] or ([whole] if whole is not None else columns)
 
-    def _replaced(self, trial: FunctionTrial, views: Sequence[ReturnedValue]) -> Iterator[SeenFact]:
+    def _replaced(
+        self, trial: FunctionTrial, wider: FunctionTrial, views: Sequence[ReturnedValue]
+    ) -> Iterator[SeenFact]:
         """An argument for which the program reads another value: the solution answers likewise when given that one."""
         if not views:
             return
@@ -95,7 +117,9 @@ class Experimenter:
                     continue
                 if self._is_saturated(trial, view, change, call, answer):
                     continue
-                yield replaced_fact(trial, view, pivot, change, call)
+                if not self._holds_everywhere(wider, view, change):
+                    continue
+                yield replaced_fact(wider, view, pivot, change, call)
                 break
 
     def _is_saturated(
@@ -114,39 +138,48 @@ class Experimenter:
             for answer, got in zip(answers, trial.got, strict=True)
         )
 
-    def _felt(self, source: str, trial: FunctionTrial, views: Sequence[ReturnedValue]) -> Iterator[SeenFact]:
+    def _felt(
+        self, source: str, trial: FunctionTrial, wider: FunctionTrial, views: Sequence[ReturnedValue]
+    ) -> Iterator[SeenFact]:
         """An argument that a result must feel and does not, or must not feel and does."""
         if not views:
             return
+        changes = list(variations(trial.names, trial.calls[0]))
+        answers = self._varied(source, trial, changes)
+        for view in views:
+            told: set[int] = set()
+            for index, change in changes:
+                if index in told:
+                    continue
+                rows = _varied_rows(trial, view, change, answers)
+                feels = _felt_wrongly(rows)
+                if feels is None:
+                    continue
+                further = _varied_rows(wider, view, change, self._varied(source, wider, [(index, change)]))
+                if len(further) < len(rows) or _felt_wrongly(further) is not feels:
+                    continue
+                told.add(index)
+                does, should, question = _FEELS if feels else _FEELS_NOT
+                chosen = [not same(row.mine, row.got) if feels else not same(row.wanted, row.right) for row in rows]
+                yield felt_fact(trial, view, _plainest(trial, rows, chosen), does, should, question)
+                if feels:
+                    break
+
+    def _varied(
+        self, source: str, trial: FunctionTrial, changes: Sequence[tuple[int, ArgumentChange]]
+    ) -> list[_VariedAnswer]:
+        """Return the answers of the program and of the solution to varied calls; [] where some are missing."""
         asked = [
             Variation(index, change, k, call)
-            for index, change in variations(trial.names, trial.calls[0])
+            for index, change in changes
             for k, old in enumerate(trial.calls)
             if (call := change.apply(old)) is not None
         ]
         calls = [variation.call for variation in asked]
         answers, wanted = self._answers(source, trial, calls), self._solution(trial, calls)
         if len(answers) < len(calls) or len(wanted) < len(calls):
-            return
-        for view in views:
-            told: set[int] = set()
-            for index, change in dict.fromkeys((variation.index, variation.change) for variation in asked):
-                rows = [
-                    VariedAnswers(
-                        variation, view.read(trial.got[k]), view.read(mine), view.read(trial.right[k]), view.read(its)
-                    )
-                    for variation, mine, its in zip(asked, answers, wanted, strict=True)
-                    if variation.change is change and mine is not None and its is not None
-                    if len(mine) == len(its) == len(trial.got[k := variation.number])
-                ]
-                felt = [not same(row.wanted, row.right) for row in rows]
-                moved = [not same(row.mine, row.got) for row in rows]
-                if sum(felt) >= MIN_FELT and not any(moved) and index not in told:
-                    told.add(index)
-                    yield felt_fact(trial, view, _plainest(trial, rows, felt), "ne change pas", "il devrait", FELT)
-                elif len(rows) > MIN_FELT and sum(moved) >= MIN_FELT and not any(felt):
-                    yield felt_fact(trial, view, _plainest(trial, rows, moved), "change", "il ne devrait pas", NOT_FELT)
-                    break
+            return []
+        return list(zip(asked, answers, wanted, strict=True))
 
     def _trial(self, source: str, function: str) -> FunctionTrial | None:
         """Return a function's answers beside the right ones, as numbers; None where they are not comparable."""
@@ -159,7 +192,31 @@ class Experimenter:
         got = self._answers(source, bare, (*calls, calls[0]))
         if len(got) != len(calls) + 1 or len(right) != len(calls) or not _alike(got[0], got[-1]):
             return None
-        pairs = zip(calls, got[:-1], right, strict=True)
+        return self._compared(bare, calls, got[:-1], right)
+
+    def _widened(self, source: str, trial: FunctionTrial) -> FunctionTrial | None:
+        """Return a trial with further calls: those that failed checks show, and what the checks draw."""
+        drawn = [
+            tuple(itertools.islice(check.cases(stream(self._seed, check.id)), MAX_DRAWN))
+            for check in self._grader.checks
+            if isinstance(check, Cases) and check.functions == (trial.function,)
+        ]
+        further = [*self._examples.get(trial.function, ()), *_in_turn(drawn)]
+        known = {pickle.dumps(call) for call in trial.calls}
+        calls = [call for call in further if pickle.dumps(call) not in known][:MAX_FURTHER]
+        right, got = self._solution(trial, calls), self._answers(source, trial, calls)
+        if len(right) < len(calls) or len(got) < len(calls):
+            return None
+        own, wanted = (list(map(list, answers)) for answers in (trial.unrounded, trial.right))
+        return self._compared(trial, (*trial.calls, *calls), [*own, *got], [*wanted, *right])
+
+    def _compared(
+        self, trial: FunctionTrial, calls: Sequence[Arguments], got: Sequence[list[Floats] | None],
+        right: Sequence[list[Floats] | None],
+    ) -> FunctionTrial | None:  # fmt: skip
+        """Return a trial of these calls with their answers; None where they are not comparable."""
+        function, names, kit = trial.function, trial.names, trial.kit
+        pairs = zip(calls, got, right, strict=True)
         both = [(call, g, r) for call, g, r in pairs if g is not None and r is not None]
         sizes = {len(values) for _, g, r in both for values in (g, r)}
         if len(both) <= MIN_WRONG or len(sizes) != 1:
@@ -229,6 +286,32 @@ class Experimenter:
 def _holds_counts(series: Series) -> bool:
     """Whether each right answer is one whole number, or a verdict."""
     return all(right.ndim == 0 and bool(right == np.round(right)) for right in series.right)
+
+
+def _in_turn(drawn: Sequence[Sequence[Arguments]]) -> list[Arguments]:
+    """Return the calls of several checks, the first of each before the second ones."""
+    return [call for turn in itertools.zip_longest(*drawn) for call in turn if call is not None]
+
+
+def _varied_rows(
+    trial: FunctionTrial, view: ReturnedValue, change: ArgumentChange, answers: Sequence[_VariedAnswer]
+) -> list[VariedAnswers]:
+    """Return a value of each answer to one change, beside the one before; without those that are no numbers."""
+    return [
+        VariedAnswers(variation, view.read(trial.got[k]), view.read(mine), view.read(trial.right[k]), view.read(its))
+        for variation, mine, its in answers
+        if variation.change is change and mine is not None and its is not None
+        if len(mine) == len(its) == len(trial.got[k := variation.number])
+    ]
+
+
+def _felt_wrongly(rows: Sequence[VariedAnswers]) -> bool | None:
+    """Whether a result feels what it must not; False where it does not feel what it must, None where neither holds."""
+    must = [not same(row.wanted, row.right) for row in rows]
+    moved = [not same(row.mine, row.got) for row in rows]
+    if sum(must) >= MIN_FELT and not any(moved):
+        return False
+    return True if len(rows) > MIN_FELT and sum(moved) >= MIN_FELT and not any(must) else None
 
 
 def _plainest(trial: FunctionTrial, rows: Sequence[VariedAnswers], chosen: Sequence[bool]) -> VariedAnswers:

@@ -143,12 +143,13 @@ def find_place(
             named, functions = grader.describe_mistakes(pair), []
     facts, mending, values = [], None, dict[int, str]()
     if functions:
-        facts = Experimenter(grader, programs, verdict.seed, spent).find_facts(source, functions)
+        calls = _example_calls(grader, verdict)
+        examples = {name: [call for _, of, call in calls if of == name] for name in functions}
+        facts = Experimenter(grader, programs, verdict.seed, spent, examples).find_facts(source, functions)
         search = MendingSearch(grader, programs, verdict.seed, spent, suffix)
         mending = search.search(source, functions)
-        call = _example_call(grader, verdict)
-        if mending is not None and call is not None:
-            line, (title, function, arguments) = mending.steps[0].change.line, call
+        if mending is not None and calls:
+            line, (title, function, arguments) = mending.steps[0].change.line, calls[0]
             if words := _value_words(search.values_at(source, line, function, arguments)):
                 values[line] = f"Dans l'exemple de « {title} », {words}."
     operators = " ; ".join(step.change.operator or step.change.mistake for step in mending.steps) if mending else ""
@@ -250,15 +251,16 @@ def _with_facts(found: Diagnosis, facts: Sequence[SeenFact]) -> Diagnosis:
     return replace(found, explanation="\n\n".join([found.explanation, *told]))
 
 
-def _example_call(grader: CodeGrader, verdict: Verdict) -> tuple[str, str, Arguments] | None:
-    """Return the title of a failed check whose counterexample is one call, its function and its arguments."""
+def _example_calls(grader: CodeGrader, verdict: Verdict) -> list[tuple[str, str, Arguments]]:
+    """Return the calls that failed checks show: the check's title, the function and the arguments."""
     checks = {check.id: check for check in grader.checks if check.reports_call and len(check.functions) == 1}
+    calls = []
     for result in verdict.checks:
         if not result.passed and result.counterexample is not None and result.id in checks:
             inputs = result.counterexample.inputs.values()
             arguments = tuple(np.array(value, dtype=float) if _is_array(value) else value for value in inputs)
-            return result.title, checks[result.id].functions[0], arguments
-    return None
+            calls.append((result.title, checks[result.id].functions[0], arguments))
+    return calls
 
 
 def _is_array(value: Any) -> bool:

@@ -146,9 +146,11 @@ def related_fact(trial: FunctionTrial, view: ReturnedValue) -> SeenFact | None:
     if told is None:
         return None
     k = trial.plainest(number for number, wrong in enumerate(series.wrong) if wrong)
+    wrong = sum(series.wrong)
+    share = f", dont {wrong} faux" if wrong < len(trial.calls) else ""
     proof = (
-        f"C’est ainsi dans les {len(trial.calls)} essais. Par exemple, pour {trial.shown(trial.calls[k])}, on attend "
-        f"{shown_value(series.right[k])} et on obtient {shown_value(series.got[k])}."
+        f"C’est ainsi dans les {len(trial.calls)} essais{share}. Par exemple, pour {trial.shown(trial.calls[k])}, "
+        f"on attend {shown_value(series.right[k])} et on obtient {shown_value(series.got[k])}."
     )
     return SeenFact(trial.function, f"{capital_subject(view.words)} {told}", proof, _QUESTION)
 

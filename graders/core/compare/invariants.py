@@ -1,7 +1,7 @@
-"""Properties that all right answers of a function have and its wrong ones have not, and sizes that are always off.
+"""Properties that all right answers of a function have and its wrong ones have not, and sizes that are off on one side.
 
 A method unlike the solution's is told by them what is wrong with its answers: that a covariance is not symmetric, that
-weights do not add up to 1, that a variance is too small whenever it is wrong.
+weights do not add up to 1, that a variance is too small in each of the calls in which it is wrong.
 """
 
 from __future__ import annotations
@@ -13,8 +13,8 @@ import numpy as np
 
 from graders.core.contract.values import Floats
 
-#: Wrong answers that establish a property, and right ones that have it.
-MIN_ANSWERS = 4
+#: Right answers that have a property; wrong ones that are all without it; wrong ones that are all on one side.
+MIN_ANSWERS, MIN_WITHOUT, MIN_SIZES = 4, 4, 8
 SLACK = 1e-6
 
 
@@ -70,12 +70,12 @@ INVARIANTS = (
 
 
 def tell_invariants(got: Sequence[Floats], right: Sequence[Floats], wrong: Sequence[bool]) -> Iterator[str]:
-    """Yield a French predicate: « n’est pas symétrique chaque fois qu’il est faux »."""
+    """Yield a French predicate: « n’est pas symétrique dans les 12 essais où il est faux »."""
     bad = [mine for mine, is_wrong in zip(got, wrong, strict=True) if is_wrong]
-    if len(right) < MIN_ANSWERS or len(bad) < 2:
+    if len(right) < MIN_ANSWERS or len(bad) < MIN_WITHOUT:
         return
     if all(not np.isfinite(mine).all() for mine in bad) and all(np.isfinite(its).all() for its in right):
-        yield "contient nan ou inf chaque fois qu’il est faux"
+        yield f"contient nan ou inf {_where_wrong(bad)}"
         return
     if not all(np.isfinite(array).all() for array in (*got, *right)):
         return
@@ -83,14 +83,14 @@ def tell_invariants(got: Sequence[Floats], right: Sequence[Floats], wrong: Seque
         if all(map(invariant.applies, (*bad, *right))):
             worst = max(map(invariant.gap, right))
             if worst < SLACK and min(map(invariant.gap, bad)) > 1e-3:
-                yield f"{invariant.words} chaque fois qu’il est faux, contrairement à ce qui est attendu"
+                yield f"{invariant.words} {_where_wrong(bad)}, contrairement à ce qui est attendu"
                 return
 
 
 def tell_sizes(got: Sequence[Floats], right: Sequence[Floats], wrong: Sequence[bool]) -> Iterator[str]:
     """Yield a French predicate of numbers, or of diagonals, that are always on one side of the right ones."""
     pairs = [(mine, its) for mine, its, is_wrong in zip(got, right, wrong, strict=True) if is_wrong]
-    if len(pairs) < MIN_ANSWERS or not all(np.isfinite(array).all() for pair in pairs for array in pair):
+    if len(pairs) < MIN_SIZES or not all(np.isfinite(array).all() for pair in pairs for array in pair):
         return
     if all(_is_square(mine) for mine, _ in pairs):
         pairs = [(np.diag(mine), np.diag(its)) for mine, its in pairs]
@@ -102,5 +102,10 @@ def tell_sizes(got: Sequence[Floats], right: Sequence[Floats], wrong: Sequence[b
     gaps = [mine - its for mine, its in pairs]
     for sign, words in ((1.0, "trop grand"), (-1.0, "trop petit")):
         if all((sign * gap >= -SLACK).all() and (sign * gap).max() > SLACK for gap in gaps):
-            yield f"{subject} {words}{'e' if 'diagonale' in subject else ''} chaque fois qu’il est faux"
+            yield f"{subject} {words}{'e' if 'diagonale' in subject else ''} {_where_wrong(gaps)}"
             return
+
+
+def _where_wrong(answers: Sequence[Floats]) -> str:
+    """The calls in which a property was seen: nothing is said of others."""
+    return f"dans les {len(answers)} essais où il est faux"

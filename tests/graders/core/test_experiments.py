@@ -66,7 +66,7 @@ def test_numbers_that_are_all_multiples_of_a_step_are_told() -> None:
     got = [np.ceil(x / 0.5) * 0.5 for x in right]
     words = "est toujours un multiple de 0,5, ce que n’est pas ce qui est attendu"
     assert told(got, right, [(float(x) + 0.1,) for x in right])[0] == words
-    assert told(got, right, [(k + 0.5, 12.3) for k in range(5)])[0] != words  # as an argument is
+    assert told(got, right, [(k + 0.5, 12.3) for k in range(5)])[:1] != [words]  # as an argument is
 
 
 SYMMETRIC = [np.array([[2.0 + k, 0.5], [0.5, 1.0]]) for k in range(4)]
@@ -78,19 +78,24 @@ SYMMETRIC = [np.array([[2.0 + k, 0.5], [0.5, 1.0]]) for k in range(4)]
         (
             lambda x: np.add(x, [[0.0, 0.3 + x[0, 0]], [0.0, 0.0]]),
             SYMMETRIC,
-            "n’est pas symétrique chaque fois qu’il est faux",
+            "n’est pas symétrique dans les 4 essais où il est faux",
         ),
-        (lambda x: x - 3.0 * x[0, 0] * np.eye(2), SYMMETRIC, "a une valeur propre négative chaque fois"),
-        (lambda x: x - [[0.1 * x[0, 0], 0.1], [0.1, 0.02]], SYMMETRIC, "a une diagonale trop petite chaque fois"),
-        (lambda x: x + 0.1 * x**2, [np.array(k + 1.0) for k in range(4)], "est trop grand chaque fois"),
-        (lambda x: x * [1.0, 2.0, 3.0], [np.array([0.2, 0.3, 0.5])] * 4, "n’a pas pour somme 1 chaque fois"),
-        (lambda x: x * np.nan, [np.array(k + 1.0) for k in range(4)], "contient nan ou inf chaque fois"),
+        (lambda x: x - 3.0 * x[0, 0] * np.eye(2), SYMMETRIC, "a une valeur propre négative dans les 4 essais"),
+        (lambda x: x - [[0.1 * x[0, 0], 0.1], [0.1, 0.02]], 2 * SYMMETRIC, "a une diagonale trop petite dans les 8"),
+        (lambda x: x + 0.1 * x**2, [np.array(k + 1.0) for k in range(8)], "est trop grand dans les 8 essais où"),
+        (lambda x: x * [1.0, 2.0, 3.0], [np.array([0.2, 0.3, 0.5])] * 4, "n’a pas pour somme 1 dans les 4 essais"),
+        (lambda x: x * np.nan, [np.array(k + 1.0) for k in range(4)], "contient nan ou inf dans les 4 essais"),
     ],
 )
 def test_a_property_of_right_answers_that_wrong_ones_have_not_is_told(
     change: Callable[[Floats], Floats], right: list[Floats], words: str
 ) -> None:
     assert any(words in predicate for predicate in told([np.asarray(change(x)) for x in right], right))
+
+
+def test_a_side_that_a_few_answers_share_by_chance_is_not_told() -> None:
+    right = [np.array(k + 1.0) for k in range(7)]
+    assert not any("trop grand" in predicate for predicate in told([x + 0.1 * x**2 for x in right], right))
 
 
 def test_a_property_that_one_wrong_answer_has_is_not_told() -> None:
@@ -166,6 +171,32 @@ def test_experiments_on_a_program(exercise: str, old: str, new: str, words: str)
     joined = join_place(Diagnosis("x", "Un nom", "Pourquoi."), seen)
     assert joined.title == "Un nom"
     assert f"{SEEN_ALSO} : {words}." in joined.explanation
+
+
+def test_what_a_failed_check_belies_is_not_told() -> None:
+    """Half of the square is too large in all calls of the probes, and too small within two metres."""
+    grader = CODE["l19/etendu"]
+    source = grader.solution.replace("return d, ecart / d", "return ecart @ ecart / 2, ecart")
+    assert source != grader.solution
+    near: list[tuple[object, ...]] = [(np.zeros(2), np.array([1.0, 0.0]))]
+    facts = Experimenter(grader, LOCAL, 3, lambda: False, {"distance_et_jacobien": near}).find_facts(
+        source, ("distance_et_jacobien",)
+    )
+    assert not [fact.title for fact in facts if "trop grand" in fact.title]
+
+
+def test_what_further_calls_belie_is_not_told() -> None:
+    """Each fact says in how many calls it was seen: those of the probes, then those of the checks."""
+    grader = CODE["l19/predire_corriger"]
+    source = grader.solution + "\n\ndef predire(m, v, u, q):\n    return m + u, 2 * (v + q)\n"
+    fact = Experimenter(grader, LOCAL, 3, lambda: False).find_facts(source, ("predire",))[0]
+    assert fact.title == "« variance », que renvoie predire, est partout le double de ce qui est attendu"
+    assert int(fact.proof.split(" essais")[0].rsplit(" ", 1)[1]) > 12
+    source = source.replace("2 * (v + q)", "2 * (v + q) if q < 100 else v + q")
+    (fact, *_) = Experimenter(grader, LOCAL, 3, lambda: False, {"predire": [(1.0, 2.0, 3.0, 400.0)]}).find_facts(
+        source, ("predire",)
+    )
+    assert "partout" not in fact.title
 
 
 def test_an_argument_that_no_longer_counts_is_not_said_to_be_read_as_another_value() -> None:
