@@ -5,9 +5,10 @@ from __future__ import annotations
 from collections import defaultdict
 from collections.abc import Collection, Mapping, Sequence
 from datetime import datetime
+from typing import Any
 from uuid import UUID
 
-from sqlalchemy import ColumnElement, Row, and_, delete, or_, select, update
+from sqlalchemy import Row, Select, and_, delete, or_, select, update
 from sqlalchemy.orm import InstrumentedAttribute, Session, aliased
 
 from server.assignments.models import AssignedExercise, Assignment, TeamMember, TeamProposal
@@ -15,6 +16,9 @@ from server.assignments.team_rules import TeamPlace
 from server.classes.models import Membership, SchoolClass
 from server.classes.schemas import display_name
 from server.identity.models import Account
+
+#: Two places in one team: somebody's, and a partner's.
+MINE, OTHER = aliased(TeamMember), aliased(TeamMember)
 
 
 def load_teams(db: Session, assignments: Collection[UUID]) -> Mapping[UUID, tuple[TeamPlace, ...]]:
@@ -55,49 +59,47 @@ def load_current_members(db: Session, assignment_id: UUID) -> Sequence[TeamMembe
     return db.execute(query.order_by(TeamMember.since, TeamMember.id)).scalars().all()
 
 
-def are_together(
-    mine: type[TeamMember], other: type[TeamMember], at: datetime | InstrumentedAttribute[datetime]
-) -> ColumnElement[bool]:
-    """Return the condition that two places, of one team, are both held at a time."""
-    return and_(
-        *(each.since <= at for each in (mine, other)),
-        *(or_(each.until.is_(None), each.until > at) for each in (mine, other)),
+def select_pairs(*columns: Any) -> Select[*tuple[Any, ...]]:
+    """Select columns of two places in one team, `MINE` and `OTHER`, and of their assignment, which is joined."""
+    pair = and_(
+        OTHER.team_id == MINE.team_id,
+        OTHER.assignment_id == MINE.assignment_id,
+        OTHER.account_id != MINE.account_id,
+    )
+    return select(*columns).select_from(MINE).join(OTHER, pair).join(Assignment, Assignment.id == MINE.assignment_id)
+
+
+def join_partner_names(pairs: Select[*tuple[Any, ...]]) -> Select[*tuple[Any, ...]]:
+    """Join the account of `OTHER`, and its membership of the assignment's class, which may have ended."""
+    membership = and_(Membership.class_id == Assignment.class_id, Membership.account_id == OTHER.account_id)
+    return pairs.join(Account, Account.id == OTHER.account_id).outerjoin(Membership, membership)
+
+
+def select_shared_work(at: datetime | InstrumentedAttribute[datetime], *columns: Any) -> Select[*tuple[Any, ...]]:
+    """Select columns of the pairs that are held at a time, each with an exercise that its assignment asks."""
+    return (
+        select_pairs(*columns)
+        .join(AssignedExercise, AssignedExercise.assignment_id == MINE.assignment_id)
+        .where(
+            Assignment.removed_at.is_(None),
+            *(place.since <= at for place in (MINE, OTHER)),
+            *(or_(place.until.is_(None), place.until > at) for place in (MINE, OTHER)),
+        )
     )
 
 
 def is_teammate(db: Session, reader: UUID, author: UUID, exercise: str, sent_at: datetime) -> bool:
     """Whether an attempt was sent while reader and author were in one team of an assignment that asks the exercise."""
-    mine, other = aliased(TeamMember), aliased(TeamMember)
-    query = (
-        select(mine.id)
-        .join(other, and_(other.team_id == mine.team_id, other.assignment_id == mine.assignment_id))
-        .join(AssignedExercise, AssignedExercise.assignment_id == mine.assignment_id)
-        .join(Assignment, Assignment.id == mine.assignment_id)
-        .where(
-            mine.account_id == reader,
-            other.account_id == author,
-            AssignedExercise.exercise == exercise,
-            Assignment.removed_at.is_(None),
-            are_together(mine, other, sent_at),
-        )
+    query = select_shared_work(sent_at, MINE.id).where(
+        MINE.account_id == reader, OTHER.account_id == author, AssignedExercise.exercise == exercise
     )
     return db.execute(query.limit(1)).first() is not None
 
 
 def find_teammate_name(db: Session, reader: UUID, author: UUID) -> str:
     """Return the name, in a class that they share, of somebody with whom the reader hands in, or handed in."""
-    mine, other = aliased(TeamMember), aliased(TeamMember)
-    query = (
-        select(Membership.given_name, Membership.family_name, Account.name)
-        .select_from(mine)
-        .join(other, other.team_id == mine.team_id)
-        .join(Assignment, Assignment.id == mine.assignment_id)
-        .join(Account, Account.id == other.account_id)
-        .outerjoin(
-            Membership, and_(Membership.class_id == Assignment.class_id, Membership.account_id == other.account_id)
-        )
-        .where(mine.account_id == reader, other.account_id == author)
-    )
+    pairs = select_pairs(Membership.given_name, Membership.family_name, Account.name)
+    query = join_partner_names(pairs).where(MINE.account_id == reader, OTHER.account_id == author)
     row = db.execute(query.limit(1)).first()
     return "" if row is None else display_name(*row)
 

@@ -7,10 +7,10 @@ from datetime import datetime
 from uuid import UUID
 
 from sqlalchemy import ColumnElement, Select, and_, delete, exists, select, update
-from sqlalchemy.orm import Session, aliased
+from sqlalchemy.orm import Session
 
-from server.assignments.models import AssignedExercise, Assignment, TeamMember
-from server.assignments.team_repository import are_together
+from server.assignments.models import AssignedExercise
+from server.assignments.team_repository import MINE, OTHER, select_shared_work
 from server.comments.models import Message, Thread, ThreadReader
 from server.comments.schemas import UnreadThread
 from server.database import upsert_statement
@@ -31,21 +31,9 @@ def unread_clause(reader: UUID) -> ColumnElement[bool]:
 def readable_threads(reader: UUID) -> Select[UUID]:
     """Return the query of the threads on a reader's work, and on attempts that a partner sent for them too."""
     own = select(Thread.id).where(Thread.account_id == reader)
-    mine, other = aliased(TeamMember), aliased(TeamMember)
-    shared = (
-        select(Thread.id)
-        .select_from(mine)
-        .join(other, and_(other.team_id == mine.team_id, other.assignment_id == mine.assignment_id))
-        .join(Assignment, Assignment.id == mine.assignment_id)
-        .join(AssignedExercise, AssignedExercise.assignment_id == mine.assignment_id)
-        .join(Thread, and_(Thread.account_id == other.account_id, Thread.exercise == AssignedExercise.exercise))
-        .where(
-            mine.account_id == reader,
-            Assignment.removed_at.is_(None),
-            Thread.submission_id.is_not(None),
-            are_together(mine, other, Thread.work_at),
-        )
-    )
+    partners = and_(Thread.account_id == OTHER.account_id, Thread.exercise == AssignedExercise.exercise)
+    pairs = select_shared_work(Thread.work_at, Thread.id).join(Thread, partners)
+    shared = pairs.where(MINE.account_id == reader, Thread.submission_id.is_not(None))
     return select(own.union(shared).subquery().c.id)
 
 

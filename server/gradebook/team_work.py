@@ -7,11 +7,11 @@ from dataclasses import dataclass
 from datetime import datetime
 from uuid import UUID
 
-from sqlalchemy import and_, select
-from sqlalchemy.orm import Session, aliased
+from sqlalchemy import and_
+from sqlalchemy.orm import Session
 
-from server.assignments.models import AssignedExercise, Assignment, AttemptSelection, TeamMember
-from server.assignments.team_repository import are_together
+from server.assignments.models import AssignedExercise, Assignment, AttemptSelection
+from server.assignments.team_repository import MINE, OTHER, join_partner_names, select_shared_work
 from server.base.errors import NotFound
 from server.classes.models import Membership
 from server.classes.schemas import display_name
@@ -48,40 +48,18 @@ def load_team_attempts(
     It is the latest where the assignment takes the last attempt, else the best. `class_id` and `exercise`: in this
     class, at this exercise only. `until` is the time of the latest attempt that is read (None: without an end).
     """
-    mine, other = aliased(TeamMember), aliased(TeamMember)
+    pairs = select_shared_work(
+        Submission.created_at,
+        *(MINE.account_id, Submission.exercise),
+        *(Submission.id, Submission.created_at, Grading.score, Assignment.counts),
+        *(Membership.given_name, Membership.family_name, Account.name),
+    )
+    sent = and_(Submission.account_id == OTHER.account_id, Submission.exercise == AssignedExercise.exercise)
     query = (
-        select(
-            mine.account_id,
-            Submission.exercise,
-            *(Submission.id, Submission.created_at, Grading.score, Assignment.counts),
-            *(Membership.given_name, Membership.family_name, Account.name),
-        )
-        .select_from(mine)
-        .join(Assignment, Assignment.id == mine.assignment_id)
-        .join(AssignedExercise, AssignedExercise.assignment_id == mine.assignment_id)
-        .join(
-            other,
-            and_(
-                other.assignment_id == mine.assignment_id,
-                other.team_id == mine.team_id,
-                other.account_id != mine.account_id,
-            ),
-        )
-        .join(Account, Account.id == other.account_id)
-        .outerjoin(
-            Membership, and_(Membership.class_id == Assignment.class_id, Membership.account_id == other.account_id)
-        )
-        .join(
-            Submission,
-            and_(Submission.account_id == other.account_id, Submission.exercise == AssignedExercise.exercise),
-        )
+        join_partner_names(pairs)
+        .join(Submission, sent)
         .join(Grading, Grading.id == Submission.grading_id)
-        .where(
-            mine.account_id.in_(students),
-            Assignment.removed_at.is_(None),
-            Submission.created_at <= (until or END_OF_TIME),
-            are_together(mine, other, Submission.created_at),
-        )
+        .where(MINE.account_id.in_(students), Submission.created_at <= (until or END_OF_TIME))
         .order_by(Submission.created_at, Submission.id)
     )
     if class_id is not None:

@@ -43,7 +43,7 @@ from server.submissions.job_events import STREAM_HEADERS, stream_sse
 from server.submissions.models import Submission
 from server.submissions.service import Submissions, job_key, parse_submission_id
 from server.web import assets
-from server.web.dependencies import CurrentReader
+from server.web.dependencies import CurrentReader, Number, PageNumber
 from server.web.forms import FormFields
 from server.web.rendering import render_fragment, render_page
 from server.web.threads import NO_DRAFT, Draft
@@ -52,7 +52,6 @@ from server.web.words import iso_moment
 
 MOVES_ON = 303
 MAX_IDENTITY = 100  # characters of a UUID, however it is written
-MOST_PAGES = 10**9
 _database, _accounts = app_service_getter(Database), app_service_getter(AccountService)
 
 router = APIRouter(include_in_schema=False)
@@ -133,7 +132,7 @@ def attempts(
     module: str,
     slug: str,
     reader: CurrentReader,
-    number: Annotated[int, Query(alias="page", ge=1, le=MOST_PAGES)] = 1,
+    number: PageNumber = 1,
 ) -> HTMLResponse:
     exercise = find_exercise(reader.course, module, slug)
     return render_page(request, "attempts.html", reader.account, page=service.attempts_page(reader, exercise, number))
@@ -228,17 +227,14 @@ def open_or_close_solution(module: str, slug: str, course: CourseOf, door: Solut
     return RedirectResponse(f"{exercise_href(exercise)}#corrige", MOVES_ON)
 
 
-Number = Annotated[int | None, Query(ge=1, le=MOST_PAGES)]
-
-
 @router.get("/soumissions/{submission_id}")
 def attempt(
     request: Request,
     submission_id: str,
     reader: CurrentReader,
     deja: bool = False,
-    ligne: Number = None,
-    derniere: Number = None,
+    ligne: Number | None = None,
+    derniere: Number | None = None,
     verification: Annotated[str, Query(max_length=CHECK_LENGTH)] = "",
 ) -> HTMLResponse:
     """`deja`: it was sent again, and is told to have been sent already. The rest is what one wants to write of."""

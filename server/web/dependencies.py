@@ -54,5 +54,9 @@ async def _reader(request: Request, db: Db) -> Reader:
 
 
 CurrentReader = Annotated[Reader, Depends(_reader)]
-#: Of a list in pages; no list has a million of them.
-PageNumber = Annotated[int, Query(alias="page", ge=1, le=10**6)]
+#: No list has a million pages, no exercise a million attempts, no file a million lines.
+MAX_NUMBER = 10**6
+#: A number in an address, counted from one, under the name of its parameter.
+Number = Annotated[int, Query(ge=1, le=MAX_NUMBER)]
+#: Of a list in pages, as `?page=2`.
+PageNumber = Annotated[int, Query(alias="page", ge=1, le=MAX_NUMBER)]

@@ -6,10 +6,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from datetime import datetime
 from random import SystemRandom
-from typing import Annotated
 from uuid import UUID
 
-from fastapi import APIRouter, Query, Request
+from fastapi import APIRouter, Request
 from fastapi.responses import Response
 from sqlalchemy.orm import Session
 
@@ -37,7 +36,7 @@ from server.marks.service import load_own_marks
 from server.rights import service as rights
 from server.rights.models import Right
 from server.rights.service import ClassAccess
-from server.web.dependencies import CurrentReader
+from server.web.dependencies import CurrentReader, PageNumber
 from server.web.forms import UNKNOWN_ACTION, Field, redirect, redirect_to_login
 from server.web.rendering import render_page
 from server.web.views import Reader
@@ -49,7 +48,6 @@ TEAMS_A_PAGE = 30
 MAX_LINES = 200
 UNKNOWN_STUDENT = "Cette personne n’est pas un élève de la classe."
 NOBODY = "Écrivez un binôme ou une équipe par ligne, les noms séparés par un point-virgule."
-PageNumber = Annotated[int, Query(alias="page", ge=1, le=10**4)]
 
 
 @dataclass(frozen=True)

@@ -21,7 +21,6 @@ from server.classes.models import ClassRole
 from server.course import Course
 from server.database import utc_now
 from server.database.dependencies import DatabaseOf, Db
-from server.desk.marks.routes import PageNumber
 from server.desk.marks.schemas import GradebookOption, LogEntryView, LogPage
 from server.desk.views import class_head, class_href
 from server.identity.dependencies import SignedIn
@@ -29,7 +28,7 @@ from server.marks.cells import Cell, ascii_slug, french_csv
 from server.rights import service as rights
 from server.rights.models import Right
 from server.rights.service import ClassAccess
-from server.web.dependencies import CurrentReader
+from server.web.dependencies import CurrentReader, Number
 from server.web.forms import redirect_to_login
 from server.web.rendering import render_page
 from server.web.words import iso_moment, short_moment
@@ -52,7 +51,7 @@ def _parse_filter(student: str, kind: str) -> AuditFilter:
 
 @router.get("/classes/{class_id}/journal")
 def show_log(
-    request: Request, class_id: str, reader: CurrentReader, eleve: Text = "", genre: Text = "", p: PageNumber = 1
+    request: Request, class_id: str, reader: CurrentReader, eleve: Text = "", genre: Text = "", p: Number = 1
 ) -> Response:
     if reader.account is None:
         return redirect_to_login(request)

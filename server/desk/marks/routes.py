@@ -28,7 +28,7 @@ from server.personal.zip_stream import stream_zip
 from server.rights import service as rights
 from server.rights.models import Right
 from server.rights.service import ClassAccess
-from server.web.dependencies import CurrentReader
+from server.web.dependencies import CurrentReader, Number
 from server.web.form_version import require_version, version_of
 from server.web.forms import UNKNOWN_ACTION, Field, FormFields, redirect, redirect_to_login
 from server.web.rendering import render_page
@@ -37,7 +37,6 @@ from server.web.words import short_moment
 router = APIRouter(include_in_schema=False)
 
 Name = Annotated[str, Query(max_length=300)]
-PageNumber = Annotated[int, Query(ge=1, le=10**6)]
 EMPTY = MarkForm()
 SET_MEANWHILE = (
     "Quelqu’un d’autre a changé les notes de cet élève à ce devoir depuis que cette page est ouverte. Rien de votre "
@@ -51,7 +50,7 @@ EVERYWHERE = "partout"
 @router.get("/classes/{class_id}/carnet")
 def show_gradebook(
     request: Request, class_id: str, reader: CurrentReader, groupe: GroupQuery = "", devoir: Name = "", tri: Name = "",
-    colonne: Name = "", p: PageNumber = 1, q: GroupQuery = "",
+    colonne: Name = "", p: Number = 1, q: GroupQuery = "",
 ) -> Response:  # fmt: skip
     if reader.account is None:
         return redirect_to_login(request)

@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Annotated
 from uuid import UUID
 
-from fastapi import APIRouter, Query, Request
+from fastapi import APIRouter, Request
 from fastapi.responses import HTMLResponse, JSONResponse, Response
 
 from server.assignments import editing
@@ -23,7 +22,7 @@ from server.identity.models import Account
 from server.marks import columns, rubrics, rubrics_repository
 from server.rights import service as rights
 from server.rights.models import Right
-from server.web.dependencies import CurrentReader
+from server.web.dependencies import CurrentReader, PageNumber
 from server.web.form_identity import typed_fields
 from server.web.form_version import VersionChanged, require_same_version
 from server.web.forms import UNKNOWN_ACTION, Field, FormFields, redirect, redirect_to_login
@@ -36,7 +35,6 @@ router = APIRouter(include_in_schema=False)
 ASSIGNMENT = "/classes/{class_id}/devoirs/{aid}"
 SUBJECT = "Ce barème"
 SAVE_MINE = "Enregistrer ma version"
-PageNumber = Annotated[int, Query(alias="page", ge=1, le=10**4)]
 
 
 @router.get(f"{ASSIGNMENT}/bareme")

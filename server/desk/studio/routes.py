@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from typing import Annotated
 
-from fastapi import APIRouter, Depends, Query, Request
+from fastapi import APIRouter, Depends, Request
 from fastapi.responses import HTMLResponse, Response
 from starlette.datastructures import FormData
 
@@ -27,14 +27,13 @@ from server.studio.drafts import ExerciseDraft, program_digest
 from server.studio.import_drafts import ImportRefused
 from server.studio.models import AuthoredExercise
 from server.studio.service import StudioService
-from server.web.dependencies import CurrentReader
+from server.web.dependencies import CurrentReader, PageNumber
 from server.web.form_version import require_same_version
 from server.web.forms import UNKNOWN_ACTION, Field, FormFields, redirect, redirect_to_login
 from server.web.rendering import render_fragment, render_page
 from server.web.views import find_module
 
 router = APIRouter(include_in_schema=False)
-PageNumber = Annotated[int, Query(ge=1, le=10**4)]
 StudioOf = Annotated[StudioService, Depends(views.studio_service)]
 SUBJECT = "Cet exercice"
 EXERCISE = f"{PATH}/{{exercise_id}}"

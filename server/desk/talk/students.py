@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from typing import Annotated
 from uuid import UUID
 
-from fastapi import APIRouter, Query, Request
+from fastapi import APIRouter, Request
 from fastapi.responses import HTMLResponse, Response
 
 from server.base.app_services import SettingsOf
@@ -17,16 +16,13 @@ from server.identity.dependencies import SignedIn
 from server.identity.models import Account
 from server.rights import service as rights
 from server.rights.models import Right
-from server.web.dependencies import CurrentReader
+from server.web.dependencies import CurrentReader, Number, PageNumber
 from server.web.forms import Field, redirect, redirect_to_login
 from server.web.rendering import render_page
 from server.web.threads import NO_DRAFT, Draft
 from server.web.views import Reader
 
 router = APIRouter(include_in_schema=False)
-
-MAX_NUMBER = 10**6
-PageNumber = Annotated[int, Query(ge=1, le=MAX_NUMBER)]
 
 
 @router.get("/classes/{class_id}/eleves/{student}")
@@ -46,8 +42,8 @@ def show_attempts(
     module: str,
     slug: str,
     reader: CurrentReader,
-    essai: Annotated[int | None, Query(ge=1, le=MAX_NUMBER)] = None,
-    number: Annotated[int, Query(alias="page", ge=1, le=MAX_NUMBER)] = 1,
+    essai: Number | None = None,
+    number: PageNumber = 1,
 ) -> Response:
     """`essai` is the attempt of which one wants to see what it changed."""
     if reader.account is None:
