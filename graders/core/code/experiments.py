@@ -46,6 +46,8 @@ _FEELS, _FEELS_NOT = ("change", "il ne devrait pas", NOT_FELT), ("ne change pas"
 #: A varied call, the answer of the program, and that of the solution.
 _VariedAnswer = tuple[Variation, list[Floats] | None, list[Floats] | None]
 _NO_EXAMPLES: Mapping[str, Sequence[Arguments]] = MappingProxyType({})
+#: Calls in all without which nothing is said.
+MIN_TRIED = 8
 #: Calls in which a result must feel an argument, and does not, or the other way round.
 MIN_FELT = 2
 
@@ -75,13 +77,15 @@ class Experimenter:
     def _facts_of(self, source: str, trial: FunctionTrial) -> list[SeenFact]:
         """Return the facts of a function; `trial` are its calls to the probes, against which all others are held."""
         views, wider = trial.wrong_views(), self._widened(source, trial)
-        if wider is None:
+        if wider is None or len(wider.calls) < MIN_TRIED:
             return []
-        related = [fact for view in views for fact in self._related(wider, view)]
         # Many changes give the same counts and verdicts, or leave them as they are.
         rich = [view for view in views if not _holds_counts(trial.series(view))]
         varied = [view for view in rich if not is_constant(wider.series(view))]
         replaced = list(self._replaced(trial, wider, varied))
+        if not trial.unique:
+            return replaced
+        related = [fact for view in views for fact in self._related(wider, view)]
         strong = [fact for fact in related if is_strong(fact)]
         # Among several right answers, the solution's own choice may feel an argument that others need not.
         pairs = zip(trial.got, trial.unrounded or trial.got, strict=True)
@@ -226,7 +230,8 @@ class Experimenter:
         mine = [r if self._is_right(function, call, g, r) else g for call, g, r in both]
         calls, right_ones = [call for call, _, _ in both], [r for _, _, r in both]
         own = [g for _, g, _ in both]
-        return FunctionTrial(function, names, parts if size > 1 else (), kit, calls, mine, right_ones, own)
+        parts, unique = parts if size > 1 else (), self._is_unique(function)
+        return FunctionTrial(function, names, parts, kit, calls, mine, right_ones, own, unique)
 
     def _is_right(self, function: str, call: Arguments, got: Sequence[Floats], right: Sequence[Floats]) -> bool:
         """Whether an answer is a right one, though another than the solution's."""
@@ -235,6 +240,11 @@ class Experimenter:
                 mine, its = (tuple(values) if len(values) > 1 else values[0] for values in (got, right))
                 return probes.same(probes.read(call, mine), probes.read(call, its))
         return False
+
+    def _is_unique(self, function: str) -> bool:
+        """Whether the solution's answers are the only right ones."""
+        prober = self._grader.prober
+        return all(probes.unique for probes in (prober.probes if prober else ()) if probes.function == function)
 
     def _questions(self, function: str) -> tuple[KitSettings, Sequence[Arguments]]:
         """Return the calls of the probes of a function, of those that its failed checks draw where it has none."""

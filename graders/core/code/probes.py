@@ -91,7 +91,8 @@ class Probes:
     for the mutants only. `last_rules` apply when nothing else has found a name. The first call is repeated last, to
     detect state, unless the function is `random`; every mutant then draws the same numbers. `same` compares two
     answers, loosely where a check grants a margin. Nothing is called where a check of one of `unless` alone failed.
-    `faults` are the answers that stand for exceptions, by name, which come or not as numbers are rounded.
+    `faults` are the answers that stand for exceptions, by name, which come or not as numbers are rounded. Unless
+    `unique`, right answers may differ from the solution's: by a convention, a free choice, where an iteration stands.
     """
 
     function: str
@@ -102,6 +103,7 @@ class Probes:
     rules: tuple[Rule, ...] = ()
     last_rules: tuple[Rule, ...] = ()
     random: bool = False
+    unique: bool = True
     unless: frozenset[str] = frozenset()
     facet: Facet | None = None
     compared: int | None = None

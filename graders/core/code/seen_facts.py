@@ -49,6 +49,8 @@ class FunctionTrial:
     got: Sequence[Sequence[Floats]]
     right: Sequence[Sequence[Floats]]
     unrounded: Sequence[Sequence[Floats]] = ()
+    #: Whether the solution's answers are the only right ones.
+    unique: bool = True
 
     def series(self, view: ReturnedValue) -> Series:
         got, right = [view.read(row) for row in self.got], [view.read(row) for row in self.right]
@@ -159,11 +161,11 @@ def replaced_fact(
     trial: FunctionTrial, view: ReturnedValue, number: int, change: ArgumentChange, call: Arguments
 ) -> SeenFact:
     """Return the fact that a value is what is awaited for changed arguments, as in this call."""
-    series = trial.series(view)
+    series, example = trial.series(view), "" if trial.unique else ", par exemple,"
     proof = (
-        f"C’est ainsi dans les {len(trial.calls)} essais. Pour {trial.shown(trial.calls[number])}, on attend "
-        f"{shown_value(series.right[number])} et on obtient {shown_value(series.got[number])} : ce que l’on attend "
-        f"pour {trial.shown(call)}."
+        f"C’est ainsi dans les {len(trial.calls)} essais. Pour {trial.shown(trial.calls[number])}, on attend{example} "
+        f"{shown_value(series.right[number])} et on obtient {shown_value(series.got[number])} : ce que l’on "
+        f"attend{example} pour {trial.shown(call)}."
     )
     title = f"{capital_subject(view.words)} est ce que l’on attend si {change.words}"
     return SeenFact(trial.function, title, proof, REPLACED)

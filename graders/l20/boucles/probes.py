@@ -262,6 +262,7 @@ PROBES = (
     Probes(
         function="candidats_boucle",
         calls=LOOKED,
+        unique=False,
         kit=world.STILL,
         read=read_found,
         rules=(distances_instead, unsorted, more_with_less, threshold_unused, breaks_off, window_only),

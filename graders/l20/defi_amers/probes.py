@@ -169,6 +169,7 @@ PROBES = (
     Probes(
         function="systeme",
         calls=CALLS,
+        unique=False,
         kit=world.STILL,
         read=read_point,
         rules=(half,),
@@ -176,6 +177,7 @@ PROBES = (
     Probes(
         function="slam_amers",
         calls=tuple(tuple(one.inputs.values()) for one in MAPS),
+        unique=False,
         kit=world.STILL,
         read=read,
         faults={"LinAlgError": LOST},

@@ -130,6 +130,7 @@ PROBES = (
     Probes(
         function="gauss_newton_robuste",
         calls=tuple((one.poses, list(one.edges), DELTA, one.n_iter) for one in GRAPHS),
+        unique=False,
         kit=world.STILL,
         read=read,
         faults={"LinAlgError": LOST},

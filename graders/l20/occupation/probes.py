@@ -135,6 +135,7 @@ PROBES = (
     Probes(
         function=FUNCTION,
         calls=tuple(tuple(case) for case in RAYS),
+        unique=False,
         kit=SMALL,
         read=read_grid,
         rules=(beyond_the_bounds, at_each_step),

@@ -92,5 +92,12 @@ def too_dear(shown: ProbeResults) -> str | None:
 PROBES = (
     Probes(function="gonfler", calls=GRIDS, kit=world.STILL, read=array_or_reason),
     Probes(function="cout", calls=PATHS, kit=world.STILL, read=number_or_reason),
-    Probes(function="planifier", calls=PLANS, kit=world.STILL, read=read_plan, last_rules=(cuts_corners, too_dear)),
+    Probes(
+        function="planifier",
+        calls=PLANS,
+        kit=world.STILL,
+        unique=False,
+        read=read_plan,
+        last_rules=(cuts_corners, too_dear),
+    ),
 )

@@ -203,6 +203,7 @@ PROBES = (
     Probes(
         function="erreur",
         calls=EDGES,
+        unique=False,
         kit=world.STILL,
         read=read_three,
         facet=position,
@@ -211,6 +212,7 @@ PROBES = (
     Probes(
         function="gauss_newton",
         calls=tuple(tuple(graph.inputs.values()) for graph in GRAPHS),
+        unique=False,
         kit=world.STILL,
         read=read,
         faults={"LinAlgError": LOST},

@@ -45,16 +45,29 @@ PROBES = (
         kit=world.STILL,
         read=lambda args, value: _turns(value),
     ),
-    Probes(function="poses_cles", calls=tuple((poses,) for poses, _ in small.KEYS), kit=world.STILL),
-    Probes(function="recaler", calls=tuple(args for args, _, _ in small.MATCHES[1:]), kit=world.STILL, read=read_match),
+    Probes(function="poses_cles", calls=tuple((poses,) for poses, _ in small.KEYS), kit=world.STILL, unique=False),
+    Probes(
+        function="recaler",
+        calls=tuple(args for args, _, _ in small.MATCHES[1:]),
+        kit=world.STILL,
+        read=read_match,
+        unique=False,
+    ),
     Probes(
         function="fermetures",
         calls=((places.WALKS[0].scans, places.WALKS[0].chain),),
+        unique=False,
         kit=world.STILL,
         read=read_loops,
     ),
-    Probes(function="optimiser", calls=small.GRAPHS, kit=world.STILL, read=lambda args, value: _coarse(_turned(value))),
-    Probes(function="carte", calls=small.MAPS, kit=world.STILL, read=lambda args, value: _signs(value)),
+    Probes(
+        function="optimiser",
+        calls=small.GRAPHS,
+        kit=world.STILL,
+        read=lambda args, value: _coarse(_turned(value)),
+        unique=False,
+    ),
+    Probes(function="carte", calls=small.MAPS, kit=world.STILL, read=lambda args, value: _signs(value), unique=False),
 )
 
 

@@ -199,13 +199,18 @@ def test_what_further_calls_belie_is_not_told() -> None:
     assert "partout" not in fact.title
 
 
-def test_an_argument_that_no_longer_counts_is_not_said_to_be_read_as_another_value() -> None:
-    """With a delta of 115, or of 6,565, no weight is left: the answers bear out « in degrees » by chance alone."""
+def test_of_answers_that_are_not_the_only_right_ones_little_is_told() -> None:
+    """Another kernel gives other poses, and another method other first iterations: « on attend » would be untrue."""
     grader = CODE["l20/defi_robuste"]
     source = grader.solution.replace("systeme(x, aretes, ponderer(x, aretes, delta))", "systeme(x, aretes, [1] * 999)")
     source = source.replace("poids, strict=True)", "poids)")
-    facts = Experimenter(grader, LOCAL, 3, lambda: False).find_facts(source, ("gauss_newton_robuste",))
-    assert "« poses », que renvoie gauss_newton_robuste, ne change pas quand delta change : il devrait" in [
-        fact.title for fact in facts
-    ]
-    assert not [fact.title for fact in facts if "converti en degrés" in fact.title]
+    assert not Experimenter(grader, LOCAL, 3, lambda: False).find_facts(source, ("gauss_newton_robuste",))
+
+
+def test_one_right_answer_of_several_is_told_as_an_example() -> None:
+    grader = CODE["l20/planifier"]
+    source = grader.solution + "\n\n_planifier = planifier\n\n\ndef planifier(permises, couts, depart, but):\n"
+    source += "    return _planifier(permises, 0 * couts, depart, but)\n"
+    (fact,) = Experimenter(grader, LOCAL, 3, lambda: False).find_facts(source, ("planifier",))
+    assert fact.title == "Le résultat de planifier est ce que l’on attend si couts n’était fait que de 0"
+    assert "on attend, par exemple, [[" in fact.proof
