@@ -19,7 +19,7 @@ from tests.support.classes import new_class, person, seat
 from tests.support.quick import the_course
 from tests.support.service import QUIET, Site, new_account
 
-PLACE = FoundPlace(Diagnosis("lieu", "Tout se joue ligne 3", "Ligne 3 : « a + b ».", None, (("b",),)), "opérateur")
+PLACE = FoundPlace(Diagnosis("lieu", "Changer la ligne 3 suffit", "Ligne 3 : « a + b ».", None, (("b",),)), "opérateur")
 
 
 def search(database: Database, settings: Settings, find: PlaceFinder) -> None:

@@ -28,7 +28,8 @@ class ProgramChange:
     """A changed program and the first changed line of the original.
 
     In `counted` its loops count their turns. `operator` says what kind of thing was changed, `mistake` is the id of the
-    undone mistake of the catalogue, if any, which may change `further` lines.
+    undone mistake of the catalogue, if any, which may change `further` lines. An `unlikely` change is the kind of one
+    that may make up for a mistake of another line.
     """
 
     text: str
@@ -37,6 +38,7 @@ class ProgramChange:
     operator: str
     mistake: str = ""
     further: tuple[int, ...] = ()
+    unlikely: bool = False
 
 
 def find_changes(
@@ -76,7 +78,10 @@ def _other_changes(text: ProgramText, functions: Sequence[str]) -> Iterator[Prog
             for rule in rules:
                 for change in rule(text, node):
                     line = text.raw.count(b"\n", 0, change.start) + 1
-                    yield ProgramChange(text.apply(change), _counted(text, change, counters), line, change.operator)
+                    counted = _counted(text, change, counters)
+                    yield ProgramChange(
+                        text.apply(change), counted, line, change.operator, unlikely=rules is reversals.UNLIKELY
+                    )
 
 
 def _reached_nodes(text: ProgramText, functions: Sequence[str]) -> Iterator[ast.AST]:

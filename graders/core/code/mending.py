@@ -7,10 +7,11 @@ something alone. No change is ever shown: it proves where the mistake is, and ho
 
 from __future__ import annotations
 
+import difflib
 import time
-from collections.abc import Callable, Collection, Sequence
+from collections.abc import Callable, Collection, Iterator, Sequence
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -34,6 +35,8 @@ from graders.core.syntax_trees import parse_source
 
 #: Probes whose wrong answer selects changes; changes run through the checks; changes of one program in all.
 MAX_PIVOTS, MAX_VERIFIED, MAX_STEPS = 3, 8, 2
+#: Other lines that are tried where one change mends all that fails.
+MAX_OTHER_LINES = 2
 #: Changes after which another one is searched; those that are run through the checks though the time is spent.
 MAX_BEGUN, MAX_LATE = 2, 3
 #: Changed programs that answer in one exchange, between two looks at the time.
@@ -98,7 +101,7 @@ class MendingSearch:
             return None
         left = left.difference(*(step.mended for step in steps))
         last_name = self._certain_name(steps[0].change.text) if len(steps) > 1 or left else None
-        return Mending(tuple(steps), left, last_name, bool(self._suffix))
+        return Mending(tuple(in_lines_of(source, steps)), left, last_name, bool(self._suffix))
 
     def _certain_name(self, source: str) -> Diagnosis | None:
         named = self._grader.name_mistakes(source + self._suffix, self._programs, self._seed)
@@ -131,15 +134,17 @@ class MendingSearch:
         changes = find_changes(source, functions, model, self._spent)
         self.tried += len(changes)
         tried: list[tuple[ProgramChange, frozenset[str]]] = []
-        for change in self._screened(source, changes, functions)[:MAX_VERIFIED]:
+        screened = self._screened(source, changes, functions)
+        for change in screened[:MAX_VERIFIED]:
             if self._spent() and tried:
                 break
             left = frozenset(check.id for check in self._failed_checks(change.text, is_late=len(tried) < MAX_LATE))
             if left <= failed:
                 tried.append((change, left))
             if not left:
+                tried += self._at_other_lines(change, screened[screened.index(change) + 1 :])
                 break
-        tried.sort(key=lambda pair: len(pair[1]))
+        tried.sort(key=lambda pair: (len(pair[1]), pair[0].unlikely))
         if not tried:
             return []
         best, left = tried[0]
@@ -154,6 +159,18 @@ class MendingSearch:
             if further and (mended := (failed - other).union(*(step.mended for step in further))) > failed - left:
                 steps, left = [MendingStep(change, failed - other), *further], failed - mended
         return steps
+
+    def _at_other_lines(
+        self, change: ProgramChange, others: Sequence[ProgramChange]
+    ) -> list[tuple[ProgramChange, frozenset[str]]]:
+        """Return changes of a few other lines that also mend all that fails, with what they leave: nothing."""
+        by_line = {other.line: other for other in reversed(others) if other.line != change.line}
+        found = []
+        for other in sorted(by_line.values(), key=others.index)[:MAX_OTHER_LINES]:
+            with suppress(OutOfTimeError):
+                if not self._failed_checks(other.text):
+                    found.append((other, frozenset[str]()))
+        return found
 
     def _screened(self, source: str, changes: Sequence[ProgramChange], functions: Sequence[str]) -> list[ProgramChange]:
         """Return the changes that mend numbers of the answers to probes and spoil none, the most mending first.
@@ -256,6 +273,23 @@ class MendingSearch:
         finally:
             runner.close()
         return failed
+
+
+def in_lines_of(source: str, steps: Sequence[MendingStep]) -> Iterator[MendingStep]:
+    """Yield the steps with the lines of the program as it was: a first change may add lines, or take some away."""
+    text = source
+    for step in steps:
+        matcher = difflib.SequenceMatcher(None, text.splitlines(), source.splitlines(), autojunk=False)
+        places = {
+            begin + k + 1: start + min(k, max(0, stop - start - 1)) + 1
+            for _, begin, end, start, stop in matcher.get_opcodes()
+            for k in range(end - begin)
+        }
+        further = tuple(places.get(line, line) for line in step.change.further)
+        change = replace(step.change, line=places.get(step.change.line, step.change.line), further=further)
+        rivals = tuple(replace(rival, line=places.get(rival.line, rival.line)) for rival in step.rivals)
+        yield replace(step, change=change, rivals=rivals)
+        text = step.change.text
 
 
 def _parses(source: str) -> bool:

@@ -12,25 +12,23 @@ from typing import Any
 
 import numpy as np
 
-from graders.core.code.changes import ProgramChange
 from graders.core.code.checks import Check
-from graders.core.code.diagnosis import EXPLAINS, combine_diagnoses, lowercase_title, tell_remainder
+from graders.core.code.diagnosis import EXPLAINS, lowercase_title, tell_remainder
 from graders.core.code.experiments import Experimenter
 from graders.core.code.grading import CodeGrader
 from graders.core.code.isolation import isolate_functions, name_isolated, replacing_suffix, tell_shares
-from graders.core.code.mending import Mending, MendingSearch, MendingStep
+from graders.core.code.mending import Mending, MendingSearch
+from graders.core.code.place_words import LOOK, PLACE, describe_place, places_of
 from graders.core.code.probes import explains_itself
 from graders.core.code.seen_facts import SeenFact
 from graders.core.compare import words as render
-from graders.core.compare.slips import Slip
 from graders.core.contract.program import Programs
 from graders.core.contract.values import Arguments
 from graders.core.contract.verdict import AND_ALSO, CheckResult, Diagnosis, Verdict
 
-PLACE, LOOK = "lieu", "Regardez-y"
 EXPERIMENT, SEEN_ALSO = "essais", "Ce que montrent d’autres essais"
-#: Characters of a line that is quoted; lines of one mistake, values, and facts beside the first, that are told.
-MAX_LINE, MAX_LINES, MAX_VALUES, MAX_FACTS = 90, 3, 2, 2
+#: Values, and facts beside the first, that are told.
+MAX_VALUES, MAX_FACTS = 2, 2
 
 
 @dataclass(frozen=True)
@@ -39,52 +37,6 @@ class FoundPlace:
 
     diagnosis: Diagnosis
     changes: str
-
-
-@dataclass(frozen=True)
-class Aspect:
-    """What to look at on a line: a noun, and a question."""
-
-    noun: str
-    question: str
-
-
-_OPERATION = Aspect("une opération", "Est-ce bien l'opération qu'il faut faire ici ?")
-_SUPERFLUOUS = Aspect("un terme ou un facteur de trop", "Chaque terme de cette ligne figure-t-il dans la formule ?")
-_MISSING = Aspect("un terme ou un facteur qui manque", "Que dit la formule de l'énoncé, et que manque-t-il ici ?")
-_ORDER = Aspect("un ordre", "Dans quel ordre ces valeurs doivent-elles venir ?")
-_RANKING = Aspect(
-    "un rangement", "Dans quel ordre ces valeurs sont-elles arrivées, et dans quel ordre sont-elles lues ?"
-)
-_NUMBER = Aspect("un nombre", "D'où vient le nombre qui est écrit là ?")
-_AXIS = Aspect("un axe", "Cette opération va-t-elle d'une ligne à l'autre du tableau, ou d'une colonne à l'autre ?")
-_BOUND = Aspect("un indice ou une borne", "Quel est ici le premier indice atteint ? Et le dernier ?")
-_CONDITION = Aspect("une condition", "Dans quels cas cette condition est-elle vraie ? Et à l'égalité ?")
-_SIGN = Aspect("un signe", "De quel signe doit être chaque terme de cette ligne ?")
-_SHAPE = Aspect("la forme du calcul", "Est-ce cette valeur, ou une autre que l'on en tire, qu'il faut employer ici ?")
-_CALL = Aspect("un appel de fonction", "Que fait la fonction appelée ici à ce qu'on lui donne ?")
-_VARIABLE = Aspect("une variable", "Est-ce bien cette variable-là qu'il faut lire ici ?")
-_STORED = Aspect("ce que la ligne range", "Que devient l'ancienne valeur quand cette ligne est exécutée ?")
-_SHARED = Aspect("un tableau qui a deux noms", "Ces deux noms désignent-ils deux tableaux, ou le même ?")
-_TYPE = Aspect("le type des nombres", "Quels nombres ce tableau peut-il contenir ?")
-_MOMENT = Aspect("la place de cette ligne", "Combien de fois cette ligne est-elle exécutée, et à quel moment ?")
-
-#: The aspect of a line that each kind of change looks at.
-ASPECTS: Mapping[str, Aspect] = {
-    "opérateur": _OPERATION, "terme oublié": _SUPERFLUOUS, "terme ou facteur manquant": _MISSING,
-    "opérandes échangés": _ORDER, "ordre du produit": _ORDER, "ordre": _ORDER, "arguments échangés": _ORDER,
-    "ordre de la composition": _ORDER, "ligne et colonne": _ORDER, "constante": _NUMBER, "axe": _AXIS,
-    "indice décalé": _BOUND, "intervalle décalé": _BOUND, "comparaison": _CONDITION, "borne oubliée": _CONDITION,
-    "condition": _CONDITION, "condition oubliée": _CONDITION, "et, ou": _CONDITION, "if ou while": _CONDITION,
-    "elif ou if": _CONDITION, "branche": _CONDITION, "signe": _SIGN, "signe ou négation oubliés": _SIGN,
-    "rotation transposée": _SIGN, "carré": _SHAPE, "racine": _SHAPE, "facteur": _SHAPE, "inverse": _SHAPE,
-    "valeur absolue": _SHAPE, "transposée": _SHAPE, "angle": _SHAPE, "degrés": _SHAPE, "arrondi": _CALL,
-    "normalisation oubliée": _CALL, "appel oublié": _CALL, "argument oublié": _CALL, "fonction voisine": _CALL,
-    "variable": _VARIABLE, "variables échangées": _VARIABLE, "affectation": _STORED, "instruction oubliée": _STORED,
-    "saut": _STORED, "copie": _SHARED, "rangement": _RANKING, "type": _TYPE, "ordre des lignes": _MOMENT,
-    "indentation": _MOMENT,
-}  # fmt: skip
-_ANY = Aspect("", "Que vaut chaque terme de cette ligne, dans l'exemple d'une vérification qui échoue ?")
 
 
 def is_worth_searching(verdict: Verdict) -> bool:
@@ -110,16 +62,26 @@ def describe_mending(
     mending: Mending, source: str, checks: Sequence[CheckResult], values: Mapping[int, str] | None = None
 ) -> Diagnosis:
     """Return the diagnosis of the places found; `values` are what is worth seeing at a line, in French."""
-    titles = {check.id: check.title for check in checks}
-    is_all = len(mending.steps) == 1 and not mending.left
-    told = [_described(step, mending, source, titles, values or {}, is_all) for step in mending.steps]
-    diagnosis = combine_diagnoses((), (), told)
-    explanation = diagnosis.explanation
+    titles, failed = _titles(checks), _at_fault(checks)
+    places = places_of(mending)
+    first, *others = [describe_place(place, mending, source, titles, values or {}, failed) for place in places]
+    paragraphs = [first.explanation, first.question]
+    for other in others:
+        paragraphs += [f"{other.title}. {other.explanation}", other.question]
     if mending.last_name is not None:
         named = mending.last_name
-        explanation += f"\n\nCe qui reste, une fois l'autre ligne écrite autrement : {named.title}. {named.explanation}"
-    explains = tuple(tuple(sorted(step.mended or mending.mended)) for step in mending.steps)
-    return tell_remainder(Diagnosis(diagnosis.id, diagnosis.title, explanation, None, explains), checks)
+        paragraphs.append(f"Ce qui reste, une fois l'autre ligne écrite autrement : {named.title}. {named.explanation}")
+    title = AND_ALSO.join([first.title, *(lowercase_title(other.title) for other in others)])
+    explains = tuple(tuple(sorted(place.mended)) for place in places)
+    return tell_remainder(Diagnosis(PLACE, title, "\n\n".join(paragraphs), None, explains), checks)
+
+
+def _titles(checks: Sequence[CheckResult]) -> dict[str, str]:
+    return {check.id: check.title for check in checks}
+
+
+def _at_fault(checks: Sequence[CheckResult]) -> set[str]:
+    return {check.id for check in checks if not (check.passed or check.neutral)}
 
 
 def find_place(
@@ -192,24 +154,23 @@ def _with_places(
     named: Diagnosis, mending: Mending, source: str, checks: Sequence[CheckResult], values: Mapping[int, str]
 ) -> Diagnosis:
     """Return named mistakes with the places found: another mistake where one mends checks that no name explains."""
-    titles = {check.id: check.title for check in checks}
+    titles, failed = _titles(checks), _at_fault(checks)
     explained = {check for ids in named.explains for check in ids}
     named = _without_remainder(named)
     lines = set[int]()
-    for step in mending.steps:
-        if step.change.line in lines:
+    for found in places_of(mending):
+        if found.lines[0] in lines:
             continue
-        lines.add(step.change.line)
-        place = _described(step, mending, source, titles, values, False)
-        mended = step.mended or mending.mended
-        if mended <= explained:
+        lines.add(found.lines[0])
+        place = describe_place(found, mending, source, titles, values, failed)
+        if found.mended <= explained:
             where = place.explanation.partition(LOOK)[0].strip()
             told = f"Dans votre programme : {lowercase_title(place.title)}. {where}"
         else:
-            title = place.title.replace("Une erreur", "Une autre erreur")
-            told = f"{title}. {place.explanation}\n\n{place.question}"
-            explains = (*named.explains, tuple(sorted(mended - explained)))
-            named = replace(named, title=f"{named.title}{AND_ALSO}{place.title}", explains=explains, certain=False)
+            told = f"{place.title}. {place.explanation}\n\n{place.question}"
+            title = f"{named.title}{AND_ALSO}{lowercase_title(place.title)}"
+            explains = (*named.explains, tuple(sorted(found.mended - explained)))
+            named = replace(named, title=title, explains=explains, certain=False)
         named = replace(named, explanation=f"{named.explanation}\n\n{told}")
     last = mending.last_name
     if last is not None and last.title not in named.titles:
@@ -293,7 +254,7 @@ def join_place(diagnosis: Diagnosis | None, place: Diagnosis) -> Diagnosis:
         others = [text for text in place.explanation.split("\n\n") if text.startswith(SEEN_ALSO)]
         paragraphs = [diagnosis.explanation, f"{SEEN_ALSO} : {place.title}. {where}", *others]
         return replace(diagnosis, explanation="\n\n".join(paragraphs))
-    told = f"Dans votre programme : {place.title[:1].lower()}{place.title[1:]}. {where}"
+    told = f"Dans votre programme : {lowercase_title(place.title)}. {where}"
     return replace(diagnosis, explanation=f"{diagnosis.explanation}\n\n{told}")
 
 
@@ -302,43 +263,3 @@ def _is_disproved(diagnosis: Diagnosis, place: Diagnosis) -> bool:
     together = {frozenset(checks) for checks in diagnosis.explains}
     is_one = len(place.explains) == 1 and len(diagnosis.titles) > 1
     return is_one and diagnosis.source is None and all(checks <= set(place.explains[0]) for checks in together)
-
-
-def _described(
-    step: MendingStep, mending: Mending, source: str, titles: Mapping[str, str], values: Mapping[int, str], is_all: bool
-) -> Slip:
-    """Return the place of a step in words; `is_all` where it alone mends all that fails in the program."""
-    line, further = step.change.line, step.change.further
-    rivals = [] if further else [rival.line for rival in step.rivals if not rival.further]
-    lines = sorted({line, *further, *rivals})
-    aspect = _aspect((step.change, *step.rivals))
-    title = "Tout se joue" if is_all else "Une erreur se trouve"
-    told = " et ".join(map(str, lines)) if further else " ou ".join(map(str, lines[:MAX_LINES]))
-    title += f" ligne{'s' if further else ''} {told}"
-    where = " ".join(f"Ligne {number} : « {_quoted(source, number)} »." for number in (line, *further))
-    seen = f" {values[line]}" if line in values else ""
-    look = f" {LOOK} {aspect.noun}." if aspect.noun and len(lines) == 1 else ""
-    return Slip(PLACE, title, f"{where}{seen} {_proof(step, mending, titles, is_all)}{look}", aspect.question)
-
-
-def _proof(step: MendingStep, mending: Mending, titles: Mapping[str, str], is_all: bool) -> str:
-    begin, mends = "Écrite autrement", "cette seule ligne fait"
-    if step.change.further:
-        begin, mends = "Écrites autrement ensemble", "ces lignes font"
-    if not step.mended:
-        return f"{begin}, avec l'autre ligne en cause, {mends} réussir ce qui échoue."
-    if is_all:
-        return f"{begin}, {mends} réussir tout ce qui échoue."
-    names = " ; ".join(f"« {titles.get(check, check)} »" for check in sorted(step.mended))
-    others = ", les autres fonctions une fois justes" if mending.beside_right_ones else ""
-    return f"{begin}, {mends} réussir {names}{others}."
-
-
-def _aspect(changes: Sequence[ProgramChange]) -> Aspect:
-    aspects = {ASPECTS.get(change.operator, _ANY) for change in changes}
-    return aspects.pop() if len(aspects) == 1 else _ANY
-
-
-def _quoted(source: str, line: int) -> str:
-    text = source.splitlines()[line - 1].strip() if line <= len(source.splitlines()) else ""
-    return text if len(text) <= MAX_LINE else f"{text[: MAX_LINE - 1]}…"

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from graders.core.code.changes import ProgramChange, count_turns, find_changes, noted_line
-from graders.core.code.mending import Mending, MendingSearch, MendingStep
+from graders.core.code.mending import Mending, MendingSearch, MendingStep, in_lines_of
 from graders.core.code.places import describe_mending, find_place, is_worth_searching, join_place
 from graders.core.contract.local import LOCAL
 from graders.core.contract.verdict import Diagnosis, Verdict
@@ -37,7 +37,7 @@ def test_the_line_and_the_kind_of_thing_are_told_and_never_the_change() -> None:
     verdict = verdict_of(source)
     found = find_place(CODE[EXERCISE], source, verdict, LOCAL, lambda: False)
     assert found is not None
-    assert found.diagnosis.title == "Tout se joue ligne 6"
+    assert found.diagnosis.title == "Changer la ligne 6 suffit"
     assert "« a = 1 // v »" in found.diagnosis.explanation
     assert "v y vaut" in found.diagnosis.explanation
     assert "1 / v" not in found.diagnosis.explanation
@@ -51,8 +51,11 @@ def test_two_changes_are_found_one_after_the_other() -> None:
     assert sorted(step.change.line for step in mending.steps) == [3, 6]
     assert mending.left == frozenset()
     words = describe_mending(mending, source, verdict_of(source).checks)
-    assert "Une erreur se trouve ligne 6" in words.title
-    assert "Une erreur se trouve ligne 3" in words.title.replace("une erreur", "Une erreur")
+    first, second = words.titles
+    assert first.startswith("Changer la ligne ")
+    assert second.startswith("changer ensuite la ligne ")
+    assert "autres vérifications" in second
+    assert "Écrite autrement elle aussi" in words.explanation
 
 
 def test_a_right_program_has_no_place_and_one_that_does_not_load_neither() -> None:
@@ -108,10 +111,62 @@ def test_two_lines_that_only_together_mend_are_told_together() -> None:
     change = ProgramChange("", "", 2, "", "axes_echanges", (3,))
     mending = Mending((MendingStep(change, frozenset({"a"})),), frozenset())
     words = describe_mending(mending, "def f(g):\n    n, m = g.shape\n    return g[n - 1, 0]\n", ())
-    assert words.title == "Tout se joue lignes 2 et 3"
+    assert words.title == "Changer les lignes 2 et 3 suffisent"
     assert "« n, m = g.shape »" in words.explanation
     assert "« return g[n - 1, 0] »" in words.explanation
     assert "Écrites autrement ensemble, ces lignes font réussir tout ce qui échoue." in words.explanation
+
+
+def test_two_lines_that_each_mend_all_are_both_told() -> None:
+    """Where the sign is lost, and where the value is returned: neither is shown to be the wrong one."""
+    source = PROGRAM.replace("return m + u, v + q", "w = -(v + q)\n    return m + u, w")
+    mending = mending_of(source)
+    assert mending is not None
+    told = describe_mending(mending, source, verdict_of(source).checks)
+    assert told.titles == ("Changer la ligne 3 ou 4 suffit",)
+
+
+def test_a_line_that_makes_up_for_the_wrong_one_is_told_beside_it() -> None:
+    """Line 9 can be changed for the angle to come out right, though line 11 is the wrong one."""
+    grader = CODE["l20/odometrie"]
+    source = """import numpy as np
+
+
+def odometrie(pose, ds_g, ds_d, L):
+    x, y, theta = pose
+    ds = (ds_g + ds_d) / 2
+    dtheta = (ds_d - ds_g) / L
+    cap = theta + dtheta / 2
+    theta = theta + dtheta
+    if abs(theta) > np.pi:
+        theta = theta % np.pi
+    return np.array([x + ds * np.cos(cap), y + ds * np.sin(cap), theta])
+
+
+def sigma_dtheta(sigma_g, sigma_d, L):
+    return np.sqrt(sigma_g**2 + sigma_d**2) / L
+"""
+    verdict = grader.grade(source.encode(), LOCAL, seed=3, version="v").verdict
+    found = find_place(grader, source, verdict, LOCAL, lambda: False)
+    assert found is not None
+    assert found.diagnosis.title == "Changer la ligne 9 ou 11 suffit"
+    assert "Ligne 9 : « theta = theta + dtheta ». Ligne 11 : « theta = theta % np.pi »." in found.diagnosis.explanation
+    assert "une seule de ces lignes fait réussir tout ce qui échoue" in found.diagnosis.explanation
+
+
+@pytest.mark.parametrize("unlikely", [True, False])
+def test_a_kind_of_change_that_may_make_up_for_another_line_says_so(unlikely: bool) -> None:
+    change = ProgramChange("", "", 2, "angle", unlikely=unlikely)
+    mending = Mending((MendingStep(change, frozenset({"a"})),), frozenset())
+    words = describe_mending(mending, "def f(g):\n    return 2 * g\n", ())
+    assert ("cherchez parmi les lignes qui calculent ou emploient les mêmes" in words.explanation) == unlikely
+
+
+def test_the_lines_of_a_second_change_are_those_of_the_program_as_it_was() -> None:
+    first = ProgramChange("a\nnew\nb\nc\n", "", 2, "copie")
+    second = ProgramChange("a\nnew\nb\nd\n", "", 4, "signe")
+    steps = (MendingStep(first, frozenset({"x"})), MendingStep(second, frozenset({"y"})))
+    assert [step.change.line for step in in_lines_of("a\nb\nc\n", steps)] == [2, 3]
 
 
 def test_what_is_read_unsorted_is_sorted() -> None:
@@ -128,18 +183,18 @@ def test_a_line_notes_what_it_reads() -> None:
 
 
 def test_a_place_is_joined_to_a_name() -> None:
-    place = Diagnosis("lieu", "Tout se joue ligne 6", "Ligne 6 : « a ».\n\nQue vaut a ?")
+    place = Diagnosis("lieu", "Changer la ligne 6 suffit", "Ligne 6 : « a ».\n\nQue vaut a ?")
     assert join_place(None, place) is place
     joined = join_place(Diagnosis("x", "Un nom", "Pourquoi."), place)
     assert (joined.id, joined.title) == ("x", "Un nom")
-    told = "Dans votre programme : tout se joue ligne 6. Ligne 6 : « a »."
+    told = "Dans votre programme : changer la ligne 6 suffit. Ligne 6 : « a »."
     assert joined.explanation == f"Pourquoi.\n\n{told}"
 
 
 def test_two_names_of_the_same_checks_give_way_to_one_place_that_mends_them() -> None:
     both = Diagnosis("x", "Un nom — et aussi : Un autre", "Pourquoi.", None, (("a", "b"), ("a", "b")), certain=True)
-    assert join_place(both, Diagnosis("lieu", "Tout se joue ligne 6", "Là.", None, (("a", "b"),))).id == "lieu"
-    assert join_place(both, Diagnosis("lieu", "Tout se joue ligne 6", "Là.", None, (("a",),))).id == "x"
+    assert join_place(both, Diagnosis("lieu", "Changer la ligne 6 suffit", "Là.", None, (("a", "b"),))).id == "lieu"
+    assert join_place(both, Diagnosis("lieu", "Changer la ligne 6 suffit", "Là.", None, (("a",),))).id == "x"
     two_places = Diagnosis("lieu", "Ligne 6 — et aussi : ligne 7", "Là.", None, (("a",), ("b",)))
     assert join_place(both, two_places).id == "x"
 

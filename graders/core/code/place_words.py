@@ -1,0 +1,153 @@
+"""Words for one place of a mistake: the line, what it shows there, what changing it mends, and a question.
+
+They claim what was tried and no more: a change elsewhere may only make up for the mistake. They never tell the change.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import dataclass
+
+from graders.core.code.changes import ProgramChange
+from graders.core.code.mending import Mending
+from graders.core.compare.slips import Slip
+
+
+@dataclass(frozen=True)
+class Aspect:
+    """What to look at on a line: a noun, and a question."""
+
+    noun: str
+    question: str
+
+
+_OPERATION = Aspect("une opération", "Est-ce bien l'opération qu'il faut faire ici ?")
+_SUPERFLUOUS = Aspect("un terme ou un facteur", "Chaque terme de cette ligne figure-t-il dans la formule ?")
+_MISSING = Aspect("un terme ou un facteur", "Que dit la formule de l'énoncé, et qu'y a-t-il ici ?")
+_ORDER = Aspect("un ordre", "Dans quel ordre ces valeurs doivent-elles venir ?")
+_RANKING = Aspect(
+    "un rangement", "Dans quel ordre ces valeurs sont-elles arrivées, et dans quel ordre sont-elles lues ?"
+)
+_NUMBER = Aspect("un nombre", "D'où vient le nombre qui est écrit là ?")
+_AXIS = Aspect("un axe", "Cette opération va-t-elle d'une ligne à l'autre du tableau, ou d'une colonne à l'autre ?")
+_BOUND = Aspect("un indice ou une borne", "Quel est ici le premier indice atteint ? Et le dernier ?")
+_CONDITION = Aspect("une condition", "Dans quels cas cette condition est-elle vraie ? Et à l'égalité ?")
+_SIGN = Aspect("un signe", "De quel signe doit être chaque terme de cette ligne ?")
+_SHAPE = Aspect("la forme du calcul", "Est-ce cette valeur, ou une autre que l'on en tire, qu'il faut employer ici ?")
+_CALL = Aspect("un appel de fonction", "Que fait la fonction appelée ici à ce qu'on lui donne ?")
+_VARIABLE = Aspect("une variable", "Est-ce bien cette variable-là qu'il faut lire ici ?")
+_STORED = Aspect("ce que la ligne range", "Que devient l'ancienne valeur quand cette ligne est exécutée ?")
+_SHARED = Aspect("un tableau qui a deux noms", "Ces deux noms désignent-ils deux tableaux, ou le même ?")
+_TYPE = Aspect("le type des nombres", "Quels nombres ce tableau peut-il contenir ?")
+_MOMENT = Aspect("la place de cette ligne", "Combien de fois cette ligne est-elle exécutée, et à quel moment ?")
+
+#: The aspect of a line that each kind of change looks at.
+ASPECTS: Mapping[str, Aspect] = {
+    "opérateur": _OPERATION, "terme oublié": _SUPERFLUOUS, "terme ou facteur manquant": _MISSING,
+    "opérandes échangés": _ORDER, "ordre du produit": _ORDER, "ordre": _ORDER, "arguments échangés": _ORDER,
+    "ordre de la composition": _ORDER, "ligne et colonne": _ORDER, "constante": _NUMBER, "axe": _AXIS,
+    "indice décalé": _BOUND, "intervalle décalé": _BOUND, "comparaison": _CONDITION, "borne oubliée": _CONDITION,
+    "condition": _CONDITION, "condition oubliée": _CONDITION, "et, ou": _CONDITION, "if ou while": _CONDITION,
+    "elif ou if": _CONDITION, "branche": _CONDITION, "signe": _SIGN, "signe ou négation oubliés": _SIGN,
+    "rotation transposée": _SIGN, "carré": _SHAPE, "racine": _SHAPE, "facteur": _SHAPE, "inverse": _SHAPE,
+    "valeur absolue": _SHAPE, "transposée": _SHAPE, "angle": _SHAPE, "degrés": _SHAPE, "arrondi": _CALL,
+    "normalisation oubliée": _CALL, "appel oublié": _CALL, "argument oublié": _CALL, "fonction voisine": _CALL,
+    "variable": _VARIABLE, "variables échangées": _VARIABLE, "affectation": _STORED, "instruction oubliée": _STORED,
+    "saut": _STORED, "copie": _SHARED, "rangement": _RANKING, "type": _TYPE, "ordre des lignes": _MOMENT,
+    "indentation": _MOMENT,
+}  # fmt: skip
+_ANY = Aspect("", "Que vaut chaque terme de cette ligne, dans l'exemple d'une vérification qui échoue ?")
+_ELSEWHERE = " Si elle vous paraît juste, cherchez parmi les lignes qui calculent ou emploient les mêmes valeurs."
+PLACE, LOOK = "lieu", "L’essai qui réussit y change"
+#: Characters of a line that is quoted; lines among which one is to be changed that are told.
+MAX_LINE, MAX_LINES = 90, 3
+
+
+@dataclass(frozen=True)
+class Place:
+    """Lines that are changed together, first those of the first change; the checks that pass then and failed before.
+
+    `others` are lines of which each, changed alone, has the same effect. If `is_second`, another place is changed too.
+    """
+
+    changes: tuple[ProgramChange, ...]
+    mended: frozenset[str]
+    others: tuple[ProgramChange, ...] = ()
+    is_second: bool = False
+
+    @property
+    def lines(self) -> list[int]:
+        together = [number for change in self.changes for number in (change.line, *change.further)]
+        return list(dict.fromkeys(together))
+
+    @property
+    def either(self) -> list[int]:
+        """The lines of which one is to be changed; those that must be changed together."""
+        if len(self.lines) > 1:
+            return self.lines
+        others = {other.line for other in self.others if not other.further}.difference(self.lines)
+        return sorted([*self.lines, *sorted(others)[: MAX_LINES - 1]])
+
+    def told_lines(self) -> str:
+        """« la ligne 6 ou 7 », « les lignes 2 et 3 »."""
+        if len(self.lines) > 1:
+            return f"les lignes {' et '.join(map(str, sorted(self.lines)))}"
+        return f"la ligne {' ou '.join(map(str, self.either))}"
+
+
+def places_of(mending: Mending) -> list[Place]:
+    """Return the places of the steps; one place where a step mends nothing without the next one."""
+    if not all(step.mended for step in mending.steps):
+        return [Place(tuple(step.change for step in mending.steps), mending.mended)]
+    return [Place((step.change,), step.mended, step.rivals, k > 0) for k, step in enumerate(mending.steps)]
+
+
+def describe_place(
+    place: Place,
+    mending: Mending,
+    source: str,
+    titles: Mapping[str, str],
+    values: Mapping[int, str],
+    failed: Collection[str],
+) -> Slip:
+    """Return a place in words: what changing it makes of the checks that `failed`, and where to look there."""
+    is_all = not mending.left and place.mended.issuperset(failed)
+    others = ", les autres fonctions une fois justes" if mending.beside_right_ones and not is_all else ""
+    title = f"Changer {'ensuite ' if place.is_second else ''}{place.told_lines()} {_outcome(place, is_all)}{others}"
+    where = " ".join(f"Ligne {number} : « {_quoted(source, number)} »." for number in place.either)
+    seen = f" {values[place.lines[0]]}" if place.lines[0] in values and len(place.either) == 1 else ""
+    aspect = _aspect((*place.changes, *place.others))
+    look = f" {LOOK} {aspect.noun}." if aspect.noun and len(place.either) == 1 else ""
+    if len(place.either) == 1 and place.changes[0].unlikely:
+        look += _ELSEWHERE
+    return Slip(PLACE, title, f"{where}{seen} {_proof(place, titles, is_all, others)}{look}", aspect.question)
+
+
+def _outcome(place: Place, is_all: bool) -> str:
+    if is_all:
+        return "suffisent" if len(place.lines) > 1 else "suffit"
+    count = len(place.mended)
+    verb = "font" if len(place.lines) > 1 else "fait"
+    return f"{verb} réussir {count} {'autres ' * place.is_second}vérification{'s' * (count > 1)}"
+
+
+def _proof(place: Place, titles: Mapping[str, str], is_all: bool, others: str) -> str:
+    begin, mends = "Écrite autrement", "cette seule ligne fait"
+    if len(place.lines) > 1:
+        begin, mends = "Écrites autrement ensemble", "ces lignes font"
+    elif len(place.either) > 1:
+        begin, mends = "Écrite autrement", "une seule de ces lignes fait"
+    elif place.is_second:
+        begin, mends = "Écrite autrement elle aussi", "cette ligne fait"
+    names = " ; ".join(f"« {titles.get(check, check)} »" for check in sorted(place.mended))
+    return f"{begin}, {mends} réussir {'tout ce qui échoue' if is_all else f'{names}{others}'}."
+
+
+def _aspect(changes: Sequence[ProgramChange]) -> Aspect:
+    aspects = {ASPECTS.get(change.operator, _ANY) for change in changes}
+    return aspects.pop() if len(aspects) == 1 else _ANY
+
+
+def _quoted(source: str, line: int) -> str:
+    text = source.splitlines()[line - 1].strip() if line <= len(source.splitlines()) else ""
+    return text if len(text) <= MAX_LINE else f"{text[: MAX_LINE - 1]}…"
