@@ -218,6 +218,10 @@ KEYS: Mapping[type[BaseModel], Keys] = {
         "edits": EDITS,
         "ruled": Key("seule une règle des sondes (`probes.py`) la reconnaît", "true"),
         "right": Key("les vérifications que ses mots disent justes : si l’une échoue, le nom est retiré", '["sommes"]'),
+        "alone": Key(
+            "les bouts de son explication qui ne sont vrais que sans autre erreur : à côté d’une autre, on les tait",
+            '["Les bouts sont justes, mais "]',
+        ),
         "after": AFTER,
     },
     shapes.SlipEntry: {

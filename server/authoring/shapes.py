@@ -43,6 +43,7 @@ class MisconceptionEntry(Strict):
     edits: list[Edit] = Field(default_factory=list)
     ruled: bool = False
     right: list[Text] = Field(default_factory=list)
+    alone: list[str] = Field(default_factory=list)
     after: bool = False
 
 

@@ -6,6 +6,7 @@ with the submission's wherever either is wrong, and which explains more failures
 
 from __future__ import annotations
 
+import re
 from collections import Counter
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass, replace
@@ -21,6 +22,8 @@ from graders.core.contract.verdict import AND_ALSO, CheckResult, Diagnosis
 MIN_AGREEMENT = 0.9
 #: First words of what a diagnosis leaves unexplained.
 EXPLAINS = "Cela explique"
+#: Said of a mistake that shows only where the other functions are right.
+_HIDDEN = "se voit avec les autres fonctions justes"
 
 
 @dataclass(frozen=True)
@@ -103,17 +106,44 @@ def agree(observation: Observation, other: Observation) -> bool:
 
 
 def combine_diagnoses(
-    ids: Sequence[str], misconceptions: Sequence[Misconception], facts: Sequence[Slip] = ()
+    ids: Sequence[str],
+    misconceptions: Sequence[Misconception],
+    facts: Sequence[Slip] = (),
+    *,
+    hidden: Collection[str] = (),
+    explains_all: bool = True,
 ) -> Diagnosis:
-    """Return one diagnosis of several mistakes, slips and facts: the id of the first, the texts of all."""
+    """Return one diagnosis of several mistakes, slips and facts: the id of the first, the texts of all.
+
+    `hidden` are the titles of those that show only where the other functions are right. What is true only of a program
+    with one mistake is left out beside another one, and where not `explains_all`.
+    """
     named: dict[str, Misconception | Slip] = {**SLIPS, **{mistake.id: mistake for mistake in misconceptions}}
     together: list[Misconception | Slip] = [*(named[mistake] for mistake in ids), *facts]
-    first, *others = together
-    title = AND_ALSO.join(mistake.title for mistake in (first, *others))
-    paragraphs = [first.explanation, first.question]
-    for other in others:
-        paragraphs += [f"Autre erreur : {lowercase_title(other.title)}. {other.explanation}", other.question]
-    return Diagnosis(first.id, title, "\n\n".join(part.strip() for part in paragraphs))
+    is_alone = len(together) == 1 and explains_all
+    paragraphs: list[str] = []
+    for mistake in together:
+        explanation = mistake.explanation if is_alone else _beside_others(mistake)
+        is_hidden = mistake.title in hidden
+        begin = f"Cette erreur {_HIDDEN}. " if is_hidden else ""
+        if paragraphs:
+            begin = f"Autre erreur{f', qui {_HIDDEN}' if is_hidden else ''} : {lowercase_title(mistake.title)}. "
+        paragraphs += [begin + explanation, mistake.question]
+    title = AND_ALSO.join(mistake.title for mistake in together)
+    return Diagnosis(together[0].id, title, "\n\n".join(part.strip() for part in paragraphs))
+
+
+def _beside_others(mistake: Misconception | Slip) -> str:
+    """Return what a mistake's explanation says of every program that has the mistake, among others."""
+    explanation = mistake.explanation
+    for text in mistake.alone:
+        before, after = (part.strip() for part in explanation.split(text, 1))
+        word = re.split(r"\W", after, maxsplit=1)[0]
+        is_new_sentence = not before or before.endswith((".", "!", "?"))
+        if is_new_sentence and (len(word) > 1 or after[1:2] == "'") and "_" not in word:
+            after = after[:1].upper() + after[1:]
+        explanation = f"{before} {after}".strip() if after[:1] not in ".," else before + after
+    return explanation
 
 
 def tell_remainder(

@@ -26,7 +26,8 @@ class Misconception:
     Several may share an id: the same mistake gives other outputs in code that, say, also forgets to wrap angles.
     `line` is its line in the catalogue; `whole` means that its source is no edit of the model, `edited` that the
     catalogue has edits for it too, `ruled` that only a rule of the probes recognises it. `right` are checks that pass
-    where its words are true ("elsewhere all is right").
+    where its words are true ("elsewhere all is right"); `alone`, the parts of its explanation that are true only of a
+    program without another mistake ("your poses are right, but ").
     """
 
     id: str
@@ -40,6 +41,7 @@ class Misconception:
     edited: bool = False
     ruled: bool = False
     right: tuple[str, ...] = ()
+    alone: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -86,6 +88,9 @@ def _misconceptions(folder: Path, entry: dict[str, Any], line: int, solution: st
     if missing:
         message = f"erreur « {entry.get('id', '?')} » : il manque {', '.join(sorted(missing))}"
         raise MalformedExerciseError(folder / MISCONCEPTIONS, message, line)
+    if absent := [text for text in entry.get("alone", ()) if not text or text not in entry["explanation"]]:
+        message = f"erreur « {entry['id']} » : « {absent[0]} » (alone) n’est pas dans son explication"
+        raise MalformedExerciseError(folder / MISCONCEPTIONS, message, line)
     sources_folder = folder / "misconceptions"
     file = sources_folder / f"{entry['id']}.py"
     files = [
@@ -108,6 +113,7 @@ def _misconceptions(folder: Path, entry: dict[str, Any], line: int, solution: st
             edited=bool(entry.get("edits")),
             ruled=bool(entry.get("ruled")),
             right=tuple(entry.get("right", ())),
+            alone=tuple(entry.get("alone", ())),
         )
 
 

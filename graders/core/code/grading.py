@@ -49,7 +49,8 @@ NO_SHRINKING = Budget(calls=0)
 class NamedMistakes:
     """The mistakes named in a program: ids of the catalogue, facts, and for each the checks that it explains.
 
-    `certain` is as in `Diagnosis`; `failed` are the ids of the checks that the program is at fault in.
+    `certain` is as in `Diagnosis`; `failed` are the ids of the checks that the program is at fault in. `hidden` are the
+    titles of the mistakes and facts that the program shows only with right functions in the place of others.
     """
 
     ids: tuple[str, ...] = ()
@@ -57,6 +58,7 @@ class NamedMistakes:
     explains: tuple[tuple[str, ...], ...] = ()
     certain: bool = False
     failed: frozenset[str] = frozenset()
+    hidden: frozenset[str] = frozenset()
 
 
 @dataclass(frozen=True)
@@ -177,9 +179,9 @@ class CodeGrader:
             if rounded is not None:
                 return rounded
         if named.ids or named.facts:
-            diagnosis = self.describe_mistakes(named)
             at_fault = [check for check, finding in pairs if not finding.result.neutral]
-            doubtful = self._possibly_explained(source, at_fault, diagnosis.explains)
+            doubtful = self._possibly_explained(source, at_fault, named.explains)
+            diagnosis = self.describe_mistakes(replace(named, failed=named.failed - doubtful))
             return tell_remainder(diagnosis, [finding.result for finding in findings], doubtful)
         return slip_diagnosis(
             [(c.functions, f.slip) for c, f in pairs if f.cause in JUDGED and f.result.counterexample]
@@ -206,7 +208,10 @@ class CodeGrader:
 
     def describe_mistakes(self, named: NamedMistakes) -> Diagnosis:
         """Return the diagnosis of named mistakes, without what it leaves unexplained."""
-        diagnosis = combine_diagnoses(named.ids, self.misconceptions, [fact.slip for fact in named.facts])
+        facts, explains_all = [fact.slip for fact in named.facts], named.failed <= set().union(*named.explains)
+        diagnosis = combine_diagnoses(
+            named.ids, self.misconceptions, facts, hidden=named.hidden, explains_all=explains_all
+        )
         return replace(diagnosis, explains=named.explains, certain=named.certain)
 
     def _failed_pairs(self, findings: Sequence[Finding]) -> list[tuple[Check, Finding]]:
@@ -226,14 +231,15 @@ class CodeGrader:
         left = ((alone if found.mistakes else blamed) - set(found.consequences)) & others
         reenacted = self._reenacted(found.mistakes, left, runner, seed)
         ids = self._borne_out((*found.mistakes, *reenacted) or found.fallback, failed)
-        facts = find_facts(pairs, source, self.solution, [self._title(mistake) for mistake in ids])
+        facts = find_facts(pairs, source, self.solution, [self.title_of(mistake) for mistake in ids])
         at_fault = [check for check, finding in pairs if not finding.result.neutral]
         following = set(found.consequences) if ids == found.mistakes else set()
         explains = (
             *(self._explained(mistake, at_fault, following) for mistake in ids),
             *(fact.checks for fact in facts),
         )
-        return NamedMistakes(ids, tuple(facts), explains, found.certain and not reenacted and ids == found.mistakes)
+        certain = found.certain and not reenacted and ids == found.mistakes
+        return NamedMistakes(ids, tuple(facts), explains, certain, frozenset(check.id for check in at_fault))
 
     def _borne_out(self, ids: Sequence[str], failed: Sequence[Check]) -> tuple[str, ...]:
         """Return the ids whose words the failed checks do not contradict: nothing fails that they say to be right."""
@@ -261,7 +267,7 @@ class CodeGrader:
         functions.update(following if functions else ())
         return tuple(check.id for check in failed if not functions or functions.intersection(check.functions))
 
-    def _title(self, mistake: str) -> str:
+    def title_of(self, mistake: str) -> str:
         """Return the title of a mistake of the catalogue, or of a slip."""
         titles = {each.id: each.title for each in self.misconceptions}
         return titles.get(mistake) or SLIPS[mistake].title

@@ -10,6 +10,8 @@ from __future__ import annotations
 from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 
+from graders.core.code.call_graph import find_callers
+from graders.core.code.checks import Check
 from graders.core.code.diagnosis import number_text
 from graders.core.code.grading import CodeGrader, NamedMistakes
 from graders.core.contract.program import Programs
@@ -37,12 +39,13 @@ def replacing_suffix(grader: CodeGrader, replaced: Collection[str]) -> str:
 class IsolatedFunctions:
     """The mistakes of a whole program, and by function those that it shows beside right ones.
 
-    `functions` are those that can have a mistake of the catalogue, by its id.
+    `functions` are those that can have a mistake of the catalogue, by its id; `dependent`, those that call others.
     """
 
     whole: NamedMistakes
     own: Mapping[str, NamedMistakes]
     functions: Mapping[str, Collection[str]]
+    dependent: frozenset[str] = frozenset()
 
     def unexplained(self) -> list[str]:
         """Return the functions that fail by themselves without a certain name, those without any name first."""
@@ -64,6 +67,19 @@ class IsolatedFunctions:
     def doubtful(self) -> frozenset[str]:
         """Return the checks that fail in the whole program only, for a reason that no function shows by itself."""
         return self.whole.failed.difference(*(mistakes.failed for mistakes in self.own.values()))
+
+    def consequences(self, explained: Collection[str], checks: Sequence[Check]) -> frozenset[str]:
+        """Return the checks that fail through other functions only, each with an explained check of its own."""
+        functions = {check.id: check.functions for check in checks}
+        told = [
+            name
+            for name, mistakes in self.own.items()
+            if any(check in explained and functions[check] == (name,) for check in mistakes.failed)
+        ]
+        through_told = {check for name in told for check in self.own[name].failed if name not in functions[check]}
+        by_others = {check for name, own in self.own.items() for check in own.failed if name not in told}
+        by_itself = {check for name, own in self.own.items() for check in own.failed if name in functions[check]}
+        return frozenset(through_told - by_others - by_itself)
 
     def explained(self) -> list[str]:
         """Return the functions that need no search: right by themselves, or with a certain name."""
@@ -88,7 +104,11 @@ def isolate_functions(
         others = [name for name in grader.functions if name != function]
         named = grader.name_mistakes(source + replacing_suffix(grader, others), programs, seed, spent)
         own[function] = replace(named, failed=named.failed & whole.failed)
-    return IsolatedFunctions(whole, own, {each.id: each.functions for each in grader.misconceptions})
+    dependent = {
+        function for name in own for function in find_callers(source.encode(), [name]) if function in grader.functions
+    }
+    functions_of = {each.id: each.functions for each in grader.misconceptions}
+    return IsolatedFunctions(whole, own, functions_of, frozenset(dependent))
 
 
 def _blamed(grader: CodeGrader, failed: Collection[str]) -> list[str]:
@@ -107,21 +127,26 @@ def name_isolated(grader: CodeGrader, isolated: IsolatedFunctions, checks: Seque
     whole, own = isolated.whole, isolated.own
     ids = {mistake: explained for mistake in whole.ids if (explained := _still_explained(isolated, mistake))}
     facts = dict(zip(whole.facts, whole.explains[len(whole.ids) :], strict=True))
+    shown: dict[str, str] = {}  # by title, the function that shows the mistake beside right ones only
     for function, mistakes in own.items():
         if not isolated.named(function) or _replaces(isolated, function):
             for mistake in mistakes.ids:
-                if function in isolated.functions.get(mistake, ()):
-                    ids.setdefault(mistake, mistakes.failed)
+                if function in isolated.functions.get(mistake, ()) and mistake not in ids:
+                    ids[mistake] = mistakes.failed
+                    shown[grader.title_of(mistake)] = function
         for fact in mistakes.facts:
             if fact.slip.title not in {known.slip.title for known in facts}:
                 facts[fact] = tuple(mistakes.failed.intersection(fact.checks))
+                shown[fact.slip.title] = function
     if not ids and not facts:
         return None
     if list(ids) == list(whole.ids) and list(facts) == list(whole.facts):
         return None
     explains = tuple(_in_order(checks, explained) for explained in (*ids.values(), *facts.values()))
     certain = not facts and all(own[name].certain or isolated.is_certain(name) for name in isolated.guilty())
-    return grader.describe_mistakes(NamedMistakes(tuple(ids), tuple(facts), explains, certain))
+    hidden = frozenset(title for title, function in shown.items() if function in isolated.dependent)
+    failed = whole.failed - isolated.doubtful()
+    return grader.describe_mistakes(NamedMistakes(tuple(ids), tuple(facts), explains, certain, failed, hidden))
 
 
 def tell_shares(isolated: IsolatedFunctions, checks: Sequence[CheckResult], diagnosis: Diagnosis) -> Diagnosis:

@@ -120,7 +120,9 @@ def find_place(
         found = found or (verdict.diagnosis if len(isolated.guilty()) > 1 else None)
         if found is not None:
             found = tell_shares(isolated, verdict.checks, _without_remainder(found))
-            found = tell_remainder(found, verdict.checks, isolated.doubtful(), is_quoted=True)
+            explained = {check for ids in found.explains for check in ids}
+            doubtful = isolated.doubtful() | isolated.consequences(explained, grader.checks)
+            found = tell_remainder(found, verdict.checks, doubtful, is_quoted=True)
     return None if found is None or found == verdict.diagnosis else FoundPlace(found, operators)
 
 

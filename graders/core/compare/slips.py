@@ -11,12 +11,13 @@ from graders.core.contract.values import Floats
 
 @dataclass(frozen=True)
 class Slip:
-    """A slip by name, said to the student in French; `question` makes them see it."""
+    """A slip by name, said to the student in French; `question` makes them see it; `alone` is as in `Misconception`."""
 
     id: str
     title: str
     explanation: str
     question: str
+    alone: tuple[str, ...] = ()
 
 
 SLIPS = {
@@ -33,6 +34,7 @@ SLIPS = {
             "Un tableau transposé",
             "Vos valeurs sont les bonnes, mais lignes et colonnes sont échangées.",
             "Dans un tableau (H, W), le premier indice désigne-t-il x ou y ?",
+            ("Vos valeurs sont les bonnes, mais lignes et colonnes sont échangées.",),
         ),
         Slip(
             "nan",
@@ -57,18 +59,21 @@ SLIPS = {
             "Le signe opposé",
             "Votre résultat est exactement l'opposé de celui qui est attendu.",
             "Dans quel sens faites-vous la soustraction ?",
+            ("Votre résultat est exactement l'opposé de celui qui est attendu.",),
         ),
         Slip(
             "non_normalise",
             "Des probabilités qui ne somment pas à 1",
             "Vos valeurs sont proportionnelles aux bonnes, mais leur somme n'est pas 1.",
             "Que devient la constante η de la formule de Bayes dans votre code ?",
+            ("Vos valeurs sont proportionnelles aux bonnes, mais leur somme n'est pas 1.",),
         ),
         Slip(
             "angle_non_ramene",
             "Un angle qui n'est pas ramené dans ]−π, π]",
             "L'angle est juste à un nombre entier de tours près, mais il sort de l'intervalle ]−π, π].",
             "Que vaut votre angle quand les deux caps ajoutés dépassent un demi-tour ?",
+            ("L'angle est juste à un nombre entier de tours près, mais il sort de l'intervalle ]−π, π].",),
         ),
         Slip(
             "argument_modifie",
@@ -110,6 +115,7 @@ SLIPS = {
             "Vos valeurs sont les bonnes, mais sans leur partie décimale : un tableau créé avec des entiers, comme "
             "np.array([0, 0, 0]), ne garde que des entiers.",
             "Quel est le dtype du tableau où vous rangez vos résultats ?",
+            ("Vos valeurs sont les bonnes, mais sans leur partie décimale : ",),
         ),
         Slip(
             "arrondi",
@@ -117,6 +123,10 @@ SLIPS = {
             "Vos valeurs sont les bonnes à quelques décimales près : un arrondi (np.round, float32) leur fait perdre "
             "leur précision.",
             "Pourquoi arrondir avant d'avoir fini le calcul ?",
+            (
+                "Vos valeurs sont les bonnes à quelques décimales près : un arrondi (np.round, float32) leur fait "
+                "perdre leur précision.",
+            ),
         ),
         Slip(
             "simple_precision",

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import replace
 
 import pytest
 
+from graders.core.code.diagnosis import combine_diagnoses
 from graders.core.code.grading import CodeGrader
 from graders.core.code.isolation import isolate_functions, replacing_suffix
 from graders.core.code.places import find_place
@@ -38,6 +40,13 @@ def nees(vraie, estimee, P):
 """
 
 
+#: What an explanation says to be right, where the mistake is the only one.
+RIGHT = re.compile(
+    r"(?:^|\. )(?:Vos|Votre|Tout|Ailleurs|L'angle|La position|R|Les? \w+)\b[^.,]*"
+    r"\b(?:justes?|bons?|bonnes?)(?=, (?:mais|sauf)|\.| à des tours| à un tour)"
+)
+
+
 def place_of(exercise: str, source: str, grader: CodeGrader | None = None):  # type: ignore[no-untyped-def]
     grader = grader or CODE[exercise]
     verdict = grader.grade(source.encode(), LOCAL, seed=3, version="v").verdict
@@ -53,6 +62,7 @@ def test_a_mistake_that_another_function_hides_is_named_beside_a_right_one() -> 
     assert verdict.diagnosis.titles == ("Une racine carrée est prise en trop",)
     assert found is not None
     assert found.diagnosis.titles == ("Une racine carrée est prise en trop", "Les deux avis sont échangés")
+    assert "qui se voit avec les autres fonctions justes : les deux avis" in found.diagnosis.explanation
     isolated = isolate_functions(grader, source, LOCAL, 3, lambda: False)
     assert isolated is not None
     assert isolated.guilty() == ["nees"]
@@ -114,3 +124,37 @@ def test_the_solution_beside_itself_fails_nothing(exercise: str) -> None:
     for function in grader.functions:
         others = [name for name in grader.functions if name != function]
         assert not grader.name_mistakes(grader.solution + replacing_suffix(grader, others), LOCAL, 3).failed
+
+
+def test_beside_another_mistake_nothing_is_said_to_be_right() -> None:
+    mistakes = CODE["l20/slam_graphe"].misconceptions
+    both = combine_diagnoses(["repere_du_monde", "angles_jamais_ramenes"], mistakes).explanation
+    assert "Autre erreur : les caps ne sont pas ramenés" in both
+    assert "à un tour près" not in both
+    assert "à un tour près" in combine_diagnoses(["angles_jamais_ramenes"], mistakes).explanation
+    left = combine_diagnoses(["angles_jamais_ramenes"], mistakes, explains_all=False).explanation
+    assert left.startswith("x + Δ peut faire passer un cap au-delà du demi-tour.")
+
+
+@pytest.mark.parametrize("exercise", CODE)
+def test_what_is_right_without_another_mistake_only_is_marked_in_the_catalogue(exercise: str) -> None:
+    for mistake in CODE[exercise].misconceptions:
+        if not (mistake.ruled or mistake.right):
+            told = combine_diagnoses([mistake.id], CODE[exercise].misconceptions, explains_all=False).explanation
+            assert not RIGHT.search(told), mistake.id
+            assert told[0] != " ", mistake.id
+
+
+def test_checks_that_fail_through_a_function_that_is_told_are_not_left_without_explanation() -> None:
+    grader = CODE["l20/jacobienne_arete"]
+    source = (
+        grader.solution + "\n\n_juste = jacobiennes\ndef jacobiennes(*args):\n    return _juste(*args)[0], np.eye(3)\n"
+    )
+    isolated = isolate_functions(grader, source, LOCAL, 3, lambda: False)
+    assert isolated is not None
+    assert isolated.guilty() == ["jacobiennes"]
+    own = {check.id for check in grader.checks if check.functions == ("jacobiennes",)} & isolated.whole.failed
+    others = isolated.whole.failed - own
+    assert others
+    assert isolated.consequences(own, grader.checks) == others
+    assert not isolated.consequences((), grader.checks)
