@@ -27,6 +27,12 @@ def _french(text: str) -> str:
 _cached_french = lru_cache(maxsize=16_384)(_french)
 
 
+def elided(word: str, name: str) -> str:
+    """« de », « que » or « le » before the name of a function or a variable: « d’odometrie », « de gain », « de a »."""
+    is_elided = len(name) > 1 and unaccented(name).startswith(tuple("aeiou"))
+    return f"{word[:-1]}’{name}" if is_elided else f"{word} {name}"
+
+
 def unaccented(text: str) -> str:
     """Small letters of ASCII: « Nœud d’arrêt » without its accents, its ligature taken apart; the rest is dropped."""
     spelt = text.lower().replace("œ", "oe")  # which Unicode does not take apart

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import pytest
 
+from graders.typography import elided
 from server.text.markup.tex import readable
 from tests.support.quick import the_course
 from tests.support.small_course import CourseFolder
@@ -221,6 +222,20 @@ def test_blocks_stand_in_lists_and_in_each_other(course_folder: CourseFolder) ->
     assert page.index("<li>") < page.index("Dedans") < page.index("</li>")
     nested = [page.rindex(one) for one in ("block-repli", "block-note", "block-exemple", "</details>")]
     assert nested == sorted(nested)
+
+
+@pytest.mark.parametrize(
+    ("word", "name", "said"),
+    [
+        ("de", "odometrie", "d’odometrie"),
+        ("que", "a_la_date", "qu’a_la_date"),
+        ("de", "élargir", "d’élargir"),
+        ("de", "gain", "de gain"),
+        ("de", "a", "de a"),
+    ],
+)
+def test_a_name_is_elided_as_a_word_is(word: str, name: str, said: str) -> None:
+    assert elided(word, name) == said
 
 
 def test_typography(course_folder: CourseFolder) -> None:

@@ -20,6 +20,7 @@ from graders.core.compare.slips import SLIPS, Slip
 from graders.core.contract.findings import Finding
 from graders.core.contract.outcomes import Outcome
 from graders.core.syntax_trees import evaluate_literal, parse_source
+from graders.typography import elided
 
 MODIFIED_ARGUMENT, NOTHING, SHORT, IMPRECISE = "argument_modifie", "sans_retour", "simple_precision", "precision_perdue"
 NO_DEFAULT, OTHER_DEFAULT = "defaut_manquant", "defaut_different"
@@ -115,7 +116,7 @@ def _defaults(
         }
         for parameter, wanted in asked[name].items():
             if parameter in parameters and parameter not in given:
-                told = re.compile(rf"appel de {name}\s:[^.]*\b{parameter}\b")
+                told = re.compile(rf"appel (?:de |d’){name}\s:[^.]*\b{parameter}\b")
                 missed = tuple(check for check, said in messages.items() if told.search(said))
                 if missed:
                     yield Fact(_no_default(name, parameter, wanted), missed)
@@ -140,7 +141,7 @@ def _other_default(name: str, parameter: str, given: str) -> Slip:
         OTHER_DEFAULT,
         f"La valeur par défaut de {parameter} n'est pas celle de l'énoncé",
         f"Quand {parameter} n'est pas donné, il vaut {given} chez vous : relisez l'énoncé.",
-        f"Que dit l'énoncé de {parameter}, quand on appelle {name} sans le donner ?",
+        f"Que dit l'énoncé {elided('de', parameter)}, quand on appelle {name} sans le donner ?",
     )
 
 

@@ -14,6 +14,7 @@ from graders.core.compare.changed_arguments import ArgumentChange
 from graders.core.compare.series import MIN_WRONG, Series, same, tell_relations
 from graders.core.contract.program import KitSettings
 from graders.core.contract.values import Arguments, Floats, Value
+from graders.typography import elided
 
 #: Characters of a value that is shown.
 MAX_SHOWN = 120
@@ -184,7 +185,7 @@ def felt_fact(
 
 
 def capital_subject(words: str) -> str:
-    return f"{words[:1].upper()}{words[1:]}" if " " in words else f"Le résultat de {words}"
+    return f"{words[:1].upper()}{words[1:]}" if " " in words else f"Le résultat {elided('de', words)}"
 
 
 def shown_value(value: Value) -> str:

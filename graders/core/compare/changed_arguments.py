@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 
 from graders.core.contract.values import Arguments, Floats, Value
+from graders.typography import elided
 
 #: Numbers of an argument that is changed: larger ones are maps and clouds of a closed loop.
 MAX_SIZE = 400
@@ -52,16 +53,16 @@ def variations(names: tuple[str, ...], call: Arguments) -> Iterator[tuple[int, A
         elif _is_array(value):
             changes = [
                 (f"{name} change", _other_numbers),
-                (f"on ajoute un même nombre à tous ceux de {name}", lambda x: x + 0.75),
+                (f"on ajoute un même nombre à tous ceux {elided('de', name)}", lambda x: x + 0.75),
                 (f"on multiplie {name} par 2", lambda x: 2.0 * x),
             ]
             if value.ndim == 2:
                 changes += [
-                    (f"on ajoute un même vecteur à toutes les lignes de {name}", _moved_rows),
-                    (f"les lignes de {name} viennent dans un autre ordre", lambda x: x[::-1]),
+                    (f"on ajoute un même vecteur à toutes les lignes {elided('de', name)}", _moved_rows),
+                    (f"les lignes {elided('de', name)} viennent dans un autre ordre", lambda x: x[::-1]),
                 ]
             elif value.size > 3:
-                changes.append((f"les nombres de {name} viennent dans un autre ordre", lambda x: x[::-1]))
+                changes.append((f"les nombres {elided('de', name)} viennent dans un autre ordre", lambda x: x[::-1]))
         else:
             continue
         yield from ((index, ArgumentChange(words, _Replace(index, change))) for words, change in changes)
@@ -142,7 +143,7 @@ def _number_replacements(name: str) -> Iterator[tuple[str, Change]]:
 
 
 def _array_replacements(name: str, value: Floats) -> Iterator[tuple[str, Change]]:
-    each = f"chaque nombre de {name}"
+    each = f"chaque nombre {elided('de', name)}"
     yield f"{name} n’était fait que de 0", np.zeros_like
     yield f"{each} était changé de signe", np.negative
     yield f"{each} était élevé au carré", np.square
@@ -151,19 +152,19 @@ def _array_replacements(name: str, value: Floats) -> Iterator[tuple[str, Change]
     yield f"{each} était doublé", lambda x: 2.0 * x
     yield f"{each} était divisé par deux", lambda x: x / 2.0
     yield f"{each} était tronqué à un entier", np.trunc
-    yield f"tous les nombres de {name} étaient égaux à leur moyenne", lambda x: np.full_like(x, x.mean())
+    yield f"tous les nombres {elided('de', name)} étaient égaux à leur moyenne", lambda x: np.full_like(x, x.mean())
     noun, last = ("ligne", "dernière ligne") if value.ndim == 2 else ("valeur", "dernière valeur")
-    yield f"les {noun}s de {name} venaient dans l’ordre inverse", lambda x: x[::-1]
+    yield f"les {noun}s {elided('de', name)} venaient dans l’ordre inverse", lambda x: x[::-1]
     if value.shape[0] > 2 or value.ndim == 1:
-        yield f"la première {noun} de {name} n’y était pas", lambda x: x[1:]
-        yield f"la {last} de {name} n’y était pas", lambda x: x[:-1]
+        yield f"la première {noun} {elided('de', name)} n’y était pas", lambda x: x[1:]
+        yield f"la {last} {elided('de', name)} n’y était pas", lambda x: x[:-1]
     if value.ndim == 2 and value.shape[0] == value.shape[1]:
         yield f"{name} était transposé", np.transpose
         yield f"{name} n’avait que sa diagonale", lambda x: np.diag(np.diag(x))
         yield f"{name} était l’identité", lambda x: np.eye(len(x))
         yield f"{name} était remplacé par son inverse", np.linalg.inv
     if value.ndim == 2 and value.shape[1] in (2, 3):
-        yield f"les deux premières colonnes de {name} étaient échangées", _exchanged_columns
+        yield f"les deux premières colonnes {elided('de', name)} étaient échangées", _exchanged_columns
         yield f"{name} était centré", lambda x: x - x.mean(axis=0)
     if value.ndim == 1 and value.size <= 3:
         for k in range(value.size):

@@ -13,6 +13,7 @@ import numpy as np
 from graders.core.compare.invariants import tell_invariants, tell_sizes
 from graders.core.compare.words import number
 from graders.core.contract.values import Arguments, Floats
+from graders.typography import elided
 
 #: Relative and absolute error up to which two numbers are the same: finite differences leave a millionth.
 EXACT = 1e-5
@@ -128,14 +129,14 @@ def _quantities(series: Series, known: Sequence[int]) -> Iterator[tuple[str, Flo
         if all(isinstance(value, int | float) and not isinstance(value, bool) for value in values):
             numbers = np.array(values, dtype=float)
             yield name, numbers
-            yield f"le carré de {name}", numbers**2
-            yield f"la racine de {name}", np.sqrt(numbers)
+            yield f"le carré {elided('de', name)}", numbers**2
+            yield f"la racine {elided('de', name)}", np.sqrt(numbers)
         elif all(isinstance(value, np.ndarray) and value.ndim and value.size for value in values):
             noun = "lignes" if values[0].ndim == 2 else "valeurs"
             count = np.array([len(value) for value in values], dtype=float)
-            yield f"le nombre de {noun} de {name}", count
-            yield f"la racine du nombre de {noun} de {name}", np.sqrt(count)
-            yield f"la somme de {name}", np.array([value.sum() for value in values], dtype=float)
+            yield f"le nombre de {noun} {elided('de', name)}", count
+            yield f"la racine du nombre de {noun} {elided('de', name)}", np.sqrt(count)
+            yield f"la somme {elided('de', name)}", np.array([value.sum() for value in values], dtype=float)
 
 
 def _offsets(series: Series) -> Iterator[str]:
@@ -308,7 +309,10 @@ def _properties(series: Series) -> Iterator[tuple[str, list[bool]]]:
             if arrays[0].ndim == 2:
                 yield f"{name} a plus de deux colonnes", [array.ndim == 2 and array.shape[1] > 2 for array in arrays]
             else:
-                yield f"deux valeurs de {name} sont égales", [len(np.unique(array)) < array.size for array in arrays]
+                yield (
+                    f"deux valeurs {elided('de', name)} sont égales",
+                    [len(np.unique(array)) < array.size for array in arrays],
+                )
     yield "le résultat attendu est négatif", [right.ndim == 0 and bool(right < 0) for right in series.right]
     yield "le résultat attendu est nul", [bool((right == 0).all()) for right in series.right]
 

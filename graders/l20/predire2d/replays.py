@@ -26,6 +26,7 @@ from graders.scene.replay import (
     View,
     decimal,
 )
+from graders.typography import elided
 from reference.localisation.grid_filter import Cell, GridWorld, correct, most_likely, predict
 
 #: Beliefs that differ by this share of their mass are no longer the same; the bytes of a film make less than a quarter
@@ -180,7 +181,7 @@ def _summary(moments: Sequence[Moment], wrong: int | None) -> list[str]:
         if moments[wrong - 1].got is None:
             end = f"Votre programme s'arrête au pas {step} : {function} n'y renvoie pas de croyance."
         elif wrong == 1:
-            end = f"Votre croyance s'écarte de la référence dès le premier appel de {function}."
+            end = f"Votre croyance s'écarte de la référence dès le premier appel {elided('de', function)}."
         else:
             end = f"Votre croyance suit la référence, puis s'en écarte au pas {step}, après {function}."
     if last.got is None or last.got.max() <= 0.0:

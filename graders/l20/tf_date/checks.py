@@ -21,6 +21,7 @@ from graders.core.contract.program import Answer, PlannedCalls, StudentFault
 from graders.core.contract.values import Arguments, Floats, Value
 from graders.l20.tf_date.truth import UNKNOWN_FRAME
 from graders.robotics.poses import SamePose
+from graders.typography import elided
 
 SAME = SamePose()
 #: Why an exception is expected: whether it is that of an unknown frame.
@@ -105,7 +106,7 @@ class Answers(Check):
         if isinstance(failure.expected, str):
             got = f"elle lève {raised}" if raised else f"elle renvoie {render.text(failure.got)}"
             why = WHY[failure.expected == UNKNOWN_FRAME]
-            message = f"Ici, {why} : on attend que {self.function} lève {failure.expected}, et {got}."
+            message = f"Ici, {why} : on attend {elided('que', self.function)} lève {failure.expected}, et {got}."
             return Rejection(
                 message, inputs=inputs, expected=told, got=raised or failure.got, figure=figure, call=call,
                 sign=(self.function, failure.expected, raised) if raised else None,

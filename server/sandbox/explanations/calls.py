@@ -83,7 +83,8 @@ def _explain_missing(match: re.Match[str], source: str) -> str:
         function = "la fonction lambda"
     else:
         function = name
-    return f"Il manque à l’appel de {function} : {written}."
+    of = "d’" if len(function) > 1 and function[0] in "aeiou" else "de "
+    return f"Il manque à l’appel {of}{function} : {written}."
 
 
 def _explain_real(match: re.Match[str], source: str) -> str:
@@ -130,6 +131,7 @@ PATTERNS: tuple[Pattern, ...] = (
     ),
     (r"^(?:[\w.]+\.)?(\w+)\(\) takes no (?:keyword )?arguments", told("« {0} » ne prend pas cet argument.")),
     (r"^([\w.<>]+)\(\) missing \d+ required (?:positional|keyword-only) arguments?: (.*)", _explain_missing),
+    (r"^([aeiou]\w+)\(\) missing required argument '(\w+)'", told("Il manque à l’appel d’{0} : {1}.")),
     (r"^(\w+)\(\) missing required argument '(\w+)'", told("Il manque à l’appel de {0} : {1}.")),
     (r"(\w+)\(\) must have at least (?:two|2) arguments", told("« {0} » prend 2 arguments au moins.")),
     (

@@ -21,7 +21,7 @@ def messages(findings: list[Finding]) -> list[str | None]:
 def test_the_signature_of_the_statement_is_told() -> None:
     few = "«\u00a0odometrie\u00a0» prend 3 arguments, et en reçoit 4. [TypeError]"
     more = "Il manque à l’appel de corriger\u00a0: z. [TypeError]"
-    inner = "Ligne 3, dans « f » (odometrie(1)) : Il manque à l’appel de odometrie : ds_g. [TypeError]"
+    inner = "Ligne 3, dans « f » (odometrie(1)) : Il manque à l’appel d’odometrie : ds_g. [TypeError]"
     other = "« aide » prend 1 argument, et en reçoit 2. [TypeError]"
     found = messages(tell_signatures([failed(str(k), it) for k, it in enumerate((few, more, inner, other))], SOLUTION))
     assert found[0] == f"L’énoncé demande odometrie(pose, ds_g, ds_d, L). {few}"
