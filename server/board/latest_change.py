@@ -3,17 +3,22 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import takewhile
+from textwrap import dedent
 
 from graders.core.answers.reading import UnreadableAnswersError, read_answers
 from server.comments.difference import DiffRun, diff_lines, split_lines
 
 MAX_LENGTH = 60
+LEAD = 12  # characters that are shown before the difference of two long lines
 CUT = "…"
 
 
 @dataclass(frozen=True)
 class LatestChange:
-    """The first change: its `line` from 1 in the later program, shortened texts; `others` counts further lines.
+    """The first change: its `line` from 1 in the later program, and the two texts; `others` counts further lines.
+
+    Long lines are shortened around their difference. Two lines are indented as they are to each other.
 
     Without code, `line` is None and `others` counts the changed answers.
     """
@@ -34,10 +39,11 @@ def compare_attempts(before: bytes, after: bytes, *, is_code: bool) -> LatestCha
     if not runs:
         return None
     first = runs[0]
+    old, new = _shown_pair(_first_text(left, first.before), _first_text(right, first.after))
     return LatestChange(
         line=first.after.start + 1,
-        before=_first_text(left, first.before),
-        after=_first_text(right, first.after),
+        before=old,
+        after=new,
         others=sum(max(len(run.before), len(run.after)) for run in runs) - 1,
     )
 
@@ -52,9 +58,27 @@ def _has_text(run: DiffRun, left: list[str], right: list[str]) -> bool:
 
 
 def _first_text(lines: list[str], indices: range) -> str:
-    """Return the first line that is not empty, shortened."""
-    text = next((lines[index].strip() for index in indices if lines[index]), "")
-    return text if len(text) <= MAX_LENGTH else text[: MAX_LENGTH - 1] + CUT
+    """Return the first line that is not empty."""
+    return next((lines[index] for index in indices if lines[index]), "")
+
+
+def _shown_pair(before: str, after: str) -> tuple[str, str]:
+    """Return two lines without their common indentation, shortened so that their difference stays."""
+    before, after = dedent(f"{before}\n{after}").split("\n") if before and after else (before.strip(), after.strip())
+    start = sum(1 for _ in takewhile(lambda pair: pair[0] == pair[1], zip(before, after, strict=False)))
+    return _shorten(before, start), _shorten(after, start)
+
+
+def _shorten(text: str, start: int) -> str:
+    """Return a line, or the part of a long one around a column."""
+    if len(text) <= MAX_LENGTH:
+        return text
+    room = MAX_LENGTH - 2 * len(CUT)
+    first = max(0, min(start - LEAD, len(text) - room))
+    if first <= len(CUT):
+        return text[: MAX_LENGTH - len(CUT)] + CUT
+    part = text[first : first + room]
+    return CUT + part + (CUT if first + room < len(text) else "")
 
 
 def _count_changed_answers(before: bytes, after: bytes) -> int:

@@ -91,7 +91,10 @@ def _is_just_seen(visit: LessonVisit | None, row: StuckStudent, now: datetime) -
 
 
 def recent_mistakes(progress: ClassProgress, since: datetime) -> tuple[RecentMistake, ...]:
-    """Return the misconceptions that attempts since a time show, by how many students made them."""
+    """Return the misconceptions that attempts since a time show, by how many students made them.
+
+    Those that nobody has any more come last.
+    """
     made: dict[tuple[str, str], list[tuple[datetime, UUID]]] = defaultdict(list)
     for (account, exercise), attempts in progress.attempts.items():
         if attempts[-1].sent_at < since:
@@ -102,7 +105,9 @@ def recent_mistakes(progress: ClassProgress, since: datetime) -> tuple[RecentMis
                 made[exercise, misconception].append((sent_at, account))
     rows = [_mistake(progress, *key, [account for _, account in sorted(times)]) for key, times in made.items()]
     order = {exercise: index for index, exercise in enumerate(progress.scope.exercises)}
-    return tuple(sorted(rows, key=lambda row: (-len(row.students), -len(row.still), order[row.exercise], row.id)))
+    return tuple(
+        sorted(rows, key=lambda row: (not row.still, -len(row.students), -len(row.still), order[row.exercise], row.id))
+    )
 
 
 def _mistake(progress: ClassProgress, exercise: str, misconception: str, students: Sequence[UUID]) -> RecentMistake:

@@ -20,6 +20,7 @@ from server.course import Course, Module
 from server.database import Database, utc_now
 from server.demo import teaching
 from server.demo.people import Pupil, draw_pupils
+from server.demo.programs import write_program
 from server.demo.story import PlannedAttempt, lesson_starts, plan_attempts
 from server.gradebook import service as gradebook
 from server.gradebook.schemas import GradingResult
@@ -128,7 +129,7 @@ def _enrol_student(db: Session, made: SchoolClass, pupil: Pupil, since: datetime
 def attempt_source(step: PlannedAttempt, seed: int, *, code: bool) -> bytes:
     """The file of an attempt. The same program again differs from itself, as what students send does."""
     source = step.submission.source_for_seed(seed)
-    return source + f"\nessai = {step.repeats + 1}\n".encode() if code and step.repeats else source
+    return write_program(source, step.repeats) if code else source
 
 
 def _write_history(

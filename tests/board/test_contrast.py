@@ -62,3 +62,17 @@ def test_the_latest_change_is_its_first_line_and_a_count() -> None:
     assert compare_attempts(WRONG.encode(), WRONG.replace("\n\n", "\n \n").encode(), is_code=True) is None
     assert compare_attempts(b'{"a": 1, "b": 2}', b'{"a": 1, "b": 3}', is_code=False) == LatestChange(None, "", "", 1)
     assert compare_attempts(b"{", b"{}", is_code=False) is None
+
+
+def test_the_latest_change_of_long_lines_shows_their_difference() -> None:
+    long = "    return np.array([a[0] + c * b[0] - s * b[1], a[1] + s * b[0] + c * b[1], a[2] + b[2]])"
+    change = compare_attempts(long.encode(), long.replace("a[2] + b", "ramener(a[2]) + b").encode(), is_code=True)
+    assert change is not None
+    assert max(len(change.before), len(change.after)) <= 60
+    assert "a[2] + b[2]])" in change.before
+    assert "ramener(a[2]) + b[2]])" in change.after
+    moved = compare_attempts(b"for k in a:\n    total += k\n    return total", WITHOUT_LOOP, is_code=True)
+    assert moved == LatestChange(3, "    return total", "return total", 0), "an indentation is a change too"
+
+
+WITHOUT_LOOP = b"for k in a:\n    total += k\nreturn total"

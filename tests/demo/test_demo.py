@@ -79,7 +79,7 @@ def test_what_is_written_is_a_class_whose_standings_are_right(
 
     def grade(exercise: str, source: bytes, seed: int) -> Judgement:
         graded.append((exercise, source, seed))
-        return Judgement(fake_verdict("# outcome: wrong_answer" if b"essai" in source else "", seed))
+        return Judgement(fake_verdict("# outcome: wrong_answer" if b'print("ici' in source else "", seed))
 
     module = course.modules["l20"]
     loaded = create_demo_class(

@@ -59,7 +59,7 @@ class Crawl:
 
 def grade(course: Course, exercise: str, source: bytes, seed: int) -> Judgement:
     """A verdict without a sandbox: right, or wrong with a counterexample and a mistake that has a name."""
-    if b"essai" not in source:
+    if b'print("ici' not in source:
         return Judgement(Verdict(exercise, "v1", Outcome.OK, seed, [PASSED]))
     mistake = Diagnosis(min(course.exercises[exercise].grader.mistake_ids()), "Une erreur", "Ainsi.")
     verdict = Verdict(exercise, "v1", Outcome.WRONG_ANSWER, seed, [CheckResult.from_json(CHECK)], diagnosis=mistake)

@@ -15,6 +15,7 @@ from server.assignments.models import Mode, Visibility
 from server.base.app_services import get_service
 from server.base.errors import Conflict, Invalid
 from server.board.lesson_loading import propose_exercises
+from server.board.lesson_state import recent_mistakes
 from server.board.service import load_progress
 from server.classes.models import Membership, SchoolClass
 from server.classes.presence import PresenceRecorder
@@ -98,6 +99,18 @@ def test_exercises_of_open_assignments_are_proposed(sqlite: Database, course: Co
         assert list(available) == [OTHER, THIRD, EXERCISE], "what is open comes first"
         progress = load_progress(db, course, made, utc_now())
         assert propose_exercises(progress, available) == (THIRD, EXERCISE), "most have solved the other one"
+
+
+def test_a_mistake_that_all_have_corrected_comes_last(sqlite: Database, course: Course) -> None:
+    made = new_class(sqlite, new_account(sqlite, Role.teacher))
+    first, second, third = seated(sqlite, made, 3)
+    now, later = utc_now() - timedelta(minutes=5), utc_now() - timedelta(minutes=2)
+    overcome = [Sent(student, EXERCISE, now, 0.25, WRONG) for student in (first, second)]
+    right = [Sent(student, EXERCISE, later, 1.0) for student in (first, second)]
+    store(sqlite, [*overcome, *right, Sent(third, OTHER, now, 0.25, "vt_pour_v")])
+    with sqlite.read() as db:
+        mistakes = recent_mistakes(load_progress(db, course, made, utc_now()), now - timedelta(minutes=1))
+    assert [(row.id, len(row.students), len(row.still)) for row in mistakes] == [("vt_pour_v", 1, 1), (WRONG, 2, 0)]
 
 
 def stuck_students(site: Site, made: SchoolClass, count: int) -> Sequence[UUID]:

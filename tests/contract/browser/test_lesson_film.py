@@ -1,13 +1,13 @@
 """A film of a simulated lesson: the teacher’s « Séance » at several minutes, then « Demain matin », in pictures.
 
 `LESSON_FILM=DIR pytest -m slow tests/contract/browser/test_lesson_film.py` leaves the pictures in that folder. Whoever
-looks at them should say within five seconds whom to help, and on what.
+looks at them should say within five seconds whom to help, and on what. No words are cut or stand on others.
 """
 
 from __future__ import annotations
 
 import os
-from collections.abc import Collection
+from collections.abc import Collection, Mapping
 from datetime import datetime, timedelta
 from pathlib import Path
 from uuid import UUID
@@ -25,16 +25,20 @@ from server.submissions.models import Submission
 from tests.contract.browser.conftest import NewVisit, Visit, enters
 from tests.support.classes import new_class, seat
 from tests.support.crowd import Sent, store
+from tests.support.layout import find_layout_faults
 from tests.support.quick import the_course
 from tests.support.served import Server
 from tests.support.service import new_account
 from tests.support.stuck_class import EXERCISES, START, SimulatedClass, simulate_class
+from tests.support.stuck_programs import LessonPrograms
 
 DAY = ("l20/poses", "l20/kabsch", "l20/predire2d", "l20/association")
 MINUTES = (5, 15, 25, 35, 50, 70)
 STUDENTS = 24
-DESK, PHONE = (1024, 768), (390, 844)
-WHOLE_CARDS = 4
+SCREENS = {"portable": (1280, 800), "bureau": (1024, 768), "telephone": (390, 844)}
+WHOLE_CARDS = {"portable": 4, "bureau": 4, "telephone": 3}
+#: The tabs of a class scroll on a phone.
+SCROLLED = (".class-tabs",)
 CARD_ENDS = "() => [...document.querySelectorAll('.stuck-row')].map((row) => row.getBoundingClientRect().bottom)"
 
 
@@ -50,24 +54,26 @@ def test_a_film_of_a_lesson_names_whom_to_help(visit: NewVisit, server: Server, 
     row = LiveLesson(class_id=made.id, exercises=list(DAY), next_step=Afterwards.help, started_at=utc_now())
     with database.write() as db:
         db.add(row)
+    programs = {name: LessonPrograms(the_course().exercises[name], seed=11) for name in DAY}
     visitor = enters(visit(at=server), database, teacher)
-    named = 0
+    named, faults = 0, []
     for minute in MINUTES:
-        _go_to(database, made, lesson, accounts, row.id, minute)
-        shown = _take(visitor, folder / f"seance-{minute:02}", f"/classes/{made.id}/seance")
-        visitor.page.set_viewport_size({"width": DESK[0], "height": DESK[1]})
-        ends = visitor.page.evaluate(CARD_ENDS)
-        assert all(end <= DESK[1] for end in ends[:WHOLE_CARDS]), "the first cards stand whole, without scrolling"
+        _go_to(database, made, lesson, accounts, row.id, minute, programs)
+        shown, cut = _take(visitor, folder / f"seance-{minute:02}", f"/classes/{made.id}/seance", WHOLE_CARDS)
         truly = {names[accounts[pupil].id] for pupil in lesson.stuck(minute)}
         named += not truly or any(name in shown for name in truly)
-        visitor.page.goto(f"{server.address}/classes/{made.id}/seance/projeter")
-        visitor.page.screenshot(path=folder / f"seance-{minute:02}-projecteur.png")
-        assert not any(name in visitor.page.content() for name in names.values()), "the projector names nobody"
+        wall, cut_there = _take(
+            visitor, folder / f"seance-{minute:02}-projecteur", f"/classes/{made.id}/seance/projeter"
+        )
+        assert not any(name in wall for name in names.values()), "the projector names nobody"
+        faults += cut + cut_there
     with database.write() as db:
         db.execute(update(LiveLesson).where(LiveLesson.id == row.id).values(ended_at=utc_now()))
-    _take(visitor, folder / "demain-matin", f"/classes/{made.id}/seance/{row.id}")
+    faults += _take(visitor, folder / "demain-matin", f"/classes/{made.id}/seance/{row.id}")[1]
     database.close()
     assert named >= len(MINUTES) - 1, "in all pictures but one, somebody who is stuck is named"
+    (folder / "fautes.txt").write_text("\n".join(map(str, faults)))
+    assert faults == []
 
 
 def _seat_pupils(database: Database, made: SchoolClass, lesson: SimulatedClass) -> dict[UUID, Account]:
@@ -85,6 +91,7 @@ def _go_to(
     accounts: dict[UUID, Account],
     lesson_id: UUID,
     minute: int,
+    programs: Mapping[str, LessonPrograms],
 ) -> None:
     """Make the database that of this minute of the lesson, which is now."""
     begun = utc_now() - timedelta(minutes=minute)
@@ -97,18 +104,17 @@ def _go_to(
             at = None if seen is None else _shifted(seen, begun)
             own = Membership.class_id == made.id, Membership.account_id == accounts[pupil].id
             db.execute(update(Membership).where(*own).values(last_seen_at=at))
-    course = the_course()
-    exercises = dict(zip(EXERCISES, DAY, strict=True))
-    mistakes = {name: sorted(course.exercises[name].grader.mistake_ids())[:2] for name in DAY}
     attempts = []
     for (pupil, simulated), series in lesson.attempts_at(minute).items():
-        exercise = exercises.get(simulated, "l20/demo_1")
-        for attempt in series:
-            own = mistakes.get(exercise, ())
-            diagnosis = own[("m1", "m2").index(attempt.diagnosis)] if attempt.diagnosis and own else None
+        exercise = dict(zip(EXERCISES, DAY, strict=True)).get(simulated)
+        for number, attempt in enumerate(series):
             at = _shifted(attempt.sent_at, begun)
-            code = f"def composer(a, b):\n    return a + {attempt.digest}\n"
-            attempts.append(Sent(accounts[pupil].id, exercise, at, attempt.score, diagnosis, code))
+            if exercise is None:
+                attempts.append(Sent(accounts[pupil].id, "l20/demo_1", at, attempt.score))
+                continue
+            code, outcome, diagnosis = programs[exercise].write(attempt.diagnosis, attempt.score, number)
+            sent = Sent(accounts[pupil].id, exercise, at, attempt.score, diagnosis, code.decode(), outcome)
+            attempts.append(sent)
     store(database, attempts)
 
 
@@ -116,11 +122,22 @@ def _shifted(at: datetime, begun: datetime) -> datetime:
     return begun + (at - START)
 
 
-def _take(visitor: Visit, path: Path, address: str) -> str:
-    """Take a picture at the desk and on a phone; return the text of the page."""
-    page = visitor.page
-    for name, (width, height) in (("bureau", DESK), ("telephone", PHONE)):
+def _take(
+    visitor: Visit, path: Path, address: str, whole_cards: Mapping[str, int] | None = None
+) -> tuple[str, list[list[str]]]:
+    """Take pictures of a page on each screen; return its text, and the words that are cut or stand on others."""
+    page, faults, shown = visitor.page, [], ""
+    for screen, (width, height) in SCREENS.items():
         page.set_viewport_size({"width": width, "height": height})
         page.goto(visitor.server.address + address)
-        page.screenshot(path=f"{path}-{name}.png")
-    return page.inner_text("main")
+        page.screenshot(path=f"{path}-{screen}.png")
+        shown = shown or page.inner_text("main")
+        faults += [[path.name, screen, *fault] for fault in find_layout_faults(page, SCROLLED)]
+        ends = page.evaluate(CARD_ENDS)[: whole_cards[screen]] if whole_cards else ()
+        faults += [[path.name, screen, "card below the screen", str(end)] for end in ends if end > height]
+        tab = page.get_by_text("Erreurs, finis")
+        if tab.is_visible():
+            tab.click()
+            page.screenshot(path=f"{path}-{screen}-erreurs.png")
+            faults += [[path.name, screen, *fault] for fault in find_layout_faults(page, SCROLLED)]
+    return shown, faults

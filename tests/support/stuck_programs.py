@@ -1,0 +1,52 @@
+"""The programs of a simulated lesson: those that the course knows, each attempt a step away from the one before."""
+
+from __future__ import annotations
+
+from itertools import islice
+from pathlib import Path
+from random import Random
+
+from graders.core.code.folder import read_model
+from graders.core.code.mutations import Model
+from graders.core.contract.outcomes import Outcome
+from server.course import Exercise
+from server.demo.story import build_repertoire
+
+FOLDERS = Path(__file__).parents[2] / "graders"
+MISTAKES = ("m1", "m2")
+MOST_VARIANTS = 7
+
+
+class LessonPrograms:
+    """What the students of a simulated lesson send to one exercise of code, whose mistakes are edits of a model.
+
+    A program with two mistakes of the catalogue stands for one whose mistake has no name.
+    """
+
+    def __init__(self, exercise: Exercise, seed: int) -> None:
+        repertoire = build_repertoire(exercise, Random(seed))
+        model = read_model(FOLDERS.joinpath(*exercise.id.split("/")))
+        assert model is not None
+        edited = {edit.id for edit in model.edits}
+        names = [programs[0].diagnosis for programs in repertoire.named if programs[0].diagnosis in edited]
+        self._mistakes = dict(zip(MISTAKES, filter(None, names), strict=False))
+        self._variants = {name: _variants(model, name) for name in self._mistakes.values()}
+        unnamed = [edit for edit in model.edits if edit.id not in self._variants]
+        self._unnamed = [mutant.text for mutant in islice(model.mutants(unnamed, 2), 0, None, 3)]
+        self._right = repertoire.right[0].source_for_seed(0)
+
+    def write(self, mistake: str | None, score: float, number: int) -> tuple[bytes, Outcome, str | None]:
+        """Return the attempt of that number at the exercise, with the verdict and the diagnosis that it gets."""
+        if score >= 1.0:
+            return self._right, Outcome.OK, None
+        name = None if mistake is None else self._mistakes[mistake]
+        variants = self._unnamed if name is None else self._variants[name]
+        return variants[number % len(variants)].encode(), Outcome.WRONG_ANSWER, name
+
+
+def _variants(model: Model, name: str) -> list[str]:
+    """Return the model with a mistake, then with one more: what a student tries elsewhere meanwhile."""
+    edits = [edit for edit in model.edits if edit.id == name]
+    (mutant, *_) = model.mutants(edits, 1)
+    others = (other.text for other in model.with_one_more(mutant, model.edits))
+    return [mutant.text, *islice(others, MOST_VARIANTS)]
