@@ -83,7 +83,8 @@ def exercise_files(
 
 
 def _card(content: Mapping[str, Any], limits: Mapping[str, float]) -> str:
-    lines = [f"{key} = {write_value(content[key])}" for key in ("title", "summary")]
+    lines = [f"title = {write_value(content['title'])}"]
+    lines.append(f"summary = {write_value(content['summary'] or content['title'])}")  # which a course asks for
     lines.append(f"order = {ORDER}")
     for name in content["declaration"]["fonctions"]:
         signature = content["signatures"].get(name, name)
@@ -145,9 +146,10 @@ def _require_shallow(name: str, text: str) -> None:
 def _draft(declaration: Mapping[str, Any], card: Mapping[str, Any], files: Mapping[str, str]) -> ExerciseDraft:
     hints = [hint.strip() for hint in _HINT.split(files.get("indices.md", ""))[1:]][:HINTS]
     hints = ["" if hint == NO_HINT else hint for hint in hints]
+    title, summary = str(card.get("title", "")), str(card.get("summary", ""))
     return ExerciseDraft(
-        title=str(card.get("title", "")),
-        summary=str(card.get("summary", "")),
+        title=title,
+        summary=summary if summary != title else "",
         statement=files.get("enonce.md", ""),
         functions=" ".join(map(str, declaration.get("fonctions", ()))),
         solution=files["solution.py"],

@@ -87,11 +87,9 @@ def complete_draft(draft: ExerciseDraft, trial: ExerciseTrial) -> CompletedExerc
     answers = _answers(declaration, trial)
     _drop_empty_lists(checks)
     signatures = proposals.propose_signatures(solution, functions)
-    named = ", ".join(f"la classe {name}" if signatures[name].startswith("class ") else name for name in functions)
     return CompletedExercise(
         title=draft.title.strip() or ", ".join(functions) or "Sans titre",
-        summary=draft.summary.strip()
-        or ("Écrire un programme." if is_whole_program(functions) else f"Écrire {named}."),
+        summary=draft.summary.strip(),
         statement=_statement(draft, functions, answers),
         starter=_lines(draft.starter) if draft.starter.strip() else proposals.propose_starter(solution, functions),
         signatures=signatures,

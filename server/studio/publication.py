@@ -10,6 +10,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from typing import Any
 
+from graders.core.declared.body_changes import WHOLE_BODY
 from graders.core.declared.trial import MAX_ALIVE, SEEDS
 from graders.core.declared.trial_report import TrialReport, TriedMistake
 from graders.typography import unaccented
@@ -66,20 +67,31 @@ def publication_faults(
             yield f"L’erreur « {title} » n’est pas reconnue : {_case_to_add(tried, 'où elle diffère des autres')}"
         if not (titles[tried.id]["titre"] and titles[tried.id]["explication"]):
             yield f"Dites en mots l’erreur « {title} » : un titre et une explication."
+    yield from _faults_of_changes(draft, report)
+    if not report.is_whole:
+        yield "L’essai a pris trop de temps et n’a pas tout essayé : donnez des entrées plus petites."
+
+
+def _faults_of_changes(draft: ExerciseDraft, report: TrialReport) -> Iterator[str]:
+    """Yield what the changed solutions that have all points show: each of a whole function, too many of the others."""
     alive = [change for change in report.survivors if not draft.reasons.get(program_digest(change.program), "").strip()]
-    if len(alive) > MAX_ALIVE * len(report.changes):
+    for change in alive:
+        if change.operator in WHOLE_BODY:
+            end = "ajoutez le cas proposé" if change.case else "ajoutez un exemple qui le refuse"
+            yield f"Un programme où {change.words} aurait 20/20 : {end}, ou dites pourquoi la réponse est juste aussi."
+    small = [change for change in report.changes if change.operator not in WHOLE_BODY]
+    alive = [change for change in alive if change.operator not in WHOLE_BODY]
+    if len(alive) > MAX_ALIVE * len(small):
         have, they = ("modification", "a") if len(alive) == 1 else ("modifications", "ont")
         yield (
-            f"{len(alive)} {have} de la solution, sur {len(report.changes)}, {they} encore tous les points : ajoutez "
+            f"{len(alive)} {have} de la solution, sur {len(small)}, {they} encore tous les points : ajoutez "
             "les cas proposés, ou dites pourquoi la réponse est juste aussi."
         )
-    if report.changes and 2 * sum(bool(change.refusal) for change in report.changes) < len(report.changes):
+    if small and 2 * sum(bool(change.refusal) for change in small) < len(small):
         yield (
             "Les exemples ne montrent pas ce que fait la solution : plus de la moitié de ses modifications passent. "
             "Ajoutez des exemples plus variés."
         )
-    if not report.is_whole:
-        yield "L’essai a pris trop de temps et n’a pas tout essayé : donnez des entrées plus petites."
 
 
 def _case_to_add(tried: TriedMistake, where: str) -> str:

@@ -13,6 +13,7 @@ from uuid import UUID
 
 from sqlalchemy.orm import Session
 
+from graders.core.declared.body_changes import CONSTANT, UNREAD
 from graders.core.declared.declaration import MAX_PROGRAM
 from graders.core.declared.trial_report import TrialReport, TriedChange, TriedMistake
 from graders.typography import unaccented
@@ -57,7 +58,9 @@ TOO_FAST = "Vous enregistrez très souvent : le prochain est possible dans {seco
 TOO_MANY_CODES = "Trop de codes inconnus de suite : réessayez dans {seconds} s."
 CODE_TOO_LONG = "Ce programme a {length} caractères ; {most} au plus."
 NOT_TRIED = "Cet exercice n’a pas encore été essayé : enregistrez-le, puis reprenez l’archive."
-NOTHING_PICKED = "Cochez au moins une des propositions de l’essai : il a pu changer depuis que vous l’avez lu."
+NOTHING_PICKED = "Vous n’avez coché aucun cas : cochez ceux que votre énoncé admet, puis ajoutez-les."
+NO_MISTAKE_PICKED = "Vous n’avez coché aucune erreur : cochez celles que vos élèves font, puis ajoutez-les."
+OUT_OF_DATE = "L’essai a changé depuis que vous l’avez lu : cochez de nouveau ce que vous voulez ajouter."
 #: What a proposed mistake is called, by the kind of the change: nothing of the solution.
 MISTAKE_TITLES = {
     "comparaison": "Une comparaison est fausse",
@@ -78,6 +81,8 @@ MISTAKE_TITLES = {
     "signe ou négation oubliés": "Un signe est oublié",
     "variable": "Une variable est prise pour une autre",
     "bout de la liste": "Le mauvais bout de la liste",
+    CONSTANT: "Le résultat est toujours le même",
+    UNREAD: "Un paramètre n’est pas utilisé",
 }
 PUBLISHED = "Cet exercice est publié : des élèves l’ont peut-être fait. Il ne se supprime plus."
 
@@ -269,14 +274,19 @@ def add_cases(draft: ExerciseDraft, report: TrialReport, picked: Collection[str]
     checks = list(draft.checks)
     shown: tuple[TriedMistake | TriedChange, ...] = (*report.mistakes, *report.survivors)
     chosen = [each for each in shown if each.case and each.case in picked]
-    if not chosen:
-        raise Invalid(NOTHING_PICKED)
+    require_picked(picked, chosen)
     for change in chosen:
         at = change.check if change.check < len(checks) else 0
         known = {case.call.strip() for case in checks[at].cases}
         if change.case not in known and len(checks[at].cases) < MAX_CASES:
             checks[at] = replace(checks[at], cases=(*checks[at].written, CaseDraft(change.case)))
     return replace(draft, checks=tuple(checks))
+
+
+def require_picked(picked: Collection[str], found: Collection[object], nothing: str = NOTHING_PICKED) -> None:
+    """Raise Invalid in the words `nothing` where nothing is picked, or where the trial no longer proposes what is."""
+    if not found:
+        raise Invalid(OUT_OF_DATE if picked else nothing)
 
 
 def expect_exception(draft: ExerciseDraft, report: TrialReport, check: int, case: int) -> ExerciseDraft:

@@ -10,37 +10,40 @@ import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import closing
 from dataclasses import replace
-from functools import cached_property
-from typing import Any, NamedTuple
+from typing import Any
 
 from graders.core.alterations.alterations import Alteration, sample_alterations
-from graders.core.compare.python_values import Raised, python_text
 from graders.core.contract.kits import SCENARIOS
 from graders.core.contract.program import KitSettings, Programs, StudentFault
 from graders.core.contract.values import Value
 from graders.core.contract.verdict import MAX_POINTS
+from graders.core.declared.body_changes import change_bodies
 from graders.core.declared.declaration import Declaration, DeclaredCheck, read_declaration
-from graders.core.declared.doubts import find_doubt
 from graders.core.declared.grading import DeclaredGrader, Fingerprint, SolutionFault
-from graders.core.declared.judging import Case, expected_is_given, is_answered, judge, observed
+from graders.core.declared.judging import expected_is_given, is_answered, judge, observed
 from graders.core.declared.list_ends import swap_list_ends
 from graders.core.declared.malformed import MalformedDeclaration
 from graders.core.declared.playing import Played, Player
 from graders.core.declared.probe_answers import probe_answer
 from graders.core.declared.scenarios import PROGRAM, Scenario
 from graders.core.declared.trial_report import TrialReport, TriedCase, TriedChange, TriedMistake
-from graders.core.declared.variations import vary_cases
+from graders.core.declared.tried_inputs import (
+    MAX_MESSAGE,
+    TRIAL_SEED,
+    ProposedCase,
+    TriedInputs,
+    answer_text,
+    may_be_proposed,
+    parts_of,
+    text_of,
+)
 
 #: Changes of a solution that are tried; the share of them that may survive; seeds of the solution before publication.
 MAX_CHANGES, MAX_ALIVE, SEEDS = 48, 0.03, 20
-TRIAL_SEED = 1
 #: Seconds after which a trial ends, and says that it did not try everything.
 TRIAL_SECONDS = 40.0
-MAX_MESSAGE = 400
 #: A changed solution that takes so many times as long as the solution loops: in seconds, from least to most.
 BRIEF_FACTOR, MIN_BRIEF_SECONDS, MAX_BRIEF_SECONDS = 10.0, 0.1, 1.0
-#: Inputs near the examples that are played together: one of them may never end.
-SCENARIOS_AT_ONCE = 8
 
 
 class ExerciseTrial:
@@ -79,7 +82,7 @@ class ExerciseTrial:
             if fault or self._clock() > until:
                 return TrialReport(cases=cases, solution=fault, starter=starter_fault, seeds=graded, is_whole=not fault)
             graded += 1
-        inputs = _TriedInputs(self, grader)
+        inputs = TriedInputs(grader, self._play_known, self._play_near)
         mistakes = tuple(self._try_mistakes(grader, inputs))
         changes = tuple(self._try_changes(grader, until, inputs)) if with_changes else ()
         return TrialReport(
@@ -123,7 +126,7 @@ class ExerciseTrial:
         if any(each.fault is not None or each.raised is not None for each in played):
             return []
         return [
-            (case.scenario.text(), _answer_text(check, case.scenario, got))
+            (case.scenario.text(), answer_text(check, case.scenario, got))
             for (check, case), got in zip(drawn, played, strict=True)
         ]
 
@@ -132,7 +135,7 @@ class ExerciseTrial:
         with closing(self._player(grader, grader.solution)) as player:
             return player.play(scenarios)
 
-    def play_known(self, grader: DeclaredGrader, scenarios: Sequence[Scenario]) -> list[Played]:
+    def _play_known(self, grader: DeclaredGrader, scenarios: Sequence[Scenario]) -> list[Played]:
         """Return what the solution does, and allow programs that may loop so many times as long."""
         started = self._clock()
         played = self._play(grader, scenarios)
@@ -140,12 +143,13 @@ class ExerciseTrial:
         self._brief_seconds = min(MAX_BRIEF_SECONDS, max(MIN_BRIEF_SECONDS, patience))
         return played
 
+    def _play_near(self, grader: DeclaredGrader, scenarios: Sequence[Scenario]) -> list[Played]:
+        return self.play_briefly(grader, grader.solution, scenarios)
+
     def play_briefly(self, grader: DeclaredGrader, source: str, scenarios: Sequence[Scenario]) -> list[Played]:
         """Return what a program does, a few scenarios at a time, as some may never end."""
         with closing(self._player(grader, source, briefly=True)) as player:
-            starts = range(0, len(scenarios), SCENARIOS_AT_ONCE)
-            parts = (scenarios[start : start + SCENARIOS_AT_ONCE] for start in starts)
-            return [played for part in parts for played in player.play(part)]
+            return [played for part in parts_of(scenarios) for played in player.play(part)]
 
     def _player(self, grader: DeclaredGrader, source: str, *, briefly: bool = False) -> Player:
         programs = self._start_briefly(self._brief_seconds) if briefly else self._start()
@@ -177,7 +181,7 @@ class ExerciseTrial:
         failed = next((check for check in verdict.checks if not check.passed), None)
         return "" if failed is None else f"Votre solution n’a pas tous les points : {failed.message}"[:MAX_MESSAGE]
 
-    def _try_mistakes(self, grader: DeclaredGrader, inputs: _TriedInputs) -> Iterator[TriedMistake]:
+    def _try_mistakes(self, grader: DeclaredGrader, inputs: TriedInputs) -> Iterator[TriedMistake]:
         programs = {mistake.id: mistake.program for mistake in grader.declaration.mistakes}
         for name, program in programs.items():
             try:
@@ -196,44 +200,53 @@ class ExerciseTrial:
                 yield TriedMistake(name, True, named == name, "" if named == name else named)
 
     def _find_case(
-        self, grader: DeclaredGrader, program: str, inputs: _TriedInputs, *, unlike: str = ""
-    ) -> _ProposedCase:
+        self, grader: DeclaredGrader, program: str, inputs: TriedInputs, *, unlike: str = ""
+    ) -> ProposedCase:
         """Return an input to which a program answers otherwise than the solution, or than another program; an empty
         one where none was found."""
         scenarios = [case.scenario for _, case, _ in inputs.near]
         played = self.play_briefly(grader, program, scenarios)
         others = self.play_briefly(grader, unlike, scenarios) if unlike else played
         for (at, case, right), got, other in zip(inputs.near, played, others, strict=True):
-            wrong = judge(grader.declaration.checks[at], case, right, got) is not None
+            wrong = may_be_proposed(judge(grader.declaration.checks[at], case, right, got))
             if wrong and (not unlike or probe_answer(got) != probe_answer(other)):
                 return inputs.describe(at, case, right)
-        return _ProposedCase()
+        return ProposedCase()
 
-    def _try_changes(self, grader: DeclaredGrader, until: float, inputs: _TriedInputs) -> Iterator[TriedChange]:
-        """Yield the changes of the solution that were tried in time."""
+    def _try_changes(self, grader: DeclaredGrader, until: float, inputs: TriedInputs) -> Iterator[TriedChange]:
+        """Yield the changes of the solution that were tried in time: those of whole functions first.
+
+        Of one function, those that survive for want of different cases are one.
+        """
+        proposed = set[tuple[str, str]]()
+        for body in change_bodies(grader.solution, grader.functions, inputs.calls, inputs.printed):
+            if self._clock() > until:
+                return
+            tried = replace(self._try_change(grader, body.alteration, inputs), words=body.words)
+            tried = replace(tried, unseen=tried.unseen and not body.is_asked)
+            place = (f"{body.alteration.function} {tried.operator}", tried.case)
+            if not tried.survives or place not in proposed:
+                yield tried
+            proposed |= {place} if tried.survives else set()
         for alteration in _alterations(grader.solution):
             if self._clock() > until:
                 return
             yield self._try_change(grader, alteration, inputs)
 
-    def _try_change(
-        self,
-        grader: DeclaredGrader,
-        alteration: Alteration,
-        inputs: _TriedInputs,
-    ) -> TriedChange:
+    def _try_change(self, grader: DeclaredGrader, alteration: Alteration, inputs: TriedInputs) -> TriedChange:
         removed, added = "\n".join(alteration.removed), "\n".join(alteration.added)
         change = TriedChange(alteration.line, removed, added, alteration.altered, operator=alteration.operator)
         checks = grader.declaration.checks
         player = self._player(grader, alteration.altered, briefly=True)
         try:
-            for is_known, trios in ((True, inputs.known), (False, inputs.near)):
+            for is_known, trios in ((True, inputs.known), *((False, part) for part in inputs.near_parts)):
                 played = player.play([case.scenario for _, case, _ in trios])
                 judged = (
                     (at, right, judge(checks[at], case, right, got))
                     for (at, case, right), got in zip(trios, played, strict=True)
                 )
-                found = next(((at, right, failure) for at, right, failure in judged if failure is not None), None)
+                failures = ((at, right, failure) for at, right, failure in judged if failure is not None)
+                found = next((each for each in failures if is_known or may_be_proposed(each[2])), None)
                 if found is None:
                     continue
                 at, right, failure = found
@@ -244,59 +257,6 @@ class ExerciseTrial:
         finally:
             player.close()
         return replace(change, unseen=True)
-
-
-class _ProposedCase(NamedTuple):
-    """An input by its text, its check, the solution's answer, and why the statement may exclude it."""
-
-    case: str = ""
-    check: int = 0
-    answer: str = ""
-    doubt: str = ""
-
-
-class _TriedInputs:
-    """The inputs on which changed programs are tried, with what the solution does: made at the first need.
-
-    `known` are the cases of the checks, `near` others beside them, which the solution answers: first those that have
-    all that the examples have.
-    """
-
-    def __init__(self, trial: ExerciseTrial, grader: DeclaredGrader) -> None:
-        self._trial, self._grader = trial, grader
-
-    @cached_property
-    def known(self) -> list[tuple[int, Case, Played]]:
-        grader = self._grader
-        checks = enumerate(grader.declaration.checks)
-        cases = [(at, case) for at, check in checks for case in grader.cases(check, TRIAL_SEED)]
-        right = self._trial.play_known(grader, [case.scenario for _, case in cases])
-        return [(at, case, got) for (at, case), got in zip(cases, right, strict=True) if is_answered(got)]
-
-    @property
-    def raising(self) -> tuple[str, str]:
-        """A drawn input on which the solution raises an exception of Python, and that exception; empty without one."""
-        drawn = ((case, got) for _, case, got in self.known if case.drawn is not None and got.fault is not None)
-        return next(((case.scenario.text(), str(got.raised)) for case, got in drawn), ("", ""))
-
-    @cached_property
-    def near(self) -> list[tuple[int, Case, Played]]:
-        grader, _ = self._grader, self.known  # which tells how long a program may take
-        checks = enumerate(grader.declaration.checks)
-        nearby = [(at, scenario) for at, check in checks for scenario in vary_cases(check)]
-        played = self._trial.play_briefly(grader, grader.solution, [scenario for _, scenario in nearby])
-        answered = zip(nearby, played, strict=True)
-        near = [(at, Case(scenario), got) for (at, scenario), got in answered if got.fault is None and not got.raised]
-        return sorted(near, key=lambda trio: bool(self._doubt(trio[0], trio[1].scenario)))
-
-    def describe(self, at: int, case: Case, right: Played) -> _ProposedCase:
-        check, scenario = self._grader.declaration.checks[at], case.scenario
-        answer = _answer_text(check, scenario, right)
-        return _ProposedCase(scenario.exact_text() or "", at, answer, self._doubt(at, scenario))
-
-    def _doubt(self, at: int, scenario: Scenario) -> str:
-        examples = [case for check in self._grader.declaration.checks for case in check.cases]
-        return find_doubt(scenario, examples, self._grader.parameters.get(scenario.statements[0].callee, ()))
 
 
 def _alterations(solution: str) -> list[Alteration]:
@@ -313,15 +273,7 @@ def _tried_case(check: DeclaredCheck, at: int, number: int, case: Scenario, got:
         return TriedCase(at, number, "", agrees=False, fault=_message(got.fault), raised=got.fault.exception or "")
     given: Value = observed(check, got, len(case.statements) - 1)
     as_expected = not case.expected or expected_is_given(check, case.expected[0], got, len(case.statements) - 1)
-    return TriedCase(at, number, _text_of(given), agrees=as_expected)
-
-
-def _answer_text(check: DeclaredCheck, scenario: Scenario, got: Played) -> str:
-    return _text_of(observed(check, got, len(scenario.statements) - 1))
-
-
-def _text_of(given: Value) -> str:
-    return (str(given) if isinstance(given, Raised) else python_text(given, None))[:MAX_MESSAGE]
+    return TriedCase(at, number, text_of(given), agrees=as_expected)
 
 
 def _message(fault: StudentFault) -> str:

@@ -46,7 +46,8 @@ class TriedChange:
     """A change of the solution: the lines before and after, the changed program, and how a case refuses it.
 
     `case` is an input that shows it though no case does, with `answer` and `doubt` as of `TriedMistake`; `unseen` says
-    that none was found. `operator` is the kind of the change.
+    that none was found, and that it may be no mistake. `operator` is the kind of the change, `words` say it of a whole
+    function.
     """
 
     line: int
@@ -60,6 +61,7 @@ class TriedChange:
     answer: str = ""
     doubt: str = ""
     operator: str = ""
+    words: str = ""
 
     @property
     def survives(self) -> bool:

@@ -221,8 +221,7 @@ def _with_proposals(action: str, draft: ExerciseDraft, exercise: AuthoredExercis
     if action == "erreurs":
         picked = forms.read_picked(fields, forms.PICKED_CHANGES)
         changes = [each for each in _report(exercise).changes if program_digest(each.program) in picked]
-        if not changes:
-            raise Invalid(service.NOTHING_PICKED)
+        service.require_picked(picked, changes, service.NO_MISTAKE_PICKED)
         return service.add_mistakes(draft, changes)
     if action == "cas":
         return service.add_cases(draft, _report(exercise), forms.read_picked(fields, forms.PICKED_CASES))

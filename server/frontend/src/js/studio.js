@@ -139,7 +139,7 @@ function addRow(last) {
   last.after(row);
 }
 
-// A blank mistake is always free below the others.
+// A blank mistake is always free below the others; the one that is typed bears its title.
 function addMistake(last) {
   const blank = document.createElement("template");
   blank.innerHTML = last.outerHTML.replace(/\be-(\d+)-/g, (_, number) => `e-${Number(number) + 1}-`);
@@ -147,11 +147,32 @@ function addMistake(last) {
   last.after(blank.content);
   last.nextElementSibling.open = false;
   for (const field of last.nextElementSibling.querySelectorAll("input, textarea")) field.value = "";
+  nameMistake(last);
+}
+
+function nameMistake(mistake) {
+  mistake.querySelector("summary").textContent = mistake.querySelector("input").value.trim() || "Sans titre";
+}
+
+// What is open stays so when the page comes back from the server.
+const OPEN = "balise-exercice-ouvert";
+const firstField = (part) => part.querySelector("[name]")?.name ?? "";
+
+function keepOpen() {
+  form.addEventListener("submit", () => {
+    const names = [...form.querySelectorAll("details[open]")].map(firstField);
+    keep(OPEN, JSON.stringify({ at: location.pathname, names }));
+  });
+  const { at, names } = JSON.parse(recall(OPEN) ?? "{}");
+  keep(OPEN, null);
+  if (at !== location.pathname) return;
+  for (const part of form.querySelectorAll("details:not([data-blank])")) part.open ||= names.includes(firstField(part));
 }
 
 if (form) {
   setUp();
   setUpPreview();
+  keepOpen();
   for (const area of form.querySelectorAll("textarea.code-area")) grow(area);
   form.addEventListener("input", ({ target }) => {
     if (target.matches("textarea.code-area")) grow(target);
@@ -159,6 +180,7 @@ if (form) {
     if (row && target.value) addRow(row);
     const blank = target.closest("[data-blank]");
     if (blank && target.value) addMistake(blank);
+    else if (target.matches(".studio-mistake input[name$='-titre']")) nameMistake(target.closest(".studio-mistake"));
   });
   form.addEventListener("toggle", ({ target }) => target.querySelectorAll?.("textarea.code-area").forEach(grow), true);
 }

@@ -1,0 +1,227 @@
+"""Changes of whole functions: a body that always returns the same, a parameter that is not read.
+
+A student's program that does so is right wherever the cases show nothing else: a test of emptiness that always says
+True, a bisection that never looks at its precision. What a case shows already is not tried.
+"""
+
+from __future__ import annotations
+
+import ast
+from collections import Counter
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+
+from graders.core.alterations.alterations import Alteration
+from graders.core.alterations.text import Change, ProgramText
+from graders.core.compare.python_values import MORE, Opaque, Raised
+from graders.core.contract.values import Value
+from graders.core.declared.declaration import DeclaredCheck, is_whole_program
+from graders.core.declared.judging import Case
+from graders.core.declared.playing import Played
+from graders.core.declared.scenario_values import NestedCall, Reference, value_text
+from graders.core.syntax_trees import evaluate_literal, parse_source
+
+CONSTANT, UNREAD = "résultat constant", "paramètre non lu"
+#: The operators of this module.
+WHOLE_BODY = frozenset({CONSTANT, UNREAD})
+#: Values that a body may always return, besides those of the examples; values of the examples of one function;
+#: characters of a value; changes in all.
+USUAL_CONSTANTS, MAX_VALUES, MAX_VALUE, MAX_BODY_CHANGES = ("None", "True", "False", "0"), 3, 200, 40
+#: Characters of a value in words; the method that makes an object.
+MAX_SHOWN, MAKER = 40, "__init__"
+
+
+@dataclass(frozen=True)
+class SeenCall:
+    """A call of a function in a known case. `refuses` says whether a value that it would return instead is refused;
+    `value` is what the solution returns, None where that is not shown."""
+
+    name: str
+    arguments: Mapping[int | str, Value]
+    value: Value = None
+    refuses: Callable[[Value], bool] | None = None
+
+    def argument(self, position: int, name: str) -> list[Value]:
+        """Return the argument of a parameter; none where it is not given, or no plain data and no function."""
+        argument = self.arguments.get(position, self.arguments.get(name))
+        return [] if argument is None or isinstance(argument, NestedCall | Reference) else [argument]
+
+
+@dataclass(frozen=True)
+class BodyChange:
+    """A change of one function, in `words`: « `est_vide` renvoie toujours `True` ».
+
+    `is_asked`: students write the function, and some input must show the change.
+    """
+
+    alteration: Alteration
+    words: str
+    is_asked: bool
+
+
+def see_calls(known: Sequence[tuple[DeclaredCheck, Case, Played]]) -> Iterator[SeenCall]:
+    """Yield the calls of the known cases, by the last part of what is called: « empiler » of « p.empiler »."""
+    for check, case, right in known:
+        last = len(case.scenario.statements) - 1
+        for step, statement in enumerate(case.scenario.statements):
+            if statement.kind != "call":
+                continue
+            arguments: dict[int | str, Value] = dict(enumerate(statement.arguments))
+            arguments.update(statement.named)
+            value = right.values[step] if step < len(right.values) else None
+            is_seen = statement.is_shown and check.watched == "value" and (value is not None or step == last)
+            is_seen &= step < len(right.values) or (right.fault is not None and step == len(right.values))
+            yield SeenCall(
+                statement.callee.rpartition(".")[2], arguments, value, _refuses(check, right, step) if is_seen else None
+            )
+
+
+def _refuses(check: DeclaredCheck, right: Played, step: int) -> Callable[[Value], bool]:
+    """Return whether a value in place of the solution's answer in a step fails the check."""
+    if step >= len(right.values) or isinstance(right.values[step], Raised):
+        return lambda _: True  # an exception is expected
+    return lambda other: check.comparator(right.values[step], other) is not None
+
+
+def change_bodies(
+    solution: str, functions: Sequence[str], calls: Sequence[SeenCall], printed: Sequence[str] = ()
+) -> list[BodyChange]:
+    """Return the solution with one function that always returns the same or does not read a parameter.
+
+    `functions` are those that students write; `printed` is what a whole program displays in its cases. Raises
+    SyntaxError for an invalid solution.
+    """
+    if is_whole_program(functions):
+        return list(_constant_programs(solution, printed))
+    text = ProgramText(solution)
+    same = ast.dump(text.tree)
+    found: dict[str, BodyChange] = {}
+    methods = list(_methods(text.tree, functions))
+    names = Counter(method.name for method in methods)
+    for method in methods:
+        seen = [call for call in calls if call.name == method.called]
+        changes = [*_constants(text, method, seen, names[method.name] == 1), *_unread(text, method, seen)]
+        for change, words in changes:
+            altered = text.apply(change)
+            if _differs(altered, same):
+                alteration = Alteration(solution, altered, change.operator, False, method.node.lineno, method.name)
+                found.setdefault(altered, BodyChange(alteration, words, method.is_asked))
+    return list(found.values())[:MAX_BODY_CHANGES]
+
+
+@dataclass(frozen=True)
+class _Method:
+    """A function or a method: the name by which it is called, the parameters that a caller gives, and whether students
+    write it and its answer depends on what is given."""
+
+    node: ast.FunctionDef
+    called: str
+    parameters: Sequence[ast.arg]
+    is_asked: bool
+
+    @property
+    def name(self) -> str:
+        return self.node.name
+
+
+def _methods(tree: ast.Module, asked: Sequence[str]) -> Iterator[_Method]:
+    for node in tree.body:
+        if isinstance(node, ast.FunctionDef):
+            parameters = _parameters(node)
+            yield _Method(node, node.name, parameters, node.name in asked and bool(parameters))
+        elif isinstance(node, ast.ClassDef):
+            for method in node.body:
+                if isinstance(method, ast.FunctionDef):
+                    is_static = any(ast.unparse(each) == "staticmethod" for each in method.decorator_list)
+                    is_made = method.name == MAKER
+                    is_asked = node.name in asked and (is_made or not method.name.startswith("_"))
+                    parameters = _parameters(method)[0 if is_static else 1 :]
+                    yield _Method(method, node.name if is_made else method.name, parameters, is_asked)
+
+
+def _parameters(node: ast.FunctionDef) -> list[ast.arg]:
+    return [*node.args.posonlyargs, *node.args.args]
+
+
+def _constants(
+    text: ProgramText, method: _Method, seen: Sequence[SeenCall], is_alone: bool
+) -> Iterator[tuple[Change, str]]:
+    """Yield bodies that return a constant, or a parameter, which no call that was seen refuses."""
+    if method.name == MAKER:
+        return
+    shown = [(call, call.refuses) for call in seen if call.refuses is not None]
+    texts = dict.fromkeys((*_texts([call.value for call, _ in shown]), *USUAL_CONSTANTS))
+    returns = any(isinstance(part, ast.Return) and part.value is not None for part in ast.walk(method.node))
+    asked = shown if is_alone else []
+    for constant in texts:
+        value = evaluate_literal(constant)
+        if not any(refuses(value) for _, refuses in asked):
+            words = "ne fait rien" if constant == "None" and not returns else f"renvoie toujours `{_short(constant)}`"
+            yield _body(text, method.node, f"return {constant}"), f"`{method.name}` {words}"
+    for position, parameter in enumerate(method.parameters):
+        given = [(refuses, call.argument(position, parameter.arg)) for call, refuses in asked]
+        if not any(arguments and refuses(arguments[0]) for refuses, arguments in given):
+            change = _body(text, method.node, f"return {parameter.arg}")
+            yield change, f"`{method.name}` renvoie `{parameter.arg}`"
+
+
+def _texts(values: Sequence[Value]) -> list[str]:
+    """Return some of the values as literals."""
+    texts = (value_text(value, None) for value in values if not isinstance(value, Opaque | Raised))
+    return [text for text in dict.fromkeys(texts) if _is_literal(text)][:MAX_VALUES]
+
+
+def _is_literal(text: str) -> bool:
+    if len(text) > MAX_VALUE or MORE in text:
+        return False
+    try:
+        evaluate_literal(text)
+    except (ValueError, SyntaxError, RecursionError, MemoryError):
+        return False
+    return True
+
+
+def _body(text: ProgramText, node: ast.FunctionDef, statement: str) -> Change:
+    return Change(text.span(node.body[0])[0], text.span(node.body[-1])[1], statement, CONSTANT)
+
+
+def _unread(text: ProgramText, method: _Method, seen: Sequence[SeenCall]) -> Iterator[tuple[Change, str]]:
+    """Yield bodies in which a parameter has its usual value, whatever is given: its default, or the most frequent."""
+    body, defaults = method.node.body, method.node.args.defaults
+    read = {part.id for part in ast.walk(method.node) if isinstance(part, ast.Name)}
+    has_docstring = len(body) > 1 and ast.get_docstring(method.node, clean=False) is not None
+    start = text.span(body[1] if has_docstring else body[0])[0]
+    indent = text.slice(text.raw.rfind(b"\n", 0, start) + 1, start)
+    between = "; " if indent.strip() else f"\n{indent}"
+    by_default = dict(zip([each.arg for each in reversed(method.parameters)], reversed(defaults), strict=False))
+    for position, parameter in enumerate(method.parameters):
+        values = [argument for call in seen for argument in call.argument(position, parameter.arg)]
+        usual = Counter(filter(_can_be_written, (value_text(value, None) for value in values))).most_common(1)
+        default = text.source_of(by_default[parameter.arg]) if parameter.arg in by_default else ""
+        value = default or (usual[0][0] if usual else "")
+        if parameter.arg in read and value:
+            change = Change(start, start, f"{parameter.arg} = {value}{between}", UNREAD)
+            yield change, f"`{parameter.arg}` vaut toujours `{_short(value)}`"
+
+
+def _can_be_written(text: str) -> bool:
+    return _is_literal(text) or (text.startswith("lambda ") and len(text) <= MAX_VALUE)
+
+
+def _short(text: str) -> str:
+    return text if len(text) <= MAX_SHOWN else f"{text[: MAX_SHOWN - 1]}{MORE}"
+
+
+def _constant_programs(solution: str, printed: Sequence[str]) -> Iterator[BodyChange]:
+    """Yield the program that displays the same whatever is typed, where no two cases display other things."""
+    if len(set(printed)) == 1:
+        altered = f"print({printed[0]!r}, end='')\n"
+        words = f"le programme affiche toujours `{_short(printed[0].strip())}`"
+        yield BodyChange(Alteration(solution, altered, CONSTANT, False, 1, ""), words, is_asked=True)
+
+
+def _differs(altered: str, same: str) -> bool:
+    try:
+        return ast.dump(parse_source(altered)) != same
+    except (SyntaxError, ValueError):
+        return False

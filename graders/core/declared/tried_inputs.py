@@ -1,0 +1,117 @@
+"""The inputs on which programs of a trial are tried, and what is proposed of them as a case."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from functools import cached_property
+from typing import NamedTuple, TypeVar
+
+from graders.core.compare.python_values import Raised, python_text
+from graders.core.contract.outcomes import Outcome
+from graders.core.contract.values import Value
+from graders.core.declared.body_changes import SeenCall, see_calls
+from graders.core.declared.declaration import DeclaredCheck
+from graders.core.declared.doubts import find_doubt
+from graders.core.declared.grading import DeclaredGrader
+from graders.core.declared.judging import Case, Failure, is_answered, observed
+from graders.core.declared.playing import Played
+from graders.core.declared.scenarios import Scenario
+from graders.core.declared.variations import vary_cases
+
+Item = TypeVar("Item")
+TRIAL_SEED = 1
+MAX_MESSAGE = 400
+#: How a program ends that a limit stopped: no author writes such a case, and its verdict says nothing of the mistake.
+LIMITS = frozenset({Outcome.TIMEOUT, Outcome.MEMORY_LIMIT, Outcome.OUTPUT_LIMIT})
+#: Inputs near the examples that are played together: one of them may never end.
+SCENARIOS_AT_ONCE = 8
+#: Plays scenarios on the solution.
+Play = Callable[[DeclaredGrader, Sequence[Scenario]], list[Played]]
+
+
+class ProposedCase(NamedTuple):
+    """An input by its text, its check, the solution's answer, and why the statement may exclude it."""
+
+    case: str = ""
+    check: int = 0
+    answer: str = ""
+    doubt: str = ""
+
+
+class TriedInputs:
+    """The inputs on which changed programs are tried, with what the solution does: made at the first need.
+
+    `known` are the cases of the checks, `near` others beside them, which the solution answers: first those that have
+    all that the examples have.
+    """
+
+    def __init__(self, grader: DeclaredGrader, play: Play, play_near: Play) -> None:
+        """`play` plays the known cases on the solution, `play_near` the others, some of which may never end."""
+        self._grader, self._play, self._play_near = grader, play, play_near
+
+    @cached_property
+    def known(self) -> list[tuple[int, Case, Played]]:
+        grader = self._grader
+        checks = enumerate(grader.declaration.checks)
+        cases = [(at, case) for at, check in checks for case in grader.cases(check, TRIAL_SEED)]
+        right = self._play(grader, [case.scenario for _, case in cases])
+        return [(at, case, got) for (at, case), got in zip(cases, right, strict=True) if is_answered(got)]
+
+    @property
+    def raising(self) -> tuple[str, str]:
+        """A drawn input on which the solution raises an exception of Python, and that exception; empty without one."""
+        drawn = ((case, got) for _, case, got in self.known if case.drawn is not None and got.fault is not None)
+        return next(((case.scenario.text(), str(got.raised)) for case, got in drawn), ("", ""))
+
+    @cached_property
+    def near(self) -> list[tuple[int, Case, Played]]:
+        grader, _ = self._grader, self.known  # which tells how long a program may take
+        checks = enumerate(grader.declaration.checks)
+        nearby = [(at, scenario) for at, check in checks for scenario in vary_cases(check, grader.solution)]
+        nearby.sort(key=lambda pair: bool(self._doubt(*pair)))  # those may never end: what comes after is not played
+        played = self._play_near(grader, [scenario for _, scenario in nearby])
+        answered = zip(nearby, played, strict=True)
+        return [(at, Case(scenario), got) for (at, scenario), got in answered if got.fault is None and not got.raised]
+
+    @property
+    def near_parts(self) -> Iterator[Sequence[tuple[int, Case, Played]]]:
+        """The near inputs, a few at a time; none is made before it is asked for."""
+        yield from parts_of(self.near)
+
+    @property
+    def calls(self) -> list[SeenCall]:
+        """The calls of the known cases."""
+        checks = self._grader.declaration.checks
+        return list(see_calls([(checks[at], case, right) for at, case, right in self.known]))
+
+    @property
+    def printed(self) -> list[str]:
+        """What the solution displays in the known cases."""
+        return [right.printed for _, _, right in self.known]
+
+    def describe(self, at: int, case: Case, right: Played) -> ProposedCase:
+        check, scenario = self._grader.declaration.checks[at], case.scenario
+        answer = answer_text(check, scenario, right)
+        return ProposedCase(scenario.exact_text() or "", at, answer, self._doubt(at, scenario))
+
+    def _doubt(self, at: int, scenario: Scenario) -> str:
+        examples = [case for check in self._grader.declaration.checks for case in check.cases]
+        return find_doubt(scenario, examples, self._grader.parameters.get(scenario.statements[0].callee, ()))
+
+
+def parts_of(items: Sequence[Item]) -> Iterator[Sequence[Item]]:
+    """Yield a few items at a time."""
+    return (items[start : start + SCENARIOS_AT_ONCE] for start in range(0, len(items), SCENARIOS_AT_ONCE))
+
+
+def may_be_proposed(failure: Failure | None) -> bool:
+    """Whether a case is proposed in which a program fails so: not where a limit alone stops it."""
+    return failure is not None and not (failure.got.fault is not None and failure.got.fault.outcome in LIMITS)
+
+
+def answer_text(check: DeclaredCheck, scenario: Scenario, got: Played) -> str:
+    return text_of(observed(check, got, len(scenario.statements) - 1))
+
+
+def text_of(given: Value) -> str:
+    return (str(given) if isinstance(given, Raised) else python_text(given, None))[:MAX_MESSAGE]

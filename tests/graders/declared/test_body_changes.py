@@ -1,0 +1,95 @@
+"""Programs that always return the same, or do not read a parameter: tried, and shown by a proposed case."""
+
+from __future__ import annotations
+
+import pytest
+
+from graders.core.declared.case_reading import parse_scenario
+from graders.core.declared.declaration import read_declaration
+from graders.core.declared.grading import DeclaredGrader
+from graders.core.declared.judging import Case, judge
+from graders.core.declared.scenarios import Scenario
+from graders.core.declared.trial import ExerciseTrial
+from graders.core.declared.trial_report import TrialReport
+from graders.core.declared.tried_inputs import may_be_proposed
+from server.grading.sandbox_grader import SandboxPrograms
+from server.sandbox import Policy, Sandbox
+
+from .conftest import POLICY
+from .kinds import declare
+
+STACK = """class Pile:
+    def __init__(self):
+        self.t = []
+    def empiler(self, x):
+        self.t.append(x)
+    def depiler(self):
+        return self.t.pop()
+    def est_vide(self):
+        return not self.t
+"""
+PUSHED = "p = Pile(); p.empiler(3); p.empiler(4); p.depiler()"
+STEPS = "def arrondi(x, pas):\n    return pas * round(x / pas)\n"
+COUNT = "def f(n):\n    k = 0\n    while k < n:\n        k += 1\n    return k\n"
+BRIEF = Policy(cpu_seconds=0.1, wall_seconds=POLICY.wall_seconds)
+EULER = "def pas(f, t, y, h):\n    return y + h * f(t, y)\n"
+
+
+def tried(sandbox: Sandbox, functions: str, solution: str, *cases: str) -> TrialReport:
+    start = [lambda *_: SandboxPrograms(sandbox, BRIEF)] * 2
+    return ExerciseTrial("essai/un", *start).run(declare(functions, solution, *cases), "")
+
+
+@pytest.mark.parametrize(
+    ("words", "declared", "changed"),
+    [
+        ("`est_vide` renvoie toujours `True`", ("Pile", STACK, PUSHED, "p = Pile(); p.est_vide()"), "est_vide"),
+        ("`est_vide` renvoie toujours `None`", ("Pile", STACK, PUSHED), "est_vide"),
+        ("`empiler` ne fait rien", ("Pile", STACK, "p = Pile(); p.empiler(3); p.est_vide()", PUSHED), ""),
+        ("`f` renvoie `x`", ("f", "def f(x):\n    return abs(x)\n", "f(1)", "f(2)"), "f(-1)"),
+        ("`f` renvoie toujours `0`", ("f", "def f(x):\n    return x % 2\n", "f(4)", "f(2)"), "f(5)"),
+        ("`n` vaut toujours `2`", ("f", "def f(x, n=2):\n    return round(x, n)\n", "f(1.23456)"), "f(1.23456, 3)"),
+        ("`t` vaut toujours `0.0`", ("pas", EULER, "pas(lambda t, y: y, 0.0, 1.0, 0.1)"), "lambda t, y: t + 2 * y"),
+        ("`pas` vaut toujours `1e-06`", ("arrondi", STEPS, "arrondi(0.12345678, 1e-6)"), "0.001"),
+        ("le programme affiche toujours `7`", ("programme", "print(int(input()) + 4)\n", 'programme("3")'), "4"),
+    ],
+)
+def test_a_case_shows_a_function_that_looks_at_nothing(
+    sandbox: Sandbox, words: str, declared: tuple[str, ...], changed: str
+) -> None:
+    functions, solution, *cases = declared
+    report = tried(sandbox, functions, solution, *cases)
+    found = {change.words: change for change in report.changes if change.words}
+    if not changed:
+        assert words not in found or found[words].refusal, "the cases show it"
+        return
+    assert found[words].survives, found
+    assert changed in found[words].case
+    shown = Scenario(parse_scenario(found[words].case, functions.split()))
+    grader = DeclaredGrader("essai/un", read_declaration(declare(functions, solution, *cases)))
+    assert shown.text() not in {case.text() for check in grader.declaration.checks for case in check.cases}
+    more = tried(sandbox, functions, solution, *cases, found[words].case)
+    assert words not in {change.words for change in more.survivors}, "the proposed case refuses it"
+
+
+def test_what_no_input_shows_is_said_of_what_students_write_alone(sandbox: Sandbox) -> None:
+    unused = "def f(x, y):\n    z = y\n    return x + g()\ndef g():\n    return 1 + 1\n"
+    report = tried(sandbox, "f", unused, "f(1, 2)", "f(3, 5)")
+    (left,) = report.survivors
+    assert (left.words, left.case) == ("`y` vaut toujours `2`", "")
+    assert {change.unseen for change in report.changes if change.words == "`g` renvoie toujours `2`"} <= {True}
+
+
+def test_a_case_that_a_limit_alone_refuses_is_not_proposed(sandbox: Sandbox) -> None:
+    """A mistake that never ends beside the examples: no author writes such a case, and its verdict says nothing."""
+    loops = {"id": "m", "titre": "M", "explication": "E", "question": "", "programme": COUNT.replace("<", "!=")}
+    declared = declare("f", COUNT, "f(3)", "f(0)", erreurs=[loops])
+    trial = ExerciseTrial("essai/un", *[lambda *_: SandboxPrograms(sandbox, BRIEF)] * 2)
+    (mistake,) = trial.run(declared, "", with_changes=False).mistakes
+    assert (mistake.refused, mistake.case) == (False, "")
+    scenario = Scenario(parse_scenario("f(-1)", ["f"]))
+    grader = DeclaredGrader("essai/un", read_declaration(declared))
+    played = [trial.play_briefly(grader, program, [scenario])[0] for program in (COUNT, loops["programme"])]
+    failure = judge(grader.declaration.checks[0], Case(scenario), *played)
+    assert failure is not None, "a grading refuses it"
+    assert not may_be_proposed(failure)
