@@ -19,6 +19,8 @@ from server.studio.drafts import ExerciseDraft, program_digest
 
 #: Letters and digits that are not taken for one another, of the end of a published exercise's name.
 ALPHABET, SUFFIX_LENGTH = "23456789abcdefghjkmnpqrstvwxyz", 6
+#: Changes of whole functions that a fault names.
+SHOWN_CHANGES = 4
 #: The name of a published exercise in addresses: no exercise of a course is looked up in the database.
 AUTHORED_SLUG = re.compile(rf"[a-z][a-z0-9_]{{0,40}}_[{ALPHABET}]{{{SUFFIX_LENGTH}}}")
 
@@ -61,7 +63,9 @@ def publication_faults(
     titles = {each["id"]: each for each in completed.declaration["erreurs"]}
     for tried in report.mistakes:
         title = titles[tried.id]["titre"] or "sans titre"
-        if not tried.refused:
+        if not titles[tried.id]["programme"].strip():
+            yield f"Écrivez le programme qui commet l’erreur « {title} », ou retirez-la."
+        elif not tried.refused:
             yield f"L’erreur « {title} » n’est pas refusée : {_case_to_add(tried, 'où elle répond mal')}"
         elif not tried.named:
             yield f"L’erreur « {title} » n’est pas reconnue : {_case_to_add(tried, 'où elle diffère des autres')}"
@@ -75,17 +79,16 @@ def publication_faults(
 def _faults_of_changes(draft: ExerciseDraft, report: TrialReport) -> Iterator[str]:
     """Yield what the changed solutions that have all points show: each of a whole function, too many of the others."""
     alive = [change for change in report.survivors if not draft.reasons.get(program_digest(change.program), "").strip()]
-    for change in alive:
-        if change.operator in WHOLE_BODY:
-            end = "ajoutez le cas proposé" if change.case else "ajoutez un exemple qui le refuse"
-            yield f"Un programme où {change.words} aurait 20/20 : {end}, ou dites pourquoi la réponse est juste aussi."
+    whole = [change.words for change in alive if change.operator in WHOLE_BODY]
     small = [change for change in report.changes if change.operator not in WHOLE_BODY]
-    alive = [change for change in alive if change.operator not in WHOLE_BODY]
-    if len(alive) > MAX_ALIVE * len(small):
-        have, they = ("modification", "a") if len(alive) == 1 else ("modifications", "ont")
+    lines = len(alive) - len(whole)
+    shown = whole[:SHOWN_CHANGES] + [f"{len(whole) - SHOWN_CHANGES} autres"] * (len(whole) > SHOWN_CHANGES)
+    if lines > MAX_ALIVE * len(small):
+        shown.append(f"{lines} {'modification' if lines == 1 else 'modifications'} d’une ligne, sur {len(small)}")
+    if shown:
         yield (
-            f"{len(alive)} {have} de la solution, sur {len(small)}, {they} encore tous les points : ajoutez "
-            "les cas proposés, ou dites pourquoi la réponse est juste aussi."
+            f"Des programmes faux auraient 20/20 : {' ; '.join(shown)}. Ajoutez les cas proposés plus bas, ou dites "
+            "pourquoi la réponse est juste aussi."
         )
     if small and 2 * sum(bool(change.refusal) for change in small) < len(small):
         yield (

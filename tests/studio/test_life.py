@@ -45,8 +45,8 @@ def test_a_surviving_change_may_be_accepted_with_a_reason(studio: Studio) -> Non
     }
     path = studio.create()
     studio.save(path, **form, action="publier")
-    assert "encore tous les points" in studio.report(path)
-    fields = re.findall(r'name="(raison-[0-9a-f]{12})"', studio.browser.get(path).text)
+    assert "Des programmes faux auraient 20/20 : " in studio.report(path)
+    fields = re.findall(r'name="(raison-[0-9a-f-]+)"', studio.browser.get(path).text)
     assert fields
     studio.save(path, **form, **dict.fromkeys(fields, "0 n’est pas demandé"), action="publier")
     assert studio.stored(path).number == 1

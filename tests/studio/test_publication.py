@@ -31,6 +31,7 @@ ONCE = SOLUTION.replace("d.get(m, 0) + 1", "1")
         ({"depart": SOLUTION}, "Le départ a déjà tous les points"),
         ({**MISTAKE, "e-0-programme": SOLUTION}, "n’est pas refusée"),
         ({**MISTAKE, "e-0-explication": ""}, "un titre et une explication"),
+        ({**MISTAKE, "e-0-programme": ""}, "Écrivez le programme qui commet l’erreur « Chaque mot compte une fois »"),
         ({**MISTAKE, "e-1-titre": "La même", "e-1-explication": "Oui", "e-1-programme": ONCE}, "n’est pas reconnue"),
         ({"solution": TIME, "v-0-c-0-attendu": "", "v-0-c-1-attendu": ""}, "n’a pas tous les points"),
         ({"v-0-c-1-appel": "", "v-0-c-1-attendu": "", "v-0-c-2-appel": ""}, "plus variés"),

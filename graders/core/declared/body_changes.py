@@ -201,7 +201,7 @@ def _unread(text: ProgramText, method: _Method, seen: Sequence[SeenCall]) -> Ite
         value = default or (usual[0][0] if usual else "")
         if parameter.arg in read and value:
             change = Change(start, start, f"{parameter.arg} = {value}{between}", UNREAD)
-            yield change, f"`{parameter.arg}` vaut toujours `{_short(value)}`"
+            yield change, f"`{parameter.arg}` de `{method.called}` vaut toujours `{_short(value)}`"
 
 
 def _can_be_written(text: str) -> bool:

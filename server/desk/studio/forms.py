@@ -39,7 +39,7 @@ _EXERCISE_TEXTS = {
     "required": "demandes",
 }  # fmt: skip
 _MISTAKE_TEXTS = {"title": "titre", "explanation": "explication", "question": "question", "program": "programme"}
-_REASON = re.compile(rf"{REASON_FIELD}([0-9a-f]{{12}})")
+_REASON = re.compile(rf"{REASON_FIELD}([0-9a-f]{{12}}(?:-[0-9a-f]{{12}})*)")
 
 
 def read_form(fields: FormData, before: ExerciseDraft) -> ExerciseDraft:
@@ -49,7 +49,7 @@ def read_form(fields: FormData, before: ExerciseDraft) -> ExerciseDraft:
     for name, value in fields.multi_items():
         shown = _REASON.fullmatch(name)
         if shown and isinstance(value, str):
-            reasons[shown[1]] = value.strip()
+            reasons |= dict.fromkeys(shown[1].split("-"), value.strip())
     return ExerciseDraft(
         **texts,
         hints=tuple(_text(fields, f"indice-{number}") for number in range(1, HINTS + 1)),

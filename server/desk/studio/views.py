@@ -266,7 +266,8 @@ def _read_report(report: TrialReport, completed: Mapping[str, Any], draft: Exerc
         "tolerances": _tolerances(report, draft),
         "missing_cases": any(tried.case for tried in report.mistakes),
         "offered": _offered_mistakes(changes, draft),
-        "alive": [_survivor(change, draft) for change in changes if change.survives],
+        "alive": _survivors(report, draft),
+        "alive_count": len(report.survivors),
         "unseen": sum(change.unseen for change in changes),
         "refused": sum(bool(change.refusal) for change in changes),
         "draws": {key: completed.get(key, "") for key in ("draws", "call", "conditions", "drawn")}
@@ -313,9 +314,16 @@ def _offered_mistakes(changes: Sequence[TriedChange], draft: ExerciseDraft) -> l
     return [(program_digest(change.program), change) for change in offered]
 
 
-def _survivor(change: TriedChange, draft: ExerciseDraft) -> tuple[TriedChange, str, str]:
-    digest = program_digest(change.program)
-    return change, REASON_FIELD + digest, draft.reasons.get(digest, "")
+def _survivors(report: TrialReport, draft: ExerciseDraft) -> list[tuple[list[TriedChange], str, str]]:
+    """Return the changes that survive, by the cases that would refuse them, with the field and the text of a reason."""
+    by_case: dict[str, list[TriedChange]] = {}
+    for change in report.survivors:
+        by_case.setdefault(change.case or change.program, []).append(change)
+    groups = [(group, [program_digest(change.program) for change in group]) for group in by_case.values()]
+    return [
+        (group, REASON_FIELD + "-".join(digests), next(filter(None, map(draft.reasons.get, digests)), ""))
+        for group, digests in groups
+    ]
 
 
 def describe_place(place: str) -> str:

@@ -48,9 +48,17 @@ def tried(sandbox: Sandbox, functions: str, solution: str, *cases: str) -> Trial
         ("`empiler` ne fait rien", ("Pile", STACK, "p = Pile(); p.empiler(3); p.est_vide()", PUSHED), ""),
         ("`f` renvoie `x`", ("f", "def f(x):\n    return abs(x)\n", "f(1)", "f(2)"), "f(-1)"),
         ("`f` renvoie toujours `0`", ("f", "def f(x):\n    return x % 2\n", "f(4)", "f(2)"), "f(5)"),
-        ("`n` vaut toujours `2`", ("f", "def f(x, n=2):\n    return round(x, n)\n", "f(1.23456)"), "f(1.23456, 3)"),
-        ("`t` vaut toujours `0.0`", ("pas", EULER, "pas(lambda t, y: y, 0.0, 1.0, 0.1)"), "lambda t, y: t + 2 * y"),
-        ("`pas` vaut toujours `1e-06`", ("arrondi", STEPS, "arrondi(0.12345678, 1e-6)"), "0.001"),
+        (
+            "`n` de `f` vaut toujours `2`",
+            ("f", "def f(x, n=2):\n    return round(x, n)\n", "f(1.23456)"),
+            "f(1.23456, 3)",
+        ),
+        (
+            "`t` de `pas` vaut toujours `0.0`",
+            ("pas", EULER, "pas(lambda t, y: y, 0.0, 1.0, 0.1)"),
+            "lambda t, y: t + 2 * y",
+        ),
+        ("`pas` de `arrondi` vaut toujours `1e-06`", ("arrondi", STEPS, "arrondi(0.12345678, 1e-6)"), "0.001"),
         ("le programme affiche toujours `7`", ("programme", "print(int(input()) + 4)\n", 'programme("3")'), "4"),
     ],
 )
@@ -76,7 +84,7 @@ def test_what_no_input_shows_is_said_of_what_students_write_alone(sandbox: Sandb
     unused = "def f(x, y):\n    z = y\n    return x + g()\ndef g():\n    return 1 + 1\n"
     report = tried(sandbox, "f", unused, "f(1, 2)", "f(3, 5)")
     (left,) = report.survivors
-    assert (left.words, left.case) == ("`y` vaut toujours `2`", "")
+    assert (left.words, left.case) == ("`y` de `f` vaut toujours `2`", "")
     assert {change.unseen for change in report.changes if change.words == "`g` renvoie toujours `2`"} <= {True}
 
 
