@@ -14,6 +14,7 @@ from server.api.board_schemas import DashboardOut
 from server.api.documentation import events, problems
 from server.board import service
 from server.board.dependencies import LiveBoardsOf
+from server.board.live import BOARD
 from server.board.schemas import Board, Insights, ProgressCell
 from server.course.dependencies import CourseOf
 from server.database import Database, utc_now
@@ -106,7 +107,7 @@ async def follow(class_id: str, account: ApiAccount, database: DatabaseOf, board
     place = await run_in_threadpool(_place, database, account, class_id)  # refusals come before the stream begins
     boards.require_free_stream(account.id)
     allowed = partial(_allowed, database, account, place)
-    stream = _told(boards.follow(place.school_class.id, account.id, allowed))
+    stream = _told(boards.follow(BOARD, place.school_class.id, account.id, allowed))
     return StreamingResponse(stream, headers=STREAM_HEADERS, media_type="text/event-stream")
 
 

@@ -96,12 +96,6 @@ def is_teammate(db: Session, reader: UUID, author: UUID, exercise: str, sent_at:
     return db.execute(query.limit(1)).first() is not None
 
 
-def load_partner_ids(db: Session, account: UUID) -> Sequence[UUID]:
-    """Load with whom an account hands in, or handed in."""
-    query = select_pairs(OTHER.account_id).where(MINE.account_id == account)
-    return db.execute(query.distinct().order_by(OTHER.account_id)).scalars().all()
-
-
 def find_teammate_name(db: Session, reader: UUID, author: UUID) -> str:
     """Return the name, in a class that they share, of somebody with whom the reader hands in, or handed in."""
     pairs = select_pairs(Membership.given_name, Membership.family_name, Account.name)

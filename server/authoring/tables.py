@@ -81,7 +81,6 @@ FIELD_MEANINGS: Mapping[type, Mapping[str, str]] = {
         "rules": "des règles, pour ce qu’aucune erreur ne reproduit",
         "last_rules": "celles qui parlent en dernier",
         "random": "la fonction tire au hasard",
-        "unique": "les réponses de la solution sont les seules justes ; sinon, un essai n’en dit presque rien",
         "unless": "rien n’est demandé si une vérification de l’une d’elles seule a échoué",
         "facet": "une partie de la réponse, sur laquelle certaines erreurs ne pèsent pas",
         "compared": "combien d’appels sont comparés aux erreurs ; tous, sans lui",

@@ -1,4 +1,4 @@
-"""Boards that are open in browsers: one reading of each class, broadcast to all of its streams.
+"""Boards and lessons that are open in browsers: one reading of each class, broadcast to all of its streams.
 
 State lives on the web process's event loop; waiting holds neither a thread nor a database session.
 """
@@ -9,12 +9,15 @@ import asyncio
 import logging
 import time
 from collections import Counter
-from collections.abc import AsyncIterator, Callable, Iterator, Sequence
+from collections.abc import AsyncIterator, Callable, Hashable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field
+from datetime import datetime
 from functools import partial
+from typing import Any, Generic, Protocol, TypeVar
 from uuid import UUID
 
+from sqlalchemy.orm import Session
 from starlette.concurrency import run_in_threadpool
 
 from server.base.errors import RateLimited
@@ -22,6 +25,7 @@ from server.board import repository
 from server.board.schemas import Board
 from server.board.service import load_board
 from server.classes import repository as classes
+from server.classes.models import SchoolClass
 from server.course import Course
 from server.database import Database, utc_now
 from server.submissions.job_events import JobEvents
@@ -29,44 +33,68 @@ from server.submissions.job_events import JobEvents
 log = logging.getLogger(__name__)
 
 MAX_STREAMS_PER_ACCOUNT = 8
-MIN_READ_INTERVAL = 1.0  # seconds between two readings of a class
-READ_TIME_DIVISOR = 10  # reading a class takes a tenth of the time at most, however large it is
-MAX_READING_AGE = 30.0  # seconds, as students become stuck by time alone
+MIN_READ_INTERVAL = 0.5  # seconds between two readings of a class: what is shown is a second old at most
+READ_TIME_DIVISOR = 10  # reading a class takes a tenth of a processor at most, however large it is
+MAX_READING_AGE = 15.0  # seconds, as students become stuck by time alone
 MAX_STREAM_SECONDS = 600.0  # then the browser reconnects, and is authenticated again
 HEARTBEAT_INTERVAL = 15.0  # seconds
 TOO_MANY = "Ce tableau est déjà ouvert dans beaucoup d’onglets : fermez-en, ou actualisez la page à la main."
 
 
+class Versioned(Protocol):
+    """What streams show; equal versions show the same."""
+
+    @property
+    def version(self) -> Hashable: ...
+
+
+ShownType = TypeVar("ShownType", bound=Versioned)
+
+
+@dataclass(frozen=True)
+class ClassView(Generic[ShownType]):
+    """What a kind of stream shows of a class: `load` reads it, where what `load_pulse` returns has changed."""
+
+    load_pulse: Callable[[Session, UUID], Sequence[object]]
+    load: Callable[[Session, Course, SchoolClass, datetime], ShownType]
+
+
+BOARD: ClassView[Board] = ClassView(repository.load_pulse, load_board)
+
+
 @dataclass(frozen=True, eq=False)
-class BoardReading:
-    """A class as it was read; `done` once it is deleted. Readings are equal where their boards show the same."""
+class Reading(Generic[ShownType]):
+    """What was read of a class; `done` once it is deleted. `duration`: seconds of processor that it took.
+
+    Readings are equal where they show the same.
+    """
 
     pulse: Sequence[object]
-    board: Board | None
+    shown: ShownType | None
     read_at: float
     duration: float
 
     @property
     def done(self) -> bool:
-        return self.board is None
+        return self.shown is None
 
     def __eq__(self, other: object) -> bool:
-        return isinstance(other, BoardReading) and self.version == other.version
+        return isinstance(other, Reading) and self.version == other.version
 
     def __hash__(self) -> int:
         return hash(self.version)
 
     @property
-    def version(self) -> str:
-        return self.board.version if self.board else ""
+    def version(self) -> Hashable:
+        return self.shown.version if self.shown else None
 
 
 @dataclass(eq=False)
-class WatchedClass:
+class WatchedClass(Generic[ShownType]):
     """A class with open streams: the reading they show, the last one, and the events that wake them."""
 
-    reading: BoardReading | None = None
-    last: BoardReading | None = None
+    reading: Reading[ShownType] | None = None
+    last: Reading[ShownType] | None = None
     ended: bool = False
     watchers: set[asyncio.Event] = field(default_factory=set)
     task: asyncio.Task[None] | None = None
@@ -77,11 +105,11 @@ class WatchedClass:
 
 
 class LiveBoards:
-    """Reads each watched class after a grading, and broadcasts the board to its streams."""
+    """Reads each watched class after a grading, and broadcasts its board, or another view of it, to its streams."""
 
     def __init__(self, database: Database, course: Course, events: JobEvents) -> None:
         self._database, self._course, self._events = database, course, events
-        self._watched: dict[UUID, WatchedClass] = {}
+        self._watched: dict[tuple[UUID, ClassView[Any]], WatchedClass[Any]] = {}
         self._streams: Counter[UUID] = Counter()
         self.max_stream_seconds = MAX_STREAM_SECONDS
 
@@ -90,18 +118,20 @@ class LiveBoards:
         if self._streams[account] >= MAX_STREAMS_PER_ACCOUNT:
             raise RateLimited(TOO_MANY, retry_after=60)
 
-    async def follow(self, class_id: UUID, account: UUID, allowed: Callable[[], bool]) -> AsyncIterator[Board | None]:
-        """Yield the board at first, then each time that it has changed; None now and then, as a heartbeat.
+    async def follow(
+        self, view: ClassView[ShownType], class_id: UUID, account: UUID, allowed: Callable[[], bool]
+    ) -> AsyncIterator[ShownType | None]:
+        """Yield what is shown at first, then each time that it has changed; None now and then, as a heartbeat.
 
         The stream ends once `allowed` (called in a thread each time) is False, the class is deleted, or time is up.
         """
-        with self._stream(account), self._watch(class_id) as (watched, changed):
-            deadline, sent_version = time.monotonic() + self.max_stream_seconds, ""
+        with self._stream(account), self._watch(view, class_id) as (watched, changed):
+            deadline, sent = time.monotonic() + self.max_stream_seconds, None
             while not watched.ended and await run_in_threadpool(allowed):
                 reading = watched.reading
-                if reading is not None and reading.board is not None and reading.version != sent_version:
-                    sent_version = reading.version
-                    yield reading.board
+                if reading is not None and reading.shown is not None and reading != sent:
+                    sent = reading
+                    yield reading.shown
                 elif reading is not None:
                     yield None
                 left = deadline - time.monotonic()
@@ -120,11 +150,13 @@ class LiveBoards:
                 del self._streams[account]
 
     @contextmanager
-    def _watch(self, class_id: UUID) -> Iterator[tuple[WatchedClass, asyncio.Event]]:
-        watched = self._watched.get(class_id)
+    def _watch(
+        self, view: ClassView[ShownType], class_id: UUID
+    ) -> Iterator[tuple[WatchedClass[ShownType], asyncio.Event]]:
+        watched = self._watched.get((class_id, view))
         if watched is None:
-            watched = self._watched[class_id] = WatchedClass()
-            watched.task = asyncio.create_task(self._keep_reading(class_id, watched))
+            watched = self._watched[class_id, view] = WatchedClass()
+            watched.task = asyncio.create_task(self._keep_reading(view, class_id, watched))
         changed = asyncio.Event()
         watched.watchers.add(changed)
         try:
@@ -132,41 +164,41 @@ class LiveBoards:
         finally:
             watched.watchers.discard(changed)
             if not watched.watchers:
-                self._close(class_id, watched)
+                self._forget(view, class_id, watched)
+                if watched.task is not None:
+                    watched.task.cancel()
 
-    def _close(self, class_id: UUID, watched: WatchedClass) -> None:
-        if self._watched.get(class_id) is watched:
-            del self._watched[class_id]
-        if watched.task is not None:
-            watched.task.cancel()
+    def _forget(self, view: ClassView[ShownType], class_id: UUID, watched: WatchedClass[ShownType]) -> None:
+        if self._watched.get((class_id, view)) is watched:
+            del self._watched[class_id, view]
 
-    async def _keep_reading(self, class_id: UUID, watched: WatchedClass) -> None:
+    async def _keep_reading(self, view: ClassView[ShownType], class_id: UUID, watched: WatchedClass[ShownType]) -> None:
         """Read the class until nobody watches it. An error ends the streams: browsers reconnect."""
         try:
-            read = partial(self._read, class_id, watched)
+            read = partial(self._read, view, class_id, watched)
+            before = 0.0  # the first reading takes long, as it fills caches
             async for reading in self._events.follow(f"class:{class_id}", read, watches_all_jobs=True):
                 watched.reading = reading
                 watched.notify()
-                await asyncio.sleep(max(MIN_READ_INTERVAL, READ_TIME_DIVISOR * reading.duration))
+                await asyncio.sleep(max(MIN_READ_INTERVAL, READ_TIME_DIVISOR * min(before, reading.duration)))
+                before = reading.duration
         except Exception:
             log.exception("class %s could not be read for those who watch it", class_id)
         finally:
             watched.ended = True
-            if self._watched.get(class_id) is watched:
-                del self._watched[class_id]
+            self._forget(view, class_id, watched)
             watched.notify()
 
-    def _read(self, class_id: UUID, watched: WatchedClass) -> BoardReading:
-        """Read the class in a thread, or return the last reading where nothing was graded meanwhile."""
-        last, began = watched.last, time.monotonic()
+    def _read(self, view: ClassView[ShownType], class_id: UUID, watched: WatchedClass[ShownType]) -> Reading[ShownType]:
+        """Read the class in a thread, or return the last reading where nothing has changed meanwhile."""
+        last, began = watched.last, time.thread_time()
         with self._database.read() as db:
-            pulse = repository.load_pulse(db, class_id)
-            if last is not None and last.pulse == pulse and began - last.read_at < MAX_READING_AGE:
+            pulse = view.load_pulse(db, class_id)
+            if last is not None and last.pulse == pulse and time.monotonic() - last.read_at < MAX_READING_AGE:
                 return last
             school_class = classes.find_class(db, class_id)
-            board = None if school_class is None else load_board(db, self._course, school_class, utc_now())
-        ended = time.monotonic()
-        watched.last = BoardReading(pulse, board, ended, ended - began)
+            shown = None if school_class is None else view.load(db, self._course, school_class, utc_now())
+        watched.last = Reading(pulse, shown, time.monotonic(), time.thread_time() - began)
         return watched.last
 
 

@@ -6,13 +6,13 @@ from collections.abc import Collection, Mapping, Sequence
 from datetime import datetime
 from uuid import UUID
 
-from sqlalchemy import ColumnElement, Select, and_, delete, exists, false, or_, select, update
+from sqlalchemy import ColumnElement, Select, and_, delete, exists, select, update
 from sqlalchemy.orm import Session
 
 from server.assignments.models import AssignedExercise
 from server.assignments.team_repository import MINE, OTHER, select_shared_work
 from server.comments.models import Message, Thread, ThreadReader
-from server.comments.schemas import UnreadThread, WithheldWork
+from server.comments.schemas import UnreadThread
 from server.database import upsert_statement
 
 MAX_UNREAD_THREADS = 30
@@ -37,17 +37,8 @@ def readable_threads(reader: UUID) -> Select[UUID]:
     return select(own.union(shared).subquery().c.id)
 
 
-def withheld_clause(withheld: Collection[WithheldWork]) -> ColumnElement[bool]:
-    """Return the condition that a thread is on withheld work of a partner."""
-    works = (
-        and_(Thread.account_id == work.author, Thread.exercise == work.exercise, Thread.work_at >= work.since)
-        for work in withheld
-    )
-    return or_(false(), *works)
-
-
-def load_unread_threads(db: Session, reader: UUID, withheld: Collection[WithheldWork] = ()) -> Sequence[UnreadThread]:
-    """Load the last threads that a reader has not read, newest first, each with its last message."""
+def load_unread_threads(db: Session, reader: UUID) -> Sequence[UnreadThread]:
+    """Load the threads that a reader has not read, newest first, each with its last message."""
     last = (
         select(Message.text)
         .where(Message.thread_id == Thread.id)
@@ -56,7 +47,6 @@ def load_unread_threads(db: Session, reader: UUID, withheld: Collection[Withheld
         .scalar_subquery()
     )
     query = select(Thread, last).where(Thread.id.in_(readable_threads(reader)), unread_clause(reader))
-    query = query.where(~withheld_clause(withheld)) if withheld else query
     rows = db.execute(query.order_by(Thread.changed_at.desc(), Thread.id).limit(MAX_UNREAD_THREADS))
     return [UnreadThread(thread, text or "", thread.account_id != reader) for thread, text in rows]
 

@@ -9,8 +9,8 @@ from sqlalchemy.orm import Session
 
 from server.classes.models import ClassRole, Membership, SchoolClass, Status
 from server.comments.models import Message, Thread, ThreadState
-from server.comments.readers_repository import readable_threads, unread_clause, withheld_clause
-from server.comments.schemas import AuthoredMessage, WithheldWork
+from server.comments.readers_repository import readable_threads, unread_clause
+from server.comments.schemas import AuthoredMessage
 from server.identity.models import Account
 from server.submissions.models import Submission
 
@@ -89,14 +89,11 @@ def load_submissions(db: Session, submissions: Collection[UUID]) -> Mapping[UUID
     return {submission.id: submission for submission in db.execute(query).scalars()}
 
 
-def load_page_threads(
-    db: Session, account_id: UUID, exercise: str, withheld: Collection[WithheldWork] = ()
-) -> Sequence[Thread]:
+def load_page_threads(db: Session, account_id: UUID, exercise: str) -> Sequence[Thread]:
     """Load a student's last threads on an exercise as a whole, and the unread ones on attempts, oldest first."""
     whole = and_(_on_exercise(account_id, exercise), Thread.submission_id.is_(None))
     unread = and_(Thread.exercise == exercise, unread_clause(account_id), Thread.id.in_(readable_threads(account_id)))
     query = select(Thread).where(or_(whole, unread))
-    query = query.where(~withheld_clause(withheld)) if withheld else query
     newest_first = query.order_by(Thread.created_at.desc(), Thread.id.desc()).limit(MAX_THREADS_SHOWN)
     return db.execute(newest_first).scalars().all()[::-1]
 

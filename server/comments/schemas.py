@@ -62,15 +62,6 @@ class Conversation:
 
 
 @dataclass(frozen=True)
-class WithheldWork:
-    """What a partner sends to an exercise from `since` on, which a test withholds from a student."""
-
-    author: UUID
-    exercise: str
-    since: datetime
-
-
-@dataclass(frozen=True)
 class UnreadThread:
     """A thread that a student has not read, with its last message; `is_shared`: on what a partner sent for both."""
 

@@ -5,14 +5,12 @@ Every function works inside the caller's transaction.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from datetime import datetime
 from uuid import UUID
 
 from sqlalchemy.orm import Session
 
-from server.assignments import feedback
-from server.assignments.team_repository import load_partner_ids
 from server.base.errors import Conflict, Invalid, NotFound
 from server.base.settings import Settings
 from server.base.validation import parse_uuid
@@ -29,7 +27,6 @@ from server.comments.schemas import (
     ThreadSummary,
     ThreadTarget,
     UnreadThread,
-    WithheldWork,
     validate_text,
 )
 from server.database import utc_now
@@ -246,10 +243,9 @@ def load_page_conversations(db: Session, student: Account, exercise: str) -> Seq
 
     Those on what a partner sent for both are among the latter, where the student may see the attempt.
     """
-    threads = repository.load_page_threads(db, student.id, exercise)
-    if any(thread.account_id != student.id for thread in threads):
-        threads = repository.load_page_threads(db, student.id, exercise, _load_withheld(db, student))
-        threads = _leave_out_unseen(db, student, threads)
+    found = repository.load_page_threads(db, student.id, exercise)
+    withheld = _find_withheld(db, student, found)
+    threads = [thread for thread in found if thread.submission_id not in withheld]
     messages = repository.load_messages(db, [thread.id for thread in threads]) if threads else {}
     unread = _find_unread(db, student.id, threads)
     return [Conversation(thread, messages[thread.id], is_new=thread.id in unread) for thread in threads]
@@ -258,29 +254,14 @@ def load_page_conversations(db: Session, student: Account, exercise: str) -> Seq
 def load_unread_threads(db: Session, student: Account) -> Sequence[UnreadThread]:
     """Load the threads that a student has not read, on their work and on their partners’, newest first."""
     rows = readers_repository.load_unread_threads(db, student.id)
-    if any(row.is_shared for row in rows):
-        rows = readers_repository.load_unread_threads(db, student.id, _load_withheld(db, student))
-        seen = {thread.id for thread in _leave_out_unseen(db, student, [row.thread for row in rows])}
-        rows = [row for row in rows if row.thread.id in seen]
-    return rows
+    withheld = _find_withheld(db, student, [row.thread for row in rows])
+    return [row for row in rows if row.thread.submission_id not in withheld]
 
 
-def _load_withheld(db: Session, student: Account) -> Sequence[WithheldWork]:
-    """Load what tests withhold of the work of a student’s partners: their tests and the student’s own."""
-    own = feedback.load_all_holds(db, student.id)
-    return [
-        WithheldWork(partner, exercise, holds.held_since)
-        for partner in load_partner_ids(db, student.id)
-        for exercise, holds in (*own.items(), *feedback.load_all_holds(db, partner).items())
-        if holds.held_since is not None
-    ]
-
-
-def _leave_out_unseen(db: Session, student: Account, threads: Sequence[Thread]) -> Sequence[Thread]:
-    """Return the threads without those on attempts of partners that the student may not see. Asks for each once."""
+def _find_withheld(db: Session, student: Account, threads: Iterable[Thread]) -> frozenset[UUID]:
+    """Return the attempts of partners that the student may not see: a test withholds them. Asks for each once."""
     shared = {thread.submission_id for thread in threads if thread.account_id != student.id}
-    unseen = {attempt for attempt in shared if attempt is not None and not _may_see(db, student, attempt)}
-    return [thread for thread in threads if thread.submission_id not in unseen]
+    return frozenset(attempt for attempt in shared if attempt is not None and not _may_see(db, student, attempt))
 
 
 def _may_see(db: Session, student: Account, attempt: UUID) -> bool:

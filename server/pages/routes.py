@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import AsyncIterator, Sequence
-from dataclasses import asdict, replace
+from dataclasses import replace
 from typing import Annotated, Any
 
 from fastapi import APIRouter, Depends, Query, Request, Response
@@ -15,7 +15,7 @@ from starlette.datastructures import FormData
 from server.assignments.sittings import StaleWorkError
 from server.base import root_path
 from server.base.app_services import app_service_getter
-from server.base.errors import Invalid, NotFound
+from server.base.errors import Invalid
 from server.base.http import SAFE_METHODS, client_address
 from server.comments import service as comments
 from server.comments.line_tracking import LineRange
@@ -32,7 +32,7 @@ from server.gradebook.schemas import Attempt
 from server.identity.dependencies import BrowserAccount, OptionalAccount, SignedIn, account_or_guest
 from server.identity.models import Account
 from server.identity.service import AccountService
-from server.pages import answers, editor_names, form_state, kits, service, talk
+from server.pages import answers, form_state, kits, service, talk
 from server.pages.home import home_page
 from server.pages.schemas import ExerciseFrame
 from server.pages.talk import Aim
@@ -72,16 +72,6 @@ def kit(module: str, file: str, reader: CurrentReader) -> Response:
     taken = kits.taken(find_module(reader.course, module), file)
     headers = {"Content-Disposition": f'attachment; filename="{file}"'}
     return Response(taken.content, media_type=taken.media_type, headers=headers)
-
-
-@router.get("/{module:module}/exercices/{slug}/noms.json")
-def proposed_names(module: str, slug: str, course: CourseOf) -> JSONResponse:
-    """The names that the editor proposes while one writes. An exercise answered without code has none: 404."""
-    exercise = find_exercise(course, module, slug)
-    if exercise.answers is not None:
-        raise NotFound("Cet exercice se fait sans code.")
-    names = editor_names.names_for(course, exercise)
-    return JSONResponse({"names": [asdict(name) for name in names]})
 
 
 @router.get("/{module:module}/exercices/{slug}", dependencies=[Depends(render_exercise)])

@@ -254,7 +254,7 @@ class ExerciseFrame:
 class ExercisePage(ExerciseFrame):
     """An exercise of code. `replay` is where one runs a call of one's own, or a whole program; empty where neither.
 
-    `examples` are calls to begin from, each with the name of its function; `names_href` gives the names to propose.
+    `examples` are calls to begin from, each with the name of its function.
     """
 
     functions: tuple[FunctionSpec, ...]
@@ -267,7 +267,6 @@ class ExercisePage(ExerciseFrame):
     examples: tuple[tuple[str, str], ...]
     kit_href: str
     kit_name: str
-    names_href: str
 
 
 @dataclass(frozen=True)

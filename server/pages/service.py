@@ -85,7 +85,6 @@ def exercise_page(reader: Reader, exercise: Exercise, taken: str | None) -> Exer
         examples=tuple((function.name, function.example) for function in exercise.functions if function.example),
         kit_href=f"/{exercise.module}/kit/{kit}",
         kit_name=kit,
-        names_href=f"{exercise_href(exercise)}/noms.json",
     )
 
 

@@ -135,6 +135,13 @@ def pages(wanted: Wanted) -> list[Row]:
     return bench_pages.rows(wanted.rounds(30))
 
 
+def lessons(wanted: Wanted) -> list[Row]:
+    from tests.benchmarks import bench_lessons as bench
+
+    seconds = 20.0 if wanted.quick else bench.SECONDS
+    return bench.rows(bench.LESSONS, bench.STUDENTS, seconds, bench.PAUSE, wanted.rounds(10))
+
+
 def turns(wanted: Wanted) -> list[Row]:
     from tests.benchmarks import bench_turns
 
@@ -257,6 +264,7 @@ PARTS = (
     Part("many", many, patience=600.0),
     Part("euros", euros),
     Part("pages", pages),
+    Part("lessons", lessons, patience=900.0, slow=True),
     Part("turns", turns),
     Part("paint", paint, slow=True),
     Part("scripts", scripts),

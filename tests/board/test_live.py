@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 from collections.abc import AsyncIterator, Callable, Iterator
 from contextlib import aclosing, contextmanager
+from dataclasses import replace
 from typing import Any
 from uuid import UUID, uuid4
 
@@ -12,7 +13,7 @@ import pytest
 
 from server.base.errors import RateLimited
 from server.board import live, service
-from server.board.live import MAX_STREAMS_PER_ACCOUNT, LiveBoards
+from server.board.live import BOARD, MAX_STREAMS_PER_ACCOUNT, LiveBoards
 from server.board.schemas import Board
 from server.classes.models import ClassRole, SchoolClass, Status
 from server.course import Course
@@ -37,7 +38,7 @@ class Watched:
         (self.student,) = seated(database, self.made, 1)
         self.events = JobEvents()
         self.boards = LiveBoards(database, course, self.events)
-        self.readings = 0
+        self.view = BOARD
 
     def may(self, account: Account) -> Callable[[], bool]:
         def allowed() -> bool:
@@ -48,7 +49,7 @@ class Watched:
 
     def follow(self, account: Account | None = None) -> AsyncIterator[Board | None]:
         account = account or self.teacher
-        return self.boards.follow(self.made.id, account.id, self.may(account))
+        return self.boards.follow(self.view, self.made.id, account.id, self.may(account))
 
     def grade(self, score: float = 0.5) -> None:
         store(self.database, [Sent(self.student, EXERCISE, utc_now(), score)])
@@ -76,16 +77,14 @@ async def ended(boards: AsyncIterator[Board | None]) -> bool:
         return [board async for board in boards if board is not None] == []
 
 
-def test_a_grading_is_broadcast_to_all_streams_from_one_reading(
-    watched: Watched, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    read = live.load_board
+def test_a_grading_is_broadcast_to_all_streams_from_one_reading(watched: Watched) -> None:
+    read: list[Board] = []
 
     def counted(*arguments: Any) -> Board:
-        watched.readings += 1
-        return read(*arguments)
+        read.append(BOARD.load(*arguments))
+        return read[-1]
 
-    monkeypatch.setattr(live, "load_board", counted)
+    watched.view = replace(BOARD, load=counted)
 
     async def scene() -> None:
         async with aclosing(watched.follow()) as first, aclosing(watched.follow()) as second:  # type: ignore[type-var]
@@ -95,7 +94,7 @@ def test_a_grading_is_broadcast_to_all_streams_from_one_reading(
             told = await asyncio.gather(news(first), news(second))
             assert [one.counts.started for one in told] == [1, 1]
             assert told[0] is told[1]
-        assert watched.readings == 2
+        assert len(read) == 2
         assert not watched.boards._watched
         assert not watched.boards._streams
 
@@ -168,16 +167,14 @@ def test_streams_of_an_account_are_limited(watched: Watched) -> None:
     in_a_loop(scene())
 
 
-def test_a_failed_reading_ends_the_streams(
-    watched: Watched, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
-) -> None:
+def test_a_failed_reading_ends_the_streams(watched: Watched, caplog: pytest.LogCaptureFixture) -> None:
     def fail(*_: object) -> Board:
         raise RuntimeError("the database is away")
 
     async def scene() -> None:
-        with monkeypatch.context() as patched:
-            patched.setattr(live, "load_board", fail)
-            assert await ended(watched.follow())
+        watched.view = replace(BOARD, load=fail)
+        assert await ended(watched.follow())
+        watched.view = BOARD
         assert "could not be read" in caplog.text
         async with aclosing(watched.follow()) as again:  # type: ignore[type-var]
             assert (await news(again)).counts.students == 1

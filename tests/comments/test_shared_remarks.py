@@ -9,7 +9,7 @@ import pytest
 
 from graders.core.contract.findings import Judgement
 from server.assignments.models import Mode, TeamMember
-from server.comments import readers_repository, repository, service
+from server.comments import service
 from server.comments.schemas import WHOLE_WORK
 from server.database import utc_now
 from server.gradebook import service as gradebook
@@ -100,21 +100,6 @@ def test_a_remark_is_for_those_who_were_together_and_may_see_the_work(pair: Pair
     with site.database.write() as db:
         db.get_one(type(pair.work), pair.work.id).removed_at = utc_now()
     assert (pair.unread(ada), pair.unread(blaise)) == (2, 0)
-
-
-def test_what_is_withheld_takes_no_place_among_the_last(pair: Pair, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(readers_repository, "MAX_UNREAD_THREADS", 1)
-    monkeypatch.setattr(repository, "MAX_THREADS_SHOWN", 1)
-    now, blaise = utc_now(), pair.blaise.account
-    opened = {"mode": Mode.test, "opens_at": now - DAY / 4, "due_at": None, "closes_at": None}
-    test = pair.term.assignment("Contrôle", {POSES: 1.0}, **opened)
-    pair.term.sit(test, pair.ada.account)
-    pair.remark(pair.send(now - DAY / 8))
-    with pair.site.database.read() as db:
-        unread = service.load_unread_threads(db, blaise)
-        shown = service.load_page_conversations(db, blaise, POSES)
-    assert [row.thread.submission_id for row in unread] == [pair.sent]
-    assert [conversation.thread.submission_id for conversation in shown] == [pair.sent]
 
 
 def test_a_guest_s_readings_go_to_their_account(pair: Pair) -> None:

@@ -6,6 +6,7 @@ import json
 import re
 from collections.abc import Sequence
 from datetime import timedelta
+from itertools import pairwise
 from uuid import UUID
 
 import pytest
@@ -16,12 +17,13 @@ from server.base.app_services import get_service
 from server.base.errors import Conflict, Invalid
 from server.board.lesson_loading import propose_exercises
 from server.board.lesson_state import recent_mistakes
+from server.board.live import LiveBoards
 from server.board.service import load_progress
 from server.classes.models import Membership, SchoolClass
 from server.classes.presence import PresenceRecorder
 from server.course import Course
 from server.database import Database, utc_now
-from server.desk.lesson.routes import LessonWatcher
+from server.desk.lesson.live import LESSON
 from server.identity.models import Account, Role
 from server.lesson import repository, service
 from server.lesson.models import Afterwards
@@ -173,17 +175,50 @@ def test_the_page_names_who_is_stuck_and_on_what(site: Site, course: Course, mar
 def test_the_stream_sends_the_parts_and_the_end(site: Site, course: Course, martin: Person, made: SchoolClass) -> None:
     stuck_students(site, made, 1)
     begin(site.database, course, made, martin.account, EXERCISE)
-    watcher = LessonWatcher(site.database, course, martin.account, str(made.id), wall=False)
-    parts = watcher.render()
-    assert parts is not None
+    get_service(site.app, LiveBoards).max_stream_seconds = 0.0
+    browser, path = martin.browser(site), f"/classes/{made.id}/seance/evenements"
+    parts = parts_of(browser.get(path).text)
     assert parts.keys() == {"days", "stuck", "mistakes", "finished"}
     assert "stuck-row" in parts["stuck"]
-    wall = LessonWatcher(site.database, course, martin.account, str(made.id), wall=True).render()
-    assert wall is not None
+    wall = parts_of(browser.get(path, params={"mur": "oui"}).text)
+    assert wall.keys() == {"wall"}
     assert "Ada" not in json.dumps(wall)
     with site.database.write() as db:
         service.end_lesson(db, made, martin.account.id, utc_now())
-    assert watcher.render() is None
+    assert browser.get(path).text.startswith("event: ended\n")
+
+
+def parts_of(stream: str) -> dict[str, str]:
+    (text,) = re.findall("^event: parts\ndata: (.*)$", stream, re.MULTILINE)
+    found: dict[str, str] = json.loads(text)
+    return found
+
+
+def test_a_lesson_is_read_again_where_it_has_changed(
+    site: Site, course: Course, martin: Person, made: SchoolClass
+) -> None:
+    """Whatever its page shows is in its pulse, but for what time alone changes."""
+    student = stuck_students(site, made, 1)[0]
+    begin(site.database, course, made, martin.account, EXERCISE)
+    pulses = []
+
+    def look() -> None:
+        with site.database.read() as db:
+            pulses.append(LESSON.load_pulse(db, made.id))
+
+    look()
+    with site.database.write() as db:
+        service.visit_student(db, made, student, EXERCISE, utc_now())
+    look()
+    with site.database.write() as db:
+        service.change_lesson(db, course, made, martin.account.id, LessonPlan((EXERCISE,), Afterwards.help), utc_now())
+    look()
+    store(site.database, [Sent(student, EXERCISE, utc_now(), 1.0)])
+    look()
+    with site.database.write() as db:
+        service.end_lesson(db, made, martin.account.id, utc_now())
+    look()
+    assert all(before != after for before, after in pairwise(pulses))
 
 
 def test_a_page_takes_as_many_queries_for_many_as_for_few(site: Site, martin: Person, course: Course) -> None:

@@ -10,8 +10,6 @@ from server.web import assets
 #: What the page names itself; `editor-*.js` is asked for by a script.
 NAMED = ("js/theme.js", "js/app.js", "js/exercise.js")
 MOST = 100_000  # bytes on the wire, where a browser takes brotli: over HTTPS
-#: Bytes of what comes only once it is asked for: by the first name typed, by its key, on a phone.
-MOST_LATER = {"completion": 10_000, "editor_search": 6_500, "editor_lines": 7_000, "keys_bar": 1_000}
 
 
 def sent() -> dict[str, int]:
@@ -26,12 +24,6 @@ def sent() -> dict[str, int]:
             text = (assets.BUILT / name).read_text(encoding="utf-8")
             waiting += [f"js/{one}" for one in re.findall(r'(?:from|import)"\./([^"]+)"', text)]
     return {name: min(path.stat().st_size for path in _versions(assets.BUILT / name)) for name in scripts}
-
-
-def sent_later() -> dict[str, int]:
-    """Bytes of each script of an exercise's page that is asked for later, without what the page has by then."""
-    found = {name: list((assets.BUILT / "js").glob(f"{name}-*.js")) for name in MOST_LATER}
-    return {name: min(one.stat().st_size for one in _versions(path)) for name, [path] in found.items()}
 
 
 def _versions(path: Path) -> list[Path]:

@@ -22,22 +22,19 @@ from graders.core.code.checks import Check
 from graders.core.code.grading import NO_SHRINKING, CodeGrader
 from graders.core.code.mutants import NO_ANSWER
 from graders.core.code.pair_search import OutOfTimeError
-from graders.core.code.probes import ProbeAnswer
-from graders.core.code.right_numbers import gain, is_better, right_numbers
+from graders.core.code.probes import TOLERANCE, ProbeAnswer, ProbeFault, Probes, same_probe_answer
 from graders.core.code.runner import Runner
 from graders.core.code.running import run_check
 from graders.core.code.variants import VariantCaller
 from graders.core.contract.outcomes import Outcome
 from graders.core.contract.program import Programs, StudentFault
 from graders.core.contract.streams import stream
-from graders.core.contract.values import Arguments
+from graders.core.contract.values import Arguments, Floats, UnreadableError, read_array
 from graders.core.contract.verdict import Diagnosis
 from graders.core.syntax_trees import parse_source
 
 #: Probes whose wrong answer selects changes; changes run through the checks; changes of one program in all.
 MAX_PIVOTS, MAX_VERIFIED, MAX_STEPS = 3, 8, 2
-#: Share of the failed checks that the changes must mend: fewer may pass by a change that has nothing to do with them.
-MIN_SHARE = 0.5
 #: Other lines that are tried where one change mends all that fails.
 MAX_OTHER_LINES = 2
 #: Changes after which another one is searched; those that are run through the checks though the time is spent.
@@ -102,10 +99,7 @@ class MendingSearch:
             return None
         if not steps:
             return None
-        mended = frozenset[str]().union(*(step.mended for step in steps))
-        if _is_by_the_way(mended, failed):
-            return None
-        left -= mended
+        left = left.difference(*(step.mended for step in steps))
         last_name = self._certain_name(steps[0].change.text) if len(steps) > 1 or left else None
         return Mending(tuple(in_lines_of(source, steps)), left, last_name, bool(self._suffix))
 
@@ -206,12 +200,12 @@ class MendingSearch:
                 hits = [
                     number
                     for number, marks in zip(numbers, seen, strict=True)
-                    if any(is_better([before[k]], [after]) for k, after in zip(pivots, marks, strict=True))
+                    if any(_is_better([before[k]], [after]) for k, after in zip(pivots, marks, strict=True))
                 ]
                 answers = self._agreements(index, [changes[number].counted for number in hits], everything)
                 for number, after in zip(hits, answers, strict=True):
-                    if is_better(before, after):
-                        gains[number] = gains.get(number, 0.0) + gain(before, after) / max(1, len(wrong))
+                    if _is_better(before, after):
+                        gains[number] = gains.get(number, 0.0) + _gain(before, after) / max(1, len(wrong))
 
     def _agreements(self, index: int, texts: Sequence[str], indices: Sequence[int]) -> list[list[NDArray[np.bool_]]]:
         """Return, for each program and probe among `indices`, which numbers of its answer are right.
@@ -233,7 +227,7 @@ class MendingSearch:
                 read = [probes.read_answer(args, answer) for args, answer in zip(calls, answers, strict=False)]
                 read += [NO_ANSWER] * (len(calls) - len(read))
                 in_each_style = [
-                    [right_numbers(probes, answer, right[k]) for k, answer in zip(indices, read, strict=True)]
+                    [_right_numbers(probes, answer, right[k]) for k, answer in zip(indices, read, strict=True)]
                     for right in rights
                 ]
                 agreements.append(max(in_each_style, key=lambda marks: sum(float(mark.mean()) for mark in marks)))
@@ -281,13 +275,6 @@ class MendingSearch:
         return failed
 
 
-def _is_by_the_way(mended: Collection[str], failed: Sequence[Check]) -> bool:
-    """Whether so few of the failed checks of the same functions are mended that it may have nothing to do with them."""
-    touched = {name for check in failed if check.id in mended for name in check.functions}
-    akin = [check for check in failed if touched.issuperset(check.functions)]
-    return len(mended) < MIN_SHARE * len(akin)
-
-
 def in_lines_of(source: str, steps: Sequence[MendingStep]) -> Iterator[MendingStep]:
     """Yield the steps with the lines of the program as it was: a first change may add lines, or take some away."""
     text = source
@@ -311,6 +298,46 @@ def _parses(source: str) -> bool:
     except (SyntaxError, ValueError, RecursionError, MemoryError):
         return False
     return True
+
+
+def _right_numbers(probes: Probes, answer: ProbeAnswer, right: ProbeAnswer) -> NDArray[np.bool_]:
+    """Return which numbers of an answer are right: one mark where it is not compared number by number."""
+    whole = probes.same(answer, right)
+    mine, wanted = _leaves(answer), _leaves(right)
+    if probes.same is not same_probe_answer or wanted is None:
+        return np.array([whole])
+    if whole or mine is None or mine.size != wanted.size:
+        return np.full(max(1, wanted.size), whole)
+    return np.asarray(np.abs(mine - wanted) <= TOLERANCE * np.maximum(1.0, np.abs(wanted)))
+
+
+def _leaves(value: ProbeAnswer) -> Floats | None:
+    """Return the numbers of an answer in one row; None where it holds anything else."""
+    if isinstance(value, list | tuple):
+        parts = [_leaves(part) for part in value]
+        return np.concatenate(parts) if parts and all(part is not None for part in parts) else None  # type: ignore[arg-type]
+    if isinstance(value, ProbeFault | str) or value is None:
+        return None
+    try:
+        return read_array(value).ravel()
+    except UnreadableError:
+        return None
+
+
+def _is_better(before: Sequence[NDArray[np.bool_]], after: Sequence[NDArray[np.bool_]]) -> bool:
+    """Whether more numbers are right, and none is no longer."""
+    if any(len(old) != len(new) for old, new in zip(before, after, strict=True)):
+        return all(new.all() or not old.any() for old, new in zip(before, after, strict=True)) and any(
+            new.all() and not old.all() for old, new in zip(before, after, strict=True)
+        )
+    return all(bool((new >= old).all()) for old, new in zip(before, after, strict=True)) and any(
+        bool(new.sum() > old.sum()) for old, new in zip(before, after, strict=True)
+    )
+
+
+def _gain(before: Sequence[NDArray[np.bool_]], after: Sequence[NDArray[np.bool_]]) -> float:
+    """Return how many answers are mended; the part of the numbers where one is mended in part."""
+    return sum(float(new.mean()) - float(old.mean()) for old, new in zip(before, after, strict=True))
 
 
 def time_limit(seconds: float, processor_seconds: float) -> Callable[[], bool]:

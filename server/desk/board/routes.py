@@ -13,6 +13,7 @@ from starlette.concurrency import run_in_threadpool
 from server.base.http import client_address
 from server.board import service
 from server.board.dependencies import LiveBoardsOf
+from server.board.live import BOARD
 from server.board.schemas import Board
 from server.course.dependencies import CourseOf
 from server.database import Database
@@ -87,7 +88,7 @@ async def events(
     boards.require_free_stream(account.id)
     allowed = partial(_may_watch, database, account, access)
     view = OpenBoard(course, class_href(access.school_class), last_event_id or version, bool(erreurs))
-    stream = _event_stream(boards.follow(access.school_class.id, account.id, allowed), view)
+    stream = _event_stream(boards.follow(BOARD, access.school_class.id, account.id, allowed), view)
     return StreamingResponse(stream, media_type="text/event-stream", headers=STREAM_HEADERS)
 
 

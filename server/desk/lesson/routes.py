@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import json
-from collections.abc import AsyncIterator, Mapping
-from dataclasses import dataclass
+from collections.abc import AsyncIterator, Callable, Mapping
+from functools import partial
 from typing import Annotated
 
 from fastapi import APIRouter, Form, Query, Request
@@ -17,15 +17,14 @@ from server.base.errors import Conflict, Invalid, NotFound
 from server.base.settings import Settings
 from server.base.validation import parse_uuid
 from server.board.dependencies import LiveBoardsOf
-from server.board.schemas import Board
-from server.board.service import load_progress, may_watch_board
+from server.board.service import may_watch_board
 from server.classes.service import NOT_A_MEMBER
-from server.course import Course
-from server.course.dependencies import CourseOf
 from server.database import Database, roll_back_then_read, utc_now
 from server.database.dependencies import DatabaseOf
 from server.desk.lesson import views
+from server.desk.lesson.live import LESSON, ShownLesson
 from server.desk.lesson.review import review_page
+from server.desk.lesson.schemas import LessonParts
 from server.desk.views import class_href
 from server.identity.dependencies import SignedIn
 from server.identity.models import Account
@@ -130,63 +129,43 @@ def project_lesson(request: Request, class_id: str, reader: CurrentReader) -> Re
     return render_page(request, "classes/lesson_wall.html", reader.account, page=view)
 
 
-@dataclass(frozen=True)
-class LessonWatcher:
-    """A page in a browser that follows the lesson of a class; `wall`: the view for the projector."""
-
-    database: Database
-    course: Course
-    account: Account
-    class_id: str
-    wall: bool
-
-    def may_watch(self) -> bool:
-        with self.database.read() as db:
-            return may_watch_board(db, self.account.id, parse_uuid(self.class_id, NOT_A_MEMBER))
-
-    def render(self) -> Mapping[str, str] | None:
-        """Render what changes on the page; None once no lesson goes on."""
-        with self.database.read() as db:
-            access = rights.require_right(db, self.account, Right.read_work, self.class_id)
-            now = utc_now()
-            lesson = service.find_current_lesson(db, access.school_class.id, now)
-            if lesson is None:
-                return None
-            progress = load_progress(db, self.course, access.school_class, now, besides=lesson.exercises)
-            parts = views.lesson_parts(db, progress, access.school_class, lesson)
-        if self.wall:
-            return views.render_wall(parts)
-        may_run, may_comment = access.has(Right.run_lessons), access.has(Right.comment)
-        may_assign = access.has(Right.manage_assignments)
-        return views.render_parts(parts, may_run=may_run, may_comment=may_comment, may_assign=may_assign)
-
-
 @router.get("/classes/{class_id}/seance/evenements")
 async def stream_lesson(
-    class_id: str, account: SignedIn, database: DatabaseOf, course: CourseOf, boards: LiveBoardsOf,
+    class_id: str, account: SignedIn, database: DatabaseOf, boards: LiveBoardsOf,
     mur: Annotated[str, Query(max_length=10)] = "",
 ) -> StreamingResponse:  # fmt: skip
-    """Stream the parts of the page that change, as HTML."""
-    watcher = LessonWatcher(database, course, account, class_id, bool(mur))
-    access = await run_in_threadpool(_require_access, watcher)  # refusals come before the stream begins
+    """Stream the parts of the page that change, as HTML; `mur`: of the view for the projector."""
+    access = await run_in_threadpool(_require_access, database, account, class_id)  # before the stream begins
     boards.require_free_stream(account.id)
-    stream = _event_stream(boards.follow(access.school_class.id, account.id, watcher.may_watch), watcher)
-    return StreamingResponse(stream, media_type="text/event-stream", headers=STREAM_HEADERS)
+    allowed = partial(_may_watch, database, account, access)
+    shown = boards.follow(LESSON, access.school_class.id, account.id, allowed)
+    render = views.render_wall if mur else partial(views.render_parts, access=access)
+    return StreamingResponse(_event_stream(shown, render), media_type="text/event-stream", headers=STREAM_HEADERS)
 
 
-def _require_access(watcher: LessonWatcher) -> ClassAccess:
-    with watcher.database.read() as db:
-        return rights.require_right(db, watcher.account, Right.read_work, watcher.class_id)
+def _require_access(database: Database, account: Account, class_id: str) -> ClassAccess:
+    with database.read() as db:
+        return rights.require_right(db, account, Right.read_work, class_id)
 
 
-async def _event_stream(boards: AsyncIterator[Board | None], watcher: LessonWatcher) -> AsyncIterator[str]:
-    """Send the parts that changed, after each grading and each heartbeat: students become stuck by time alone."""
+def _may_watch(database: Database, account: Account, access: ClassAccess) -> bool:
+    with database.read() as db:
+        return may_watch_board(db, account.id, access.school_class.id)
+
+
+async def _event_stream(
+    lessons: AsyncIterator[ShownLesson | None], render: Callable[[LessonParts], Mapping[str, str]]
+) -> AsyncIterator[str]:
+    """Send the parts of the page that have changed."""
     sent: Mapping[str, str] = {}
-    async for _ in boards:
-        parts = await run_in_threadpool(watcher.render)
-        if parts is None:
+    async for lesson in lessons:
+        if lesson is None:
+            yield SIGN_OF_LIFE
+            continue
+        if lesson.parts is None:
             yield format_sse(ENDED, "")
             return
+        parts = render(lesson.parts)
         changed = {name: root_path.with_external_paths(html) for name, html in parts.items() if sent.get(name) != html}
         sent = parts
         yield format_sse("parts", json.dumps(changed)) if changed else SIGN_OF_LIFE

@@ -191,13 +191,13 @@ def _day_exercises(links: BoardLinks, state: LessonState) -> tuple[DayExercise, 
     )
 
 
-def render_parts(parts: LessonParts, *, may_run: bool, may_comment: bool, may_assign: bool) -> Mapping[str, str]:
+def render_parts(parts: LessonParts, access: ClassAccess) -> Mapping[str, str]:
     """Render each part of the page that its stream replaces."""
     macros: Any = jinja_environment().get_template("classes/lesson_parts.html").module
     return {
         "days": str(macros.days(parts)),
-        "stuck": str(macros.stuck(parts, may_run, may_comment)),
-        "mistakes": str(macros.mistakes(parts, may_assign)),
+        "stuck": str(macros.stuck(parts, access.has(Right.run_lessons), access.has(Right.comment))),
+        "mistakes": str(macros.mistakes(parts, access.has(Right.manage_assignments))),
         "finished": str(macros.finished(parts)),
     }
 

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import re
-
 from tests.contract.browser.conftest import NewVisit, sync_api
 
 expect = sync_api.expect
@@ -62,72 +60,3 @@ def test_a_key_goes_to_the_verdict_which_is_announced_and_comes_back(visit: NewV
     expect(title).to_be_in_viewport()
     page.keyboard.press("Control+Shift+Enter")
     expect(page.locator(".cm-content")).to_be_focused()
-
-
-def test_names_are_proposed_and_none_is_taken_unasked(visit: NewVisit) -> None:
-    visitor = visit(width=390, height=844, has_touch=True, is_mobile=True)
-    page = visitor.open()
-    code, lines = page.locator(".cm-content"), page.locator(".cm-line")
-    names = page.get_by_role("listbox", name="Noms proposés").get_by_role("option")
-
-    def begin(*keys: str) -> None:
-        code.click()
-        page.keyboard.press("Control+a")
-        page.keyboard.press("Delete")
-        for key in keys:
-            page.keyboard.press(key)
-
-    with page.expect_response("**/noms.json"):
-        begin("#", "l", "i")
-    expect(names).to_have_count(0)
-    begin("l", "i", "d")
-    expect(names).to_have_text(["lidar(pose, n_rayons=36, bruit=0.0)", "lidar_lot(poses, n_rayons)"])
-    expect(page.get_by_role("status")).to_contain_text("2 noms proposés : flèche bas pour choisir")
-    expect(code).not_to_have_attribute("aria-activedescendant", re.compile("."))
-    page.keyboard.press("Enter")
-    expect(lines).to_have_text(["lid", ""])
-
-    begin("l", "i", "d")
-    expect(names).to_have_count(2)
-    page.keyboard.press("Tab")
-    expect(lines).to_have_text(["    lid"])
-
-    begin("l", "i", "d")
-    expect(names).to_have_count(2)
-    page.keyboard.press("Escape")
-    expect(names).to_have_count(0)
-    page.keyboard.press("Tab")
-    expect(code).not_to_be_focused()
-    expect(lines).to_have_text(["lid"])
-
-    begin("n", "p", ".", "z")
-    expect(names).to_have_text(["zeros(forme)"])
-    page.get_by_role("button", name="Ligne du dessous", exact=True).tap()
-    expect(code).to_have_attribute("aria-activedescendant", re.compile("."))
-    expect(names.first).to_have_attribute("aria-selected", "true")
-    foot = page.get_by_role("listbox", name="Noms proposés").bounding_box()
-    bar = page.get_by_role("group", name="Touches pour le code").bounding_box()
-    assert foot is not None
-    assert bar is not None
-    assert foot["y"] + foot["height"] <= bar["y"]
-    page.keyboard.press("Enter")
-    expect(lines).to_have_text(["np.zeros"])
-    page.keyboard.press("Enter")
-    page.keyboard.type("lid")
-    names.nth(1).tap()
-    expect(lines).to_have_text(["np.zeros", "lidar_lot"])
-    assert page.evaluate("document.documentElement.scrollWidth") <= 390
-
-
-def test_what_few_keys_do_comes_with_the_first_of_them(visit: NewVisit) -> None:
-    visitor = visit()
-    page = visitor.open()
-    lines = page.locator(".cm-line")
-    visitor.write("a = 1\nb = 2\n")
-    page.keyboard.press("Control+Home")
-    page.keyboard.press("Alt+ArrowDown")
-    expect(lines).to_have_text(["b = 2", "a = 1", ""])
-    page.keyboard.press("Control+/")
-    expect(lines).to_have_text(["b = 2", "# a = 1", ""])
-    page.keyboard.press("Alt+ArrowUp")
-    expect(lines).to_have_text(["# a = 1", "b = 2", ""])

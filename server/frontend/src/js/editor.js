@@ -2,7 +2,19 @@
 // content security policy lets through without any exception.
 
 import { closeBrackets, closeBracketsKeymap, insertBracket } from "@codemirror/autocomplete";
-import { history, historyKeymap, indentWithTab, standardKeymap, undo } from "@codemirror/commands";
+import {
+  cursorCharLeft,
+  cursorCharRight,
+  cursorLineDown,
+  cursorLineUp,
+  defaultKeymap,
+  history,
+  historyKeymap,
+  indentLess,
+  indentMore,
+  indentWithTab,
+  undo,
+} from "@codemirror/commands";
 import {
   HighlightStyle,
   StreamLanguage,
@@ -18,11 +30,11 @@ import { EditorState, Prec, StateEffect, StateField } from "@codemirror/state";
 import {
   Decoration,
   EditorView,
+  drawSelection,
   highlightActiveLine,
   highlightActiveLineGutter,
   keymap,
   lineNumbers,
-  runScopeHandlers,
 } from "@codemirror/view";
 import { tags } from "@lezer/highlight";
 
@@ -41,12 +53,15 @@ const look = EditorView.theme({
   "&.cm-focused": { outline: "none" },
   ".cm-scroller": { fontFamily: "var(--mono)", lineHeight: "1.55" },
   ".cm-content": { caretColor: "var(--ink)", padding: "0.75rem 0" },
+  ".cm-cursor": { borderLeftColor: "var(--ink)", borderLeftWidth: "2px" },
   ".cm-gutters": { backgroundColor: "var(--code-back)", color: "var(--ink-soft)", border: "none" },
   ".cm-lineNumbers .cm-gutterElement": { padding: "0 0.6rem 0 0.9rem" },
   ".cm-activeLine": { backgroundColor: "var(--code-line)" },
   ".cm-faultLine": { backgroundColor: "var(--bad-soft)", boxShadow: "inset 3px 0 0 var(--bad)" },
   ".cm-activeLineGutter": { backgroundColor: "var(--code-line)", color: "var(--ink)" },
-  ".cm-content ::selection, .cm-content::selection": { backgroundColor: "var(--code-selection)" },
+  "&.cm-focused > .cm-scroller > .cm-selectionLayer .cm-selectionBackground, .cm-selectionBackground": {
+    backgroundColor: "var(--code-selection)",
+  },
   ".cm-selectionMatch": { backgroundColor: "var(--code-match)" },
   "&.cm-focused .cm-matchingBracket": { backgroundColor: "var(--code-match)", outline: "1px solid var(--accent)" },
   ".cm-panels": { backgroundColor: "var(--surface)", color: "var(--ink)", borderTop: "1px solid var(--line)" },
@@ -76,65 +91,25 @@ function submitKey(onSubmit) {
 }
 
 // By the names that a bar of keys gives them.
-const KEYS = {
-  indent: { key: "Tab" },
-  dedent: { key: "Tab", shiftKey: true },
-  left: { key: "ArrowLeft" },
-  right: { key: "ArrowRight" },
-  up: { key: "ArrowUp" },
-  down: { key: "ArrowDown" },
+const COMMANDS = {
+  indent: indentMore,
+  dedent: indentLess,
+  left: cursorCharLeft,
+  right: cursorCharRight,
+  up: cursorLineUp,
+  down: cursorLineDown,
+  undo,
 };
 
-// What comes when its key asks for it: few press it, and all would wait for it.
-const search = () => import("./editor_search.js");
-const lines = () => import("./editor_lines.js");
-const LATER = [
-  ["Mod-f", search],
-  ["F3", search],
-  ["Mod-g", search],
-  ["Mod-d", search],
-  ["Mod-Alt-g", search],
-  ["Mod-Shift-l", search],
-  ["Alt-ArrowUp", lines],
-  ["Alt-ArrowDown", lines],
-  ["Shift-Alt-ArrowUp", lines],
-  ["Shift-Alt-ArrowDown", lines],
-  ["Alt-ArrowLeft", lines, "Ctrl-ArrowLeft"],
-  ["Alt-ArrowRight", lines, "Ctrl-ArrowRight"],
-  ["Alt-l", lines, "Ctrl-l"],
-  ["Mod-i", lines],
-  ["Mod-[", lines],
-  ["Mod-]", lines],
-  ["Mod-Alt-\\", lines],
-  ["Shift-Mod-k", lines],
-  ["Shift-Mod-\\", lines],
-  ["Mod-/", lines],
-  ["Ctrl-m", lines, "Shift-Alt-m"],
-];
+// Searching comes when it is asked for: few do, and all would wait for it.
+const SEARCH_KEYS = ["Mod-f", "F3", "Mod-g", "Mod-d", "Mod-Alt-g", "Mod-Shift-l"];
 
-function laterKeys() {
-  const run = (key, load) => (view) => {
-    load().then(({ begin }) => begin(view, key));
+function searchKeys() {
+  const run = (key) => (view) => {
+    import("./editor_search.js").then(({ begin }) => begin(view, key));
     return true;
   };
-  return keymap.of(LATER.map(([key, load, mac = key]) => ({ key, mac, run: run(key, load) })));
-}
-
-// Names are proposed from the first that is typed, or asked for by Ctrl+Space: until then nothing of it is loaded.
-function proposals(names) {
-  let begun = !names;
-  const begin = (view, asked) => {
-    if (begun) return false;
-    begun = true;
-    import("./completion.js").then((completion) => completion.begin(view, names, asked));
-    return true;
-  };
-  return [
-    EditorView.updateListener.of(({ view, transactions }) => {
-      if (transactions.some((one) => one.isUserEvent("input.type"))) begin(view, false);
-    }),
-    keymap.of([{ key: "Ctrl-Space", run: (view) => begin(view, true) }]),
-  ];
+  return keymap.of(SEARCH_KEYS.map((key) => ({ key, run: run(key) })));
 }
 
 // What is indented more than its first line is folded with it.
@@ -167,9 +142,8 @@ function faultAt(document, line) {
   return Decoration.set([Decoration.line({ class: "cm-faultLine" }).range(document.line(line).from)]);
 }
 
-// `covered` tells how many pixels of the page's foot hide what is under them; `names` is the address of the names that
-// are proposed, where some are.
-export function createEditor({ area, text, label, onChange, onSubmit, covered, names }) {
+// `covered` tells how many pixels of the page's foot hide what is under them.
+export function createEditor({ area, text, label, onChange, onSubmit, covered }) {
   const host = document.createElement("div");
   host.className = "editor-host";
   const shadow = host.attachShadow({ mode: "open" });
@@ -183,15 +157,15 @@ export function createEditor({ area, text, label, onChange, onSubmit, covered, n
       lineNumbers(),
       highlightActiveLineGutter(),
       highlightActiveLine(),
+      drawSelection(),
       history(),
       indentUnit.of("    "),
       EditorState.tabSize.of(4),
       indentOnInput(),
       bracketMatching(),
       closeBrackets(),
-      laterKeys(),
-      proposals(names),
-      keymap.of([...closeBracketsKeymap, ...standardKeymap, ...historyKeymap, ...foldKeymap, indentWithTab]),
+      searchKeys(),
+      keymap.of([...closeBracketsKeymap, ...defaultKeymap, ...historyKeymap, ...foldKeymap, indentWithTab]),
       StreamLanguage.define(python),
       folds,
       EditorView.scrollMargins.of(() => (covered ? { bottom: covered() } : null)),
@@ -211,7 +185,7 @@ export function createEditor({ area, text, label, onChange, onSubmit, covered, n
     set: (fresh) => view.dispatch({ changes: { from: 0, to: view.state.doc.length, insert: fresh } }),
     mark: (line) => view.dispatch({ effects: markFault.of(faultAt(view.state.doc, line)) }),
     insert: (typed) => view.dispatch(view.state.replaceSelection(typed)),
-    command: (name) => (name === "undo" ? undo(view) : runScopeHandlers(view, new KeyboardEvent("keydown", KEYS[name]), "editor")),
+    command: (name) => COMMANDS[name](view),
     // As a key of the keyboard: a bracket or a quote comes with what closes it.
     type: (sign) => view.dispatch(insertBracket(view.state, sign) ?? view.state.replaceSelection(sign), { scrollIntoView: true }),
     // The caret goes to a place on the screen, where one is told.

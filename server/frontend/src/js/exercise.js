@@ -56,7 +56,7 @@ async function setUpEditor() {
   try {
     const { createEditor } = await import("./editor.js");
     let covered = () => 0;
-    const options = { onChange: saveDraft, onSubmit: () => form.requestSubmit(), covered: () => covered(), names: form.dataset.names };
+    const options = { onChange: saveDraft, onSubmit: () => form.requestSubmit(), covered: () => covered() };
     editor = createEditor({ area, text: area.value, ...options });
     document.documentElement.classList.add("has-editor");
     onTouchWidth(async () => {

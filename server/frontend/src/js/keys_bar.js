@@ -47,11 +47,7 @@ export function setUpKeysBar(section, editor) {
   seen.addEventListener("resize", place);
   seen.addEventListener("scroll", place);
   place();
-  return () => {
-    if (!bar.classList.contains("keys-above")) return 0;
-    const hidden = host.getBoundingClientRect().bottom - bar.getBoundingClientRect().top;
-    return Math.min(Math.max(hidden, 0), bar.offsetHeight);
-  };
+  return () => (bar.classList.contains("keys-above") ? bar.offsetHeight : 0);
 }
 
 function press(editor, sign, command) {
