@@ -149,7 +149,7 @@ class Services:
 
     @cached_property
     def hunts(self) -> HuntService:
-        return HuntService(self.course, self.database, self.settings, self.cells.ask)
+        return HuntService(self.course, self.database, self.settings, self.cells.ask, self.cells.prepare)
 
     @cached_property
     def boards(self) -> LiveBoards:
@@ -244,7 +244,7 @@ class Services:
                 self.engine.connection.start()
                 stack.push_async_callback(run_in_threadpool, self.engine.connection.close)  # after the last worker
             await run_in_threadpool(self.first_look)
-            stack.push_async_callback(self.cells.close)
+            await stack.enter_async_context(self.cells)
             stack.push_async_callback(self.figures.pictures.close)
             stack.push_async_callback(self.archives.close)
             await stack.enter_async_context(self.supervisor)

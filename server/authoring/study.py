@@ -26,7 +26,7 @@ from graders.core.compare.told_apart import text_pair
 from graders.core.syntax_trees import parse_source
 from server.behaviour import place_queries, repository
 from server.behaviour.export import anonymise_program, catalogue_entry, guard_unread_program, misconception_id
-from server.behaviour.fingerprints import tighten_limits
+from server.behaviour.limits import tighten_limits
 from server.behaviour.schemas import GroupDescription
 from server.course.models import Exercise
 from server.grading.sandbox_grader import SandboxGrader

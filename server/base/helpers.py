@@ -68,6 +68,10 @@ class Helper:
                     self.program.idle_timeout, self._shut_down_idle
                 )
 
+    @property
+    def is_running(self) -> bool:
+        return self._process is not None and not self._process.ended
+
     async def _running_process(self) -> _Process:
         async with self._starting:
             if self._closed:

@@ -32,6 +32,7 @@ from graders.core.contract.verdict import Verdict
 from graders.core.declared.behaviour import DeclaredObserver
 from graders.core.declared.grading import DeclaredGrader
 from server.behaviour import repository
+from server.behaviour.limits import SEARCH_PROCESSOR_SECONDS, SEARCH_SECONDS, search_limits, tighten_limits
 from server.behaviour.models import BehaviourGroup
 from server.behaviour.schemas import FingerprintRequest, Observation, ObservedBehaviour
 from server.course import reuse
@@ -55,41 +56,10 @@ MAX_GRADING_AGE = timedelta(days=30)
 SWEEP_INTERVAL = 2.0  # seconds
 FULL_SWEEP_INTERVAL = timedelta(hours=1)
 COMMIT_DELAY = timedelta(minutes=2)
-#: Limits of an observation, tighter than those of a grading, as nobody waits for it.
-CPU_SECONDS, WALL_SECONDS, JUDGING_SECONDS = 1.5, 3.0, 2.0
-SESSION_BYTES = 2 << 20
-#: Limits of a search of places: seconds in all, then of this thread's processor time and of one process of variants.
-SEARCH_SECONDS, SEARCH_PROCESSOR_SECONDS, SEARCH_CPU_SECONDS = 60.0, 8.0, 5.0
-SEARCH_SOURCE_BYTES, SEARCH_SESSION_BYTES, SEARCH_SESSION_ITEMS = 256 << 10, 64 << 20, 2_000_000
-
 #: Starts programs under a policy, with the files that they may import.
 StartProgram = Callable[[Policy, Sequence[LibraryFile]], Programs]
 #: Finds the places of a program's mistakes, as `find_place` does.
 PlaceFinder = Callable[[CodeGrader, str, Verdict, Programs, Callable[[], bool]], FoundPlace | None]
-
-
-def tighten_limits(policy: Policy) -> Policy:
-    """Return the policy of an exercise within the limits of an observation."""
-    return replace(
-        policy,
-        cpu_seconds=min(policy.cpu_seconds, CPU_SECONDS),
-        wall_seconds=min(policy.wall_seconds, WALL_SECONDS),
-        judging_seconds=min(policy.judging_seconds, JUDGING_SECONDS),
-        session_bytes=min(policy.session_bytes, SESSION_BYTES),
-    )
-
-
-def search_limits(policy: Policy) -> Policy:
-    """Return the policy of an exercise with what many changed programs in one process need."""
-    return replace(
-        policy,
-        cpu_seconds=max(policy.cpu_seconds, SEARCH_CPU_SECONDS),
-        wall_seconds=max(policy.wall_seconds, SEARCH_SECONDS),
-        source_bytes=SEARCH_SOURCE_BYTES,
-        session_bytes=SEARCH_SESSION_BYTES,
-        session_items=SEARCH_SESSION_ITEMS,
-        judging_seconds=SEARCH_SECONDS,
-    )
 
 
 def observable_versions(course: Course) -> Mapping[str, str]:

@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import asyncio
 import json
+import logging
 import sys
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from functools import partial
+from typing import Self
 
 from server.base.concurrency import FairLimiter, Gate, GateClosed, LimiterFullError
 from server.base.errors import InternalFailure, Overloaded
@@ -15,6 +17,8 @@ from server.base.helpers import IDLE_TIMEOUT, Helper, HelperError, HelperProgram
 from server.base.processes import child_environment
 from server.base.settings import Settings
 from server.base.turns import out_of_turn
+
+log = logging.getLogger(__name__)
 
 COMMAND = (sys.executable, "-P", "-m", "server.cells")
 #: Seconds within which a cell is answered, the start of a template included; later, the process is taken for hung.
@@ -50,6 +54,25 @@ class Cells:
         self._limiter = FairLimiter(settings.cells_at_once, settings.cells_waiting, RESERVE)
         self._count_by_reader: Counter[str] = Counter()
         self._running: set[asyncio.Task[bytes]] = set()
+        self._preparing: asyncio.Task[bytes] | None = None
+        self._serves = False
+
+    async def __aenter__(self) -> Self:
+        """From here to its end the process may be started ahead of questions."""
+        self._serves = True
+        return self
+
+    async def __aexit__(self, *_fault: object) -> None:
+        await self.close()
+
+    def prepare(self, question: bytes) -> None:
+        """Start the process with a question of ours, so that who asks next does not wait for that; not where it runs.
+
+        Called in the event loop. Nothing is started before or after the application serves.
+        """
+        if self._serves and not self.helper.is_running and (self._preparing is None or self._preparing.done()):
+            self._preparing = asyncio.create_task(self._ask(question))
+            self._preparing.add_done_callback(_tell_failure)
 
     async def run(self, module: str, code: str, *, reader: str, flow: str, rank: int = 0) -> bytes:
         """What the page gets, as JSON text. Raises Crowded or Failed."""
@@ -103,5 +126,13 @@ class Cells:
             raise InternalFailure(FAILED) from error
 
     async def close(self) -> None:
+        self._serves = False
         await self.helper.close()
-        await asyncio.gather(*self._running, return_exceptions=True)
+        preparing = () if self._preparing is None else (self._preparing,)
+        await asyncio.gather(*self._running, *preparing, return_exceptions=True)
+
+
+def _tell_failure(preparing: asyncio.Task[bytes]) -> None:
+    """The next question starts the process again, and tells its reader."""
+    if not preparing.cancelled() and (error := preparing.exception()) is not None:
+        log.info("the process of cells could not be started ahead", exc_info=error)

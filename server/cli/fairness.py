@@ -20,7 +20,7 @@ from pathlib import Path
 from graders.core.code.probe_runs import CHANCE
 from graders.core.contract.outcomes import Outcome
 from graders.core.contract.verdict import Verdict
-from server.behaviour.fingerprints import SEARCH_PROCESSOR_SECONDS
+from server.behaviour.limits import SEARCH_PROCESSOR_SECONDS
 from server.cli import CannotRun
 from server.client.program.report import number
 from server.course import Course, Exercise

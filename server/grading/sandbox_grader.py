@@ -22,7 +22,7 @@ from graders.core.contract.rows import ArrayReplies, Rows
 from graders.core.contract.values import Arguments, Value
 from graders.core.contract.verdict import Diagnosis, Verdict, internal_error_verdict
 from server import sandbox
-from server.behaviour.fingerprints import SEARCH_SECONDS, search_limits
+from server.behaviour.limits import SEARCH_SECONDS, search_limits
 from server.course import reuse
 from server.course.models import UNKNOWN_VERSION, Course
 from server.course.reuse import NOTHING_OWN, Own

@@ -77,11 +77,17 @@ class ReviewRequest(HuntMessage):
     source: str
 
 
+class Readiness(HuntMessage):
+    """A request to be ready for the others; its answer says nothing."""
+
+    kind: Literal["readiness"] = "readiness"
+
+
 class HuntQuestion(HuntMessage):
     """A question of the service, recognised by its field `hunts`; `declarations` are those of declared exercises."""
 
     hunts: Annotated[
-        HuntOffer | InputTrial | PredictionTrial | LineTrial | ComparisonRequest | ReviewRequest,
+        HuntOffer | InputTrial | PredictionTrial | LineTrial | ComparisonRequest | ReviewRequest | Readiness,
         Field(discriminator="kind"),
     ]
     declarations: dict[str, dict[str, Any]] = {}

@@ -47,6 +47,7 @@ from server.hunts.questions import (
     PredictionTrial,
     ProgramRemark,
     ProgramReview,
+    Readiness,
     ReviewRequest,
     TrialOutcome,
 )
@@ -92,6 +93,8 @@ class HuntRunner:
                 return HuntReply(comparison=self._compare(asked))
             case ReviewRequest() as request:
                 return HuntReply(review=self._review(request))
+            case Readiness():
+                return HuntReply()
             case InputTrial() | PredictionTrial() | LineTrial() as trial:
                 return HuntReply(outcome=self._try(trial))
 
@@ -241,7 +244,7 @@ class HuntRunner:
 
 def _names_of(question: HuntQuestion) -> Sequence[HuntName]:
     """Return the hunts that a question is about."""
-    if isinstance(question.hunts, ReviewRequest):
+    if isinstance(question.hunts, ReviewRequest | Readiness):
         return ()
     if isinstance(question.hunts, HuntOffer | ComparisonRequest):
         return question.hunts.hunts

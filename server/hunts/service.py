@@ -37,6 +37,7 @@ from server.hunts.questions import (
     OfferedHunt,
     PredictionTrial,
     ProgramReview,
+    Readiness,
     ReviewRequest,
     TrialOutcome,
 )
@@ -68,6 +69,11 @@ class HuntService:
     database: Database
     settings: Settings
     ask: TraceProgram
+    prepare: Callable[[bytes], None]
+
+    async def wake(self) -> None:
+        """Have the process that makes hunts ready for a reader of whom a click asks for one. Waits for nothing."""
+        self.prepare(HuntQuestion(hunts=Readiness()).model_dump_json().encode())
 
     async def offer(self, account: Account, exercise_id: str, skip: int, address: str) -> OfferedHunt | None:
         """Offer a hunt of an exercise: the reader's own mistakes first, after `skip` of them; None where none is left.

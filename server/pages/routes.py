@@ -9,6 +9,7 @@ from typing import Annotated, Any
 
 from fastapi import APIRouter, Depends, Query, Request, Response
 from fastapi.responses import HTMLResponse, JSONResponse, RedirectResponse, StreamingResponse
+from starlette.background import BackgroundTask
 from starlette.concurrency import run_in_threadpool
 from starlette.datastructures import FormData
 
@@ -29,6 +30,7 @@ from server.database.dependencies import DatabaseOf, Db
 from server.gradebook import service as gradebook
 from server.gradebook.dependencies import SolutionToggle
 from server.gradebook.schemas import Attempt
+from server.hunts.service import HuntService
 from server.identity.dependencies import BrowserAccount, OptionalAccount, SignedIn, account_or_guest
 from server.identity.models import Account
 from server.identity.service import AccountService
@@ -53,6 +55,7 @@ from server.web.words import iso_moment
 MOVES_ON = 303
 MAX_IDENTITY = 100  # characters of a UUID, however it is written
 _database, _accounts = app_service_getter(Database), app_service_getter(AccountService)
+_hunts = app_service_getter(HuntService)
 
 router = APIRouter(include_in_schema=False)
 
@@ -64,7 +67,10 @@ async def static(request: Request, version: str, name: str) -> Response:
 
 @router.get("/")
 def home(request: Request, reader: CurrentReader) -> HTMLResponse:
-    return render_page(request, "home.html", reader.account, page=home_page(reader))
+    page = home_page(reader)
+    answer = render_page(request, "home.html", reader.account, page=page)
+    _prepare_hunts(request, answer, offered=page.questions > 0)
+    return answer
 
 
 @router.get("/{module:module}/kit/{file}")
@@ -116,7 +122,14 @@ def exercise_page(
     shown: dict[str, Any] = {"page": view, "results": view.results, "talk": said}
     answer = render_page(request, template, reader.account, status=status, **shown)
     note_seen(request, reader, database, said.unread)
+    _prepare_hunts(request, answer, offered=view.results.onward is not None)
     return answer
+
+
+def _prepare_hunts(request: Request, answer: Response, *, offered: bool) -> None:
+    """Once a page that leads to hunts is sent, have the process that makes them ready."""
+    if offered:
+        answer.background = BackgroundTask(_hunts(request.app).wake)
 
 
 def note_seen(request: Request, reader: Reader, database: Database, talks: Sequence[Conversation]) -> None:
@@ -266,11 +279,13 @@ def attempt_page(
 
 
 @router.get("/soumissions/{submission_id}/verdict")
-def verdict(submission_id: str, reader: CurrentReader, deja: bool = False) -> HTMLResponse:
+def verdict(request: Request, submission_id: str, reader: CurrentReader, deja: bool = False) -> HTMLResponse:
     attempt = gradebook.find_attempt(reader.db, reader.account, submission_id)
     exercise = find_exercise(reader.course, *attempt.submission.exercise.split("/"))
     results = service.attempt_page(reader, exercise, attempt, again=deja).results
-    return render_fragment("fragment.html", reader.account, back=exercise_href(exercise), results=results)
+    answer = render_fragment("fragment.html", reader.account, back=exercise_href(exercise), results=results)
+    _prepare_hunts(request, answer, offered=results.onward is not None)
+    return answer
 
 
 @router.get("/soumissions/{submission_id}/evenements")

@@ -15,7 +15,8 @@ from graders.core.contract.outcomes import Outcome
 from graders.core.contract.program import Programs
 from server.base.settings import Settings
 from server.behaviour import repository
-from server.behaviour.fingerprints import FINGERPRINT, SENDER, FingerprintSweeper, give_up_handlers, tighten_limits
+from server.behaviour.fingerprints import FINGERPRINT, SENDER, FingerprintSweeper, give_up_handlers
+from server.behaviour.limits import tighten_limits
 from server.behaviour.models import BehaviourGroup, Fingerprint
 from server.classes.models import ClassRole, SchoolClass, Status
 from server.database import Database, utc_now

@@ -18,6 +18,7 @@ import pytest
 from server.base.errors import InternalFailure, Overloaded
 from server.base.settings import Settings
 from server.cells.supervisor import MAX_CELLS_PER_READER, Cells
+from server.hunts.questions import HuntQuestion, Readiness
 from tests.support.live import alive, children, until
 from tests.support.quick import in_a_loop, the_course
 
@@ -58,6 +59,9 @@ FAKES = {
     "says something endless": HEARD + FRAME + "question()\nend.sendall(b'\\xff' * 9)\ntime.sleep(3600)",
     "stops in the middle": HEARD + FRAME + "question()\nend.sendall(b'\\0\\0\\0\\x09')",
 }
+
+
+READINESS = HuntQuestion(hunts=Readiness()).model_dump_json().encode()
 
 
 def played(tmp_path: Path, test: Callable[[Cells], Awaitable[None]], script: str = "", **settings: Any) -> None:
@@ -117,6 +121,23 @@ def test_cells_run_and_their_process_is_started_by_the_first(tmp_path: Path) -> 
         first, second = await asyncio.gather(ran(cells, "print(H)"), ran(cells, "1 / 0"))
         assert json.loads(first)["stdout"] == "16\n"
         assert json.loads(second)["fault"]["line"] == 1
+
+    played(tmp_path, test)
+
+
+def test_its_process_is_started_ahead_while_the_application_serves_only(tmp_path: Path) -> None:
+    async def test(cells: Cells) -> None:
+        cells.prepare(READINESS)
+        await asyncio.sleep(0)
+        assert not cells.helper.is_running
+        async with cells:
+            for _ in range(2):
+                cells.prepare(READINESS)
+            await eventually(lambda: cells.helper.is_running)
+            first = process(cells)
+            cells.prepare(READINESS)
+            assert json.loads(await ran(cells, "print(H)"))["stdout"] == "16\n"
+            assert process(cells) == first
 
     played(tmp_path, test)
 
