@@ -28,7 +28,7 @@ def test_a_draft_is_tried_as_it_is_saved(studio: Studio) -> None:
     told = studio.report(path)
     assert "compter_mots(&#34;le chat&#34;) → {&#39;le&#39;: 1, &#39;chat&#39;: 1}" in re.sub(r" +", " ", told)
     assert "0 acceptée à tort" in told
-    assert "x1 = texte(&#39; abcehlt&#39;, 0, 8)" in told
+    assert "x1 = mots(&#39;a b le chat&#39;, 0, 3, espaces=True)" in told
     page = studio.browser.get(path).text
     assert SOLUTION.replace('"', "&#34;") in page
 

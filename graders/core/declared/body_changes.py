@@ -72,7 +72,10 @@ def see_calls(known: Sequence[tuple[DeclaredCheck, Case, Played]]) -> Iterator[S
             is_seen = statement.is_shown and check.watched == "value" and (value is not None or step == last)
             is_seen &= step < len(right.values) or (right.fault is not None and step == len(right.values))
             yield SeenCall(
-                statement.callee.rpartition(".")[2], arguments, value, _refuses(check, right, step) if is_seen else None
+                statement.callee.rpartition(".")[2],
+                arguments,
+                value,
+                _refuses(check.for_case(case.scenario), right, step) if is_seen else None,
             )
 
 

@@ -24,6 +24,7 @@ from graders.core.declared.imports import Imports, read_imports
 from graders.core.declared.malformed import MalformedDeclaration
 from graders.core.declared.rules import Rule
 from graders.core.declared.scenarios import PROGRAM, Scenario
+from graders.core.declared.tolerances import CaseTolerance
 
 FUNCTION = re.compile(r"[^\W\d]\w*")
 IDENTITY = re.compile(r"[a-z0-9_]+")
@@ -67,7 +68,10 @@ class DrawnCases:
 
 @dataclass(frozen=True)
 class DeclaredCheck:
-    """A check: cases written by hand, then drawn ones, compared with the solution's answers."""
+    """A check: cases written by hand, then drawn ones, compared with the solution's answers.
+
+    `tolerance`, where there is one, depends on the case: see `for_case`.
+    """
 
     id: str
     title: str
@@ -77,6 +81,13 @@ class DeclaredCheck:
     drawn: DrawnCases | None
     comparator: SamePlainValue
     watched: Watched = "value"
+    tolerance: CaseTolerance | None = None
+
+    def for_case(self, case: Scenario) -> DeclaredCheck:
+        """Return the check with the tolerance of a case, where that depends on what the case gives."""
+        if self.tolerance is None:
+            return self
+        return replace(self, comparator=replace(self.comparator, tolerance=self.tolerance.of(case)))
 
 
 @dataclass(frozen=True)
@@ -144,6 +155,10 @@ class _TableReader:
             raise MalformedDeclaration("il faut un nombre positif", self.at(key))
         return float(value)
 
+    def expression(self, key: str) -> str:
+        """Return a text in place of a number; empty for a number."""
+        return self.text(key) if isinstance(self._left.get(key), str) else ""
+
     def flag(self, key: str, default: bool) -> bool:
         value = self._left.pop(key, default)
         if not isinstance(value, bool):
@@ -196,8 +211,7 @@ def read_declaration(data: Mapping[str, Any]) -> Declaration:
         if not functions or not all(FUNCTION.fullmatch(name) for name in functions):
             raise MalformedDeclaration("au moins une fonction, par son nom", "fonctions")
         solution = table.text("solution", longest=MAX_PROGRAM)
-        imports = read_imports(solution)
-        checks = tuple(_check(*entry, functions, imports) for entry in table.tables("verifications", most=MAX_CHECKS))
+        checks = tuple(_check(*entry, functions, solution) for entry in table.tables("verifications", most=MAX_CHECKS))
         rules = (
             *_rules(table.texts("interdits", most=MAX_CASES), "interdits", required=False),
             *_rules(table.texts("demandes", most=MAX_CASES), "demandes", required=True),
@@ -211,7 +225,8 @@ def read_declaration(data: Mapping[str, Any]) -> Declaration:
     return Declaration(functions, checks, rules, solution, mistakes, dict(data))
 
 
-def _check(place: str, data: object, functions: tuple[str, ...], imports: Imports) -> DeclaredCheck:
+def _check(place: str, data: object, functions: tuple[str, ...], solution: str) -> DeclaredCheck:
+    imports = read_imports(solution)
     with _TableReader(data, place) as table:
         identity = _identity(table)
         lines, files = table.lines("entrees"), table.files("fichiers")
@@ -235,8 +250,9 @@ def _check(place: str, data: object, functions: tuple[str, ...], imports: Import
         )  # fmt: skip
         if not cases and drawn is None:
             raise MalformedDeclaration("il faut au moins un cas, ou des tirages", place)
+        tolerance = table.expression("tolerance")
         comparator = SamePlainValue(
-            tolerance=table.number("tolerance", TOLERANCE),
+            tolerance=TOLERANCE if tolerance else table.number("tolerance", TOLERANCE),
             absolute=table.flag("absolue", False),
             order=table.choice("ordre", _ORDERS, "oui"),
             strict=table.flag("types_stricts", False),
@@ -244,8 +260,9 @@ def _check(place: str, data: object, functions: tuple[str, ...], imports: Import
         )
         points = table.number("points", MAX_POINTS)
         return DeclaredCheck(
-            identity, table.text("titre"), points, table.text("indice", ""), cases, drawn, comparator, watched
-        )
+            identity, table.text("titre"), points, table.text("indice", ""), cases, drawn, comparator, watched,
+            _tolerance(tolerance, solution, table.at("tolerance")),
+        )  # fmt: skip
 
 
 def _drawn(table: _TableReader, functions: tuple[str, ...], imports: Imports) -> DrawnCases | None:
@@ -286,6 +303,13 @@ def _read_expected(text: str, watched: Watched, place: str) -> tuple[Value, ...]
             return (text,)
         raise error.at(place) from error
     return (expected if watched != "printed" or isinstance(expected, str) else text,)
+
+
+def _tolerance(text: str, solution: str, place: str) -> CaseTolerance | None:
+    try:
+        return CaseTolerance.read(text, solution) if text else None
+    except MalformedDeclaration as error:
+        raise error.at(place) from error
 
 
 def _rules(words: Sequence[str], place: str, *, required: bool) -> Iterator[Rule]:

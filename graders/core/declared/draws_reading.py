@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import ast
 import operator
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Any
 
 from graders.core.contract.values import Value
@@ -20,6 +20,7 @@ from graders.core.declared.generators import (
     DrawnReal,
     DrawnText,
     DrawnTuple,
+    DrawnWords,
     Draws,
     Generator,
 )
@@ -52,10 +53,17 @@ def _parse(text: str) -> ast.Module:
 
 
 def _condition(text: str, known: set[str]) -> Callable[[Mapping[str, Value]], Any]:
+    return parse_expression_of(text, known, "une condition")
+
+
+def parse_expression_of(
+    text: str, names: Iterable[str], what: str = "un calcul"
+) -> Callable[[Mapping[str, Value]], Any]:
+    """Return what evaluates an expression over the variables of these names. Raises MalformedDeclaration."""
     body = _parse(text).body
     if len(body) != 1 or not isinstance(body[0], ast.Expr):
-        raise MalformedDeclaration(f"« {text} » n’est pas une condition")
-    return _DrawsReader(known).expression(body[0].value)
+        raise MalformedDeclaration(f"« {text} » n’est pas {what}")
+    return _DrawsReader(set(names)).expression(body[0].value)
 
 
 class _DrawsReader:
@@ -199,6 +207,13 @@ def _read_text(reader: _DrawsReader, nodes: Sequence[ast.expr], named: Mapping[s
     return DrawnText(alphabet, *reader.bounds(nodes[1:], (0, 12)))
 
 
+def _read_words(reader: _DrawsReader, nodes: Sequence[ast.expr], named: Mapping[str, ast.expr]) -> Generator:
+    words = tuple(ast.literal_eval(nodes[0]).split())
+    if not words:
+        raise ValueError("no word")
+    return DrawnWords(words, *reader.bounds(nodes[1:], (0, 6)), _flag(named, "espaces"))
+
+
 def _read_array(reader: _DrawsReader, nodes: Sequence[ast.expr], named: Mapping[str, ast.expr]) -> Generator:
     shape = nodes[0].elts if isinstance(nodes[0], ast.Tuple) else [nodes[0]]
     return DrawnArray(tuple(map(reader.expression, shape)), *reader.bounds(nodes[1:], (-10.0, 10.0)))
@@ -216,6 +231,7 @@ _USAGE = {
     "reel": "reel(bas, haut)",
     "booleen": "booleen()",
     "texte": 'texte("abc ", longueur min, longueur max)',
+    "mots": 'mots("le chat dort", nombre min, nombre max, espaces=True)',
     "liste": "liste(entier(0, 9), longueur min, longueur max, triee=True, distincts=True)",
     "nuplet": "nuplet(entier(0, 9), reel(0, 1))",
     "ensemble": "ensemble(entier(0, 9), taille min, taille max)",
@@ -231,6 +247,7 @@ _GENERATORS: dict[str, Callable[[_DrawsReader, Sequence[ast.expr], Mapping[str, 
     "reel": lambda reader, nodes, named: DrawnReal(*reader.bounds(nodes)),
     "booleen": lambda reader, nodes, named: DrawnBoolean(),
     "texte": _read_text,
+    "mots": _read_words,
     "liste": lambda reader, nodes, named: _read_list(reader, nodes, named, list),
     "nuplet": lambda reader, nodes, named: DrawnTuple(tuple(map(reader.generator, nodes))),
     "ensemble": lambda reader, nodes, named: _read_list(reader, nodes, named, set),

@@ -20,6 +20,8 @@ from graders.core.declared.malformed import MalformedDeclaration
 
 #: Items of one drawn value; draws until a condition holds.
 MAX_ITEMS, MAX_TRIES = 2000, 2000
+#: Of drawn words: the shares of those that were drawn before and of those that are made of letters; of double spaces.
+REPEATED, MIXED, GAP = 0.3, 0.25, 0.3
 Variables = dict[str, Value]
 #: A bound: a number, or what makes one from the variables drawn before.
 Bound = Callable[[Mapping[str, Value]], float]
@@ -90,6 +92,44 @@ class DrawnText(Generator):
     def contains(self, value: Value, variables: Variables) -> bool:
         fits = type(value) is str and self.shortest(variables) <= len(value) <= self.longest(variables)
         return fits and set(value) <= set(self.alphabet)
+
+
+@dataclass(frozen=True)
+class DrawnWords(Generator):
+    """A text of given words and of others made of their letters; `gaps`: more than one space may separate them."""
+
+    words: tuple[str, ...]
+    shortest: Bound
+    longest: Bound
+    gaps: bool = False
+
+    def draw(self, rng: np.random.Generator, variables: Variables) -> str:
+        drawn: list[str] = []
+        for kind in rng.random(_draw_length(rng, self.shortest, self.longest, variables)):
+            others = drawn if drawn and kind < REPEATED else self.words
+            word = others[int(rng.integers(len(others)))]
+            drawn.append(self._mixed(rng, len(word)) if kind >= 1.0 - MIXED else word)
+        spaces = [" " * (1 + int(self.gaps and rng.random() < GAP)) for _ in drawn]
+        return "".join(space + word for space, word in zip(["", *spaces[1:]], drawn, strict=False))
+
+    def _mixed(self, rng: np.random.Generator, length: int) -> str:
+        """Return another word of about so many of the letters."""
+        letters = "".join(self.words)
+        return "".join(letters[k] for k in rng.integers(len(letters), size=max(1, length + int(rng.integers(-1, 2)))))
+
+    def contains(self, value: Value, variables: Variables) -> bool:
+        if type(value) is not str or not self.shortest(variables) <= len(value.split()) <= self.longest(variables):
+            return False
+        letters = {letter for word in self.words for letter in word}
+        if not all(set(word) <= letters for word in value.split()):
+            return False
+        return self.gaps or value == " ".join(value.split())
+
+    def simpler(self, value: Value) -> Iterator[Value]:
+        """Yield texts with a word less, then with fewer letters."""
+        words = value.split(" ")
+        yield from (" ".join([*words[:at], *words[at + 1 :]]) for at in range(len(words)) if len(words) > 1)
+        yield from shrink_plain_value(value)
 
 
 @dataclass(frozen=True)

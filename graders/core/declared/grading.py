@@ -155,7 +155,9 @@ class DeclaredGrader:
             if not is_answered(played):
                 raise SolutionFault(f"{scenario.text()} : {played.fault.message if played.fault else ''}")
             last = len(scenario.statements) - 1
-            if scenario.expected and not expected_is_given(check, scenario.expected[0], played, last):
+            if scenario.expected and not expected_is_given(
+                check.for_case(scenario), scenario.expected[0], played, last
+            ):
                 given = observed(check, played, last)
                 wanted, obtained = python_pair(scenario.expected[0], given)
                 raise SolutionFault(f"{scenario.text()} : la solution donne {obtained}, et « attendus » dit {wanted}")
@@ -282,7 +284,7 @@ class DeclaredGrader:
     def probe_cases(self) -> list[tuple[DeclaredCheck, Case]]:
         """Return the cases of the probes, with their checks."""
         return [
-            (check, case)
+            (check.for_case(case.scenario), case)
             for check in self.declaration.checks
             for case in (
                 *map(Case, check.cases),

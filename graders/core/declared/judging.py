@@ -35,7 +35,7 @@ class Failure:
 
 def judge(check: DeclaredCheck, case: Case, right: Played, got: Played) -> Failure | None:
     """Return why a program's answer to a case is not the solution's; None where they agree."""
-    last = len(case.scenario.statements) - 1
+    check, last = check.for_case(case.scenario), len(case.scenario.statements) - 1
     if right.raised is not None:
         return _judge_exception(check, case, right, got)
     if got.fault is not None:

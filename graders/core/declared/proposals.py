@@ -27,6 +27,8 @@ from graders.core.syntax_trees import parse_source
 
 #: Different characters of a proposed alphabet.
 MAX_ALPHABET = 20
+#: Different words of proposed texts, and characters of one.
+MAX_WORDS, MAX_WORD = 20, 14
 TO_DO = "# À vous de jouer."
 #: The signature of a student's file that is run whole.
 WHOLE_PROGRAM = "un programme entier"
@@ -179,9 +181,17 @@ def _generator(values: Sequence[Value]) -> str:
 
 
 def _text_generator(values: Sequence[str]) -> str:
+    """Return what draws words like those of the examples; their letters where they are no words."""
+    words = list(dict.fromkeys(word for value in values for word in value.split(" ") if word))
     alphabet = "".join(sorted(set("".join(values))))
+    if not (alphabet and alphabet.isprintable()):
+        return ""
+    if any(letter.isalpha() for letter in alphabet) and len(words) <= MAX_WORDS and max(map(len, words)) <= MAX_WORD:
+        counts, gaps = [len(value.split()) for value in values], any("  " in value.strip() for value in values)
+        given = python_text(" ".join(words))
+        return f"mots({given}, {min(counts)}, {max(counts)}{', espaces=True' if gaps else ''})"
     lengths = [len(value) for value in values]
-    fits = 0 < len(alphabet) <= MAX_ALPHABET and alphabet.isprintable()
+    fits = len(alphabet) <= MAX_ALPHABET
     return f"texte({python_text(alphabet)}, {min(lengths)}, {max(lengths)})" if fits else ""
 
 

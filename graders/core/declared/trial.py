@@ -271,6 +271,7 @@ def _tried_case(check: DeclaredCheck, at: int, number: int, case: Scenario, got:
         return TriedCase(at, number, "", agrees=False, fault=_message(got.fault) if got.fault else "")
     if got.fault is not None and not case.expected:
         return TriedCase(at, number, "", agrees=False, fault=_message(got.fault), raised=got.fault.exception or "")
+    check = check.for_case(case)
     given: Value = observed(check, got, len(case.statements) - 1)
     as_expected = not case.expected or expected_is_given(check, case.expected[0], got, len(case.statements) - 1)
     return TriedCase(at, number, text_of(given), agrees=as_expected)

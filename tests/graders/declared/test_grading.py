@@ -4,11 +4,13 @@ from __future__ import annotations
 
 from typing import Any
 
+import numpy as np
 import pytest
 
 from graders.core.contract.outcomes import Outcome
 from graders.core.contract.verdict import Verdict
 from graders.core.declared.declaration import read_declaration
+from graders.core.declared.draws_reading import parse_draws
 from graders.core.declared.grading import DeclaredGrader, SolutionFault
 from graders.core.declared.malformed import MalformedDeclaration
 from server.grading.sandbox_grader import SandboxPrograms
@@ -177,3 +179,37 @@ def test_a_malformed_declaration_is_told_with_its_place(changes: dict[str, Any],
         read_declaration(declaration)
     assert refused.value.place == place
     assert words in refused.value.message
+
+
+@pytest.mark.parametrize(
+    ("program", "passes"),
+    [
+        ("def f(x, eps=1.0):\n    return x\n", True),
+        ("def f(x, eps=1.0):\n    return x + 0.4 * eps\n", True),
+        ("def f(x, eps=1.0):\n    return x + 1.6 * eps\n", False),
+        ("def f(x, eps=1.0):\n    return x + 0.01\n", False),
+    ],
+)
+def test_a_tolerance_may_be_a_parameter_of_the_case(sandbox: Sandbox, program: str, passes: bool) -> None:
+    solution = "def f(x, eps=1.0):\n    return eps * round(x / eps)\n"
+    cases = ("f(0.3, 0.1)", "f(0.25, eps=0.001)", "f(0.6)")
+    more = {"tirages": "x = reel(0, 1)", "appel": "f(x, 0.25)"}
+    declared = declare("f", solution, *cases, tolerance="eps", attendus=["0.35", "0.2505", "0.8"], **more)
+    assert (graded(sandbox, declared, program).points == 20) is passes
+    with pytest.raises(MalformedDeclaration, match="un nombre, ou un calcul sur les paramètres, comme eps"):
+        read_declaration({**declared, "verifications": [{**declared["verifications"][0], "tolerance": "delta"}]})
+
+
+def test_drawn_words_are_those_of_the_examples_mixed() -> None:
+    rng = np.random.default_rng(2)
+    for text in ("x = mots('le chat dort', 2, 6)", "x = mots('kayak', 1, 1)", "x = mots('a b', 0, 4, espaces=True)"):
+        draws = parse_draws(text)
+        drawn = [draws.draw(rng) for _ in range(40)]
+        assert all(map(draws.allows, drawn))
+        texts = [str(each["x"]) for each in drawn]
+        assert len(set(texts)) > 5, texts
+        assert any("  " in each for each in texts) is ("espaces" in text)
+        simpler = [str(each["x"]) for each in draws.simpler(max(drawn, key=lambda each: len(str(each["x"]))))]
+        assert simpler
+        assert min(map(len, simpler)) < max(map(len, texts))
+    assert any(len(each.split()) > len(set(each.split())) for each in texts), "words are drawn again"
