@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import gc
+import importlib
 import os
 import re
 import sys
@@ -19,6 +20,7 @@ from typing import TYPE_CHECKING, Any
 import pytest
 from _pytest.runner import runtestprotocol
 from hypothesis import HealthCheck, settings
+from hypothesis.internal.conjecture import providers
 
 if TYPE_CHECKING:
     from server.sandbox import Sandbox
@@ -39,6 +41,9 @@ gc.disable()  # until all is imported and collected
 # A busy machine is no failure.
 settings.register_profile("balise", deadline=None, max_examples=40, suppress_health_check=[HealthCheck.too_slow])
 settings.load_profile("balise")
+# It would read the constants of all 1,400 loaded files, in each process, which takes 3 s in a fresh checkout. What an
+# example must meet stands in its strategy.
+providers.is_local_module_file = lambda _path: False
 
 
 def pytest_configure(config: pytest.Config) -> None:
@@ -87,36 +92,61 @@ def pytest_xdist_auto_num_workers(config: pytest.Config) -> int | None:
     """None for a small selection; else one more than there are processors, as tests wait for a fifth of the time."""
     if "PYTEST_XDIST_AUTO_NUM_WORKERS" in os.environ:
         return None
-    if _selected_files(config) <= SMALL_SELECTION_FILES:
+    if len(_selected_paths(config)) <= SMALL_SELECTION_FILES:
         config.option.dist = "no"
         return 0
     return min(len(os.sched_getaffinity(0)) + 1, MAX_WORKERS)
 
 
-def _selected_files(config: pytest.Config) -> int:
+def _selected_paths(config: pytest.Config) -> set[Path]:
+    """Return the test files of a selection, without those of the parts that it leaves out."""
     paths = {config.invocation_params.dir / argument.split("::")[0] for argument in config.args}
-    return sum(1 if path.is_file() else sum(1 for _ in path.rglob("test_*.py")) for path in paths)
+    files = {file for path in paths for file in ([path] if path.is_file() else path.rglob("test_*.py"))}
+    left_out = {TESTS / part for part in _left_out_parts(config)}
+    return {file for file in files if left_out.isdisjoint(file.parents)}
+
+
+def _left_out_parts(config: pytest.Config) -> set[str]:
+    """Return the parts that a selection leaves out, as `-m "not content"` does."""
+    expression = config.option.markexpr
+    return set() if " or " in expression else {*re.findall(r"\bnot (\w+)", expression)} & {*PARTS}
 
 
 def pytest_ignore_collect(collection_path: Path, config: pytest.Config) -> bool | None:
     """Skip the folder of a part that the selection leaves out (`-m "not content"`): nothing of it is imported."""
-    is_part = collection_path.parent == TESTS and collection_path.name in PARTS
-    left_out = re.findall(r"\bnot (\w+)", config.option.markexpr) if " or " not in config.option.markexpr else []
-    return True if is_part and collection_path.name in left_out else None
+    is_left_out = collection_path.parent == TESTS and collection_path.name in _left_out_parts(config)
+    return True if is_left_out else None
 
 
 @pytest.hookimpl(wrapper=True)
-def pytest_collection() -> Iterator[None]:
+def pytest_collection(session: pytest.Session) -> Iterator[None]:
     """What is collected stays to the end: the collector of garbage does not walk through it again and again.
 
     Nor does it look so often at all that the tests keep: a full collection takes a tenth of a second by then.
     """
+    if hasattr(session.config, "workerinput"):
+        _import_share(session.config)
     try:
         return (yield)
     finally:
         gc.freeze()
         gc.set_threshold(10_000, 10, 20)
         gc.enable()
+
+
+def _import_share(config: pytest.Config) -> None:
+    """Import this process's share of the test files that nobody has compiled yet, as in a fresh checkout.
+
+    All processes collect in one order: each would rewrite the assertions of every file at the same time as the others.
+    """
+    position, count = int(config.workerinput["workerid"].removeprefix("gw")), config.workerinput["workercount"]
+    for path in sorted(_selected_paths(config))[position::count]:
+        if any(path.parent.glob(f"__pycache__/{path.stem}.*-pytest-*.pyc")):
+            continue
+        try:
+            importlib.import_module(".".join(path.relative_to(TESTS.parent).with_suffix("").parts))
+        except (Exception, pytest.skip.Exception):
+            continue  # the collection meets it again, and tells it
 
 
 @pytest.hookimpl(tryfirst=True)

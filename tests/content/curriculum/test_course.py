@@ -31,8 +31,6 @@ from tests.support.verdicts import checked
 SEED = 2026
 #: Every case of this one runs in the fast suite: each outcome, in the sandbox, with the limits of an exercise.
 COMPLETE = "l20/poses"
-#: Of the exercises that are closed loops over many runs, the one whose reference takes longest.
-HEAVIEST = "l20/defi_kidnappe"
 #: One on the template with SciPy, whose first mistake that is a whole file is named in the sandbox too.
 WITH_SCIPY = "l20/slam_graphe"
 #: Caught only by fifteen whole runs, which take a third of the time of all mistakes together; left to `balise check`.
@@ -42,17 +40,15 @@ LONG_MISTAKES = {"injection_au_meme_endroit"}
 def fast_cases(exercise: Exercise) -> Sequence[Case]:
     """The reference of an exercise of code, on one seed; of one exercise for each template, a mistake that is named.
 
-    Tests of the exercises name their mistakes without the sandbox, and grade the reference where it takes long: what
-    the sandbox adds is the same for all, and of closed loops the heaviest shows that the limits suffice.
+    Each reference is graded in the sandbox, with the limits of its exercise. Tests of the exercises name their mistakes
+    without it.
     """
     known = [replace(case, rounds=1) for case in cases(exercise)]
     grader = exercise.grader
     if exercise.id == COMPLETE or not isinstance(grader, CodeGrader):
         return known
-    if grader.long:
-        return []
     if exercise.id != WITH_SCIPY:
-        return [] if grader.heavy and exercise.id != HEAVIEST else known[:1]
+        return known[:1]
     whole = {f"erreur {mistake.id}" for mistake in grader.misconceptions if mistake.whole}
     return [known[0], next(case for case in known if case.subject in whole)]
 
