@@ -33,7 +33,7 @@ from graders.core.code.seen_facts import (
 )
 from graders.core.compare.changed_arguments import ArgumentChange, replacements, variations
 from graders.core.compare.compound_forms import TupleForm
-from graders.core.compare.series import MIN_WRONG, Series, is_constant, same
+from graders.core.compare.series import MANY_CALLS, MIN_WRONG, Series, is_constant, same
 from graders.core.contract.program import KitSettings, PlannedCalls, Programs, Reply, StudentFault, flatten_blocks
 from graders.core.contract.streams import stream
 from graders.core.contract.values import Arguments, Floats, UnreadableError, Value, read_array
@@ -46,8 +46,6 @@ _FEELS, _FEELS_NOT = ("change", "il ne devrait pas", NOT_FELT), ("ne change pas"
 #: A varied call, the answer of the program, and that of the solution.
 _VariedAnswer = tuple[Variation, list[Floats] | None, list[Floats] | None]
 _NO_EXAMPLES: Mapping[str, Sequence[Arguments]] = MappingProxyType({})
-#: Calls in all without which nothing is said.
-MIN_TRIED = 8
 #: Calls in which a result must feel an argument, and does not, or the other way round.
 MIN_FELT = 2
 
@@ -77,15 +75,17 @@ class Experimenter:
     def _facts_of(self, source: str, trial: FunctionTrial) -> list[SeenFact]:
         """Return the facts of a function; `trial` are its calls to the probes, against which all others are held."""
         views, wider = trial.wrong_views(), self._widened(source, trial)
-        if wider is None or len(wider.calls) < MIN_TRIED:
+        if wider is None:
             return []
+        related = [fact for view in views for fact in self._related(wider, view)]
+        if len(wider.calls) < MANY_CALLS:
+            return related
         # Many changes give the same counts and verdicts, or leave them as they are.
         rich = [view for view in views if not _holds_counts(trial.series(view))]
         varied = [view for view in rich if not is_constant(wider.series(view))]
         replaced = list(self._replaced(trial, wider, varied))
         if not trial.unique:
-            return replaced
-        related = [fact for view in views for fact in self._related(wider, view)]
+            return [*replaced, *related]
         strong = [fact for fact in related if is_strong(fact)]
         # Among several right answers, the solution's own choice may feel an argument that others need not.
         pairs = zip(trial.got, trial.unrounded or trial.got, strict=True)

@@ -11,7 +11,7 @@ import numpy as np
 
 from graders.core.compare import words as render
 from graders.core.compare.changed_arguments import ArgumentChange
-from graders.core.compare.series import MIN_WRONG, Series, same, tell_relations
+from graders.core.compare.series import MANY_CALLS, MIN_WRONG, Series, same, tell_answers, tell_relations
 from graders.core.contract.program import KitSettings
 from graders.core.contract.values import Arguments, Floats, Value
 from graders.typography import elided
@@ -145,15 +145,16 @@ def is_strong(fact: SeenFact) -> bool:
 
 def related_fact(trial: FunctionTrial, view: ReturnedValue) -> SeenFact | None:
     series = trial.series(view)
-    told = next(tell_relations(series), None)
+    tell = tell_relations if trial.unique and len(trial.calls) >= MANY_CALLS else tell_answers
+    told = next(tell(series), None)
     if told is None:
         return None
     k = trial.plainest(number for number, wrong in enumerate(series.wrong) if wrong)
-    wrong = sum(series.wrong)
+    wrong, example = sum(series.wrong), "" if trial.unique else " par exemple"
     share = f", dont {wrong} faux" if wrong < len(trial.calls) else ""
     proof = (
         f"C’est ainsi dans les {len(trial.calls)} essais{share}. Par exemple, pour {trial.shown(trial.calls[k])}, "
-        f"on attend {shown_value(series.right[k])} et on obtient {shown_value(series.got[k])}."
+        f"on attend{example} {shown_value(series.right[k])} et on obtient {shown_value(series.got[k])}."
     )
     return SeenFact(trial.function, f"{capital_subject(view.words)} {told}", proof, _QUESTION)
 

@@ -19,8 +19,8 @@ from graders.typography import elided
 EXACT = 1e-5
 #: Relative error below which answers are nearly right everywhere; wrong calls, and right ones, that establish a fact.
 NEARLY, MIN_WRONG, MIN_RIGHT = 0.05, 2, 2
-#: Answers of which a common step says something.
-MANY = 4
+#: Answers of which a common step says something; calls after which « chaque fois » may be said.
+MANY, MANY_CALLS = 4, 8
 
 
 @dataclass(frozen=True)
@@ -51,6 +51,12 @@ def tell_relations(series: Series) -> Iterator[str]:
                 yield from find(series)
         else:
             yield from _conditions(series)
+
+
+def tell_answers(series: Series) -> Iterator[str]:
+    """Yield French predicates of a program's own answers, whatever the right ones are."""
+    if sum(series.wrong) >= MIN_WRONG:
+        yield from _arguments(series)
 
 
 def is_constant(series: Series) -> bool:
@@ -186,6 +192,9 @@ def _orders(series: Series) -> Iterator[str]:
 def _arguments(series: Series) -> Iterator[str]:
     """An argument, as it was given, or the same answer to everything."""
     if is_constant(series):
+        if len(series.calls) < MANY_CALLS:
+            yield f"est la même valeur{_in_tries(series)}"
+            return
         varied = all(_varies(series, index) for index in range(len(series.names)))
         yield f"{'ne dépend d’aucun argument : c’est' if varied else 'est'} chaque fois la même valeur"
         return
@@ -196,8 +205,13 @@ def _arguments(series: Series) -> Iterator[str]:
             and same(got, np.asarray(call[index], dtype=float))
             for call, got in zip(series.calls, series.got, strict=True)
         ):
-            yield f"est toujours {name}, tel que donné"
+            few = len(series.calls) < MANY_CALLS
+            yield f"est {'' if few else 'toujours '}{name}, tel que donné{_in_tries(series) if few else ''}"
             return
+
+
+def _in_tries(series: Series) -> str:
+    return f" dans les {len(series.calls)} essais"
 
 
 def _varies(series: Series, index: int) -> bool:

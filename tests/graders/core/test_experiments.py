@@ -38,7 +38,7 @@ def told(got: list[Floats], right: list[Floats], calls: list[tuple[object, ...]]
         (lambda x: x[::-1], "a les bonnes valeurs, dans l’ordre inverse"),
         (lambda x: np.roll(x, 1), "a les bonnes valeurs, dans un autre ordre"),
         (lambda x: np.concatenate([[7.0], x[:-1]]), "décalées d’un rang : la première est de trop"),
-        (lambda x: 0.0 * x + 1.0, "ne dépend d’aucun argument"),
+        (lambda x: 0.0 * x + 1.0, "est la même valeur dans les 3 essais"),
         (lambda x: x * [1.0, 1.01, 0.99], "n’est juste qu’à peu près : à 1 %"),
         (lambda x: x * [1.0, 3.0, -4.0], "commence bien : sa première valeur est toujours juste"),
         (lambda x: x * [1.0, 1.0, -4.0], "n’est faux qu’à sa dernière valeur"),
@@ -50,8 +50,9 @@ def test_a_relation_that_holds_in_all_calls_is_told(change: object, words: str) 
 
 
 def test_an_argument_that_never_changes_may_be_the_one_that_counts() -> None:
-    same = [ROWS[0]] * 3
-    assert told(same, ROWS, [(1.0, float(k)) for k in range(3)])[0] == "est chaque fois la même valeur"
+    same, right = [ROWS[0]] * 9, 3 * ROWS
+    assert told(same, right, [(1.0, float(k)) for k in range(9)])[0] == "est chaque fois la même valeur"
+    assert told(same[:3], ROWS, [(1.0, float(k)) for k in range(3)])[0] == "est la même valeur dans les 3 essais"
 
 
 def test_one_answer_to_everything_is_told_before_what_it_is_of_the_right_ones() -> None:
@@ -205,6 +206,16 @@ def test_of_answers_that_are_not_the_only_right_ones_little_is_told() -> None:
     source = grader.solution.replace("systeme(x, aretes, ponderer(x, aretes, delta))", "systeme(x, aretes, [1] * 999)")
     source = source.replace("poids, strict=True)", "poids)")
     assert not Experimenter(grader, LOCAL, 3, lambda: False).find_facts(source, ("gauss_newton_robuste",))
+
+
+def test_of_a_map_that_stays_empty_it_is_told() -> None:
+    """Judged by its signs alone, a map has many right answers; but not the same one for all scans."""
+    grader = CODE["l20/tp_slam"]
+    source = (
+        grader.solution + "\n\ndef carte(poses, scans, forme, origine, cote, portee=8.0):\n    return np.zeros(forme)\n"
+    )
+    (fact,) = Experimenter(grader, LOCAL, 3, lambda: False).find_facts(source, ("carte",))
+    assert fact.title == "Le résultat de carte est la même valeur dans les 3 essais"
 
 
 def test_one_right_answer_of_several_is_told_as_an_example() -> None:
