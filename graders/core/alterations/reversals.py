@@ -187,6 +187,25 @@ def additions(text: ProgramText, node: ast.AST) -> Iterator[Change]:
             yield text.replaced(node, f"({here}) {sign} {other}", "terme ou facteur manquant")
 
 
+def parentheses(text: ProgramText, node: ast.AST) -> Iterator[Change]:
+    """Parentheses that are missing: a sum is divided or multiplied as a whole, an exponent is a quotient."""
+    if not isinstance(node, ast.BinOp):
+        return
+    signs: dict[type, str] = {ast.Add: "+", ast.Sub: "-", ast.Mult: "*", ast.Div: "/", ast.Pow: "**"}
+    first, last = node.left, node.right
+    if (
+        isinstance(node.op, ast.Add | ast.Sub)
+        and isinstance(last, ast.BinOp)
+        and isinstance(last.op, ast.Div | ast.Mult)
+    ):
+        parts = [f"({text.source_of(part)})" for part in (first, last.left, last.right)]
+        new = f"(({parts[0]} {signs[type(node.op)]} {parts[1]}) {signs[type(last.op)]} {parts[2]})"
+        yield text.replaced(node, new, "parenthèses")
+    if isinstance(node.op, ast.Div | ast.Mult) and isinstance(first, ast.BinOp) and isinstance(first.op, ast.Pow):
+        parts = [f"({text.source_of(part)})" for part in (first.left, first.right, last)]
+        yield text.replaced(node, f"({parts[0]} ** ({parts[1]} {signs[type(node.op)]} {parts[2]}))", "parenthèses")
+
+
 def tests(text: ProgramText, node: ast.AST) -> Iterator[Change]:
     """A statement that is not made under a condition; `while` for `if`; `else` for a second `if`."""
     if isinstance(node, ast.If) and not node.orelse:
@@ -214,5 +233,5 @@ def augments(text: ProgramText, node: ast.AST) -> Iterator[Change]:
             yield Change(start, end, f"{sign}=", "affectation")
 
 
-LIKELY = (copies, types, axes, orders, tests, augments)
+LIKELY = (copies, types, axes, orders, tests, augments, parentheses)
 UNLIKELY = (variables, exchanges, rankings, factors, additions)

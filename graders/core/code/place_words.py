@@ -39,6 +39,7 @@ _VARIABLE = Aspect("une variable", "Est-ce bien cette variable-là qu'il faut li
 _STORED = Aspect("ce que la ligne range", "Que devient l'ancienne valeur quand cette ligne est exécutée ?")
 _SHARED = Aspect("un tableau qui a deux noms", "Ces deux noms désignent-ils deux tableaux, ou le même ?")
 _TYPE = Aspect("le type des nombres", "Quels nombres ce tableau peut-il contenir ?")
+_PARENTHESES = Aspect("les parenthèses", "Dans quel ordre Python fait-il les opérations de cette ligne ?")
 _MOMENT = Aspect("la place de cette ligne", "Combien de fois cette ligne est-elle exécutée, et à quel moment ?")
 
 #: The aspect of a line that each kind of change looks at.
@@ -54,7 +55,7 @@ ASPECTS: Mapping[str, Aspect] = {
     "normalisation oubliée": _CALL, "appel oublié": _CALL, "argument oublié": _CALL, "fonction voisine": _CALL,
     "variable": _VARIABLE, "variables échangées": _VARIABLE, "affectation": _STORED, "instruction oubliée": _STORED,
     "saut": _STORED, "copie": _SHARED, "rangement": _RANKING, "type": _TYPE, "ordre des lignes": _MOMENT,
-    "indentation": _MOMENT,
+    "indentation": _MOMENT, "parenthèses": _PARENTHESES,
 }  # fmt: skip
 _ANY = Aspect("", "Que vaut chaque terme de cette ligne, dans l'exemple d'une vérification qui échoue ?")
 _ELSEWHERE = " Si elle vous paraît juste, cherchez parmi les lignes qui calculent ou emploient les mêmes valeurs."

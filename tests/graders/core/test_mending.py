@@ -175,6 +175,19 @@ def test_what_is_read_unsorted_is_sorted() -> None:
     assert [change.line for change in changes] == [2, 3]
 
 
+@pytest.mark.parametrize(
+    ("line", "mended"),
+    [
+        ("return a + b / 2", "return (((a) + (b)) / (2))"),
+        ("return x - y * c", "return (((x) - (y)) * (c))"),
+        ("return (x @ x) ** 1 / 2", "return ((x @ x) ** ((1) / (2)))"),
+    ],
+)
+def test_missing_parentheses_are_put(line: str, mended: str) -> None:
+    changes = find_changes(f"def f(a, b, c, x, y):\n    {line}\n", ["f"], None, lambda: False)
+    assert [change.text.split("\n")[1].strip() for change in changes if change.operator == "parenthèses"] == [mended]
+
+
 def test_a_line_notes_what_it_reads() -> None:
     noted = noted_line(PROGRAM, 8)
     assert noted is not None
