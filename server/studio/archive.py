@@ -42,9 +42,12 @@ MAX_TOML, MAX_DOTS = 400_000, 8
 #: Strings and comments of TOML, and what stands between keys and numbers outside of them.
 _STRING = re.compile(r'"""[\s\S]*?"""|' + r"'''[\s\S]*?'''" + r'|"(?:[^"\\\n]|\\.)*"|' + r"'[^'\n]*'|#[^\n]*")
 _NO_KEY = re.compile(r"[^\w.-]+")
-NOT_AN_EXERCISE = "ce ZIP n’est pas un exercice déclaré : il y faut « declaration.toml » et « solution.py »"
+NOT_AN_EXERCISE = (
+    "ce ZIP n’est ni un exercice exporté d’ici (« declaration.toml » et « solution.py »), ni un exercice de Dodona "
+    "(une suite de tests en YAML)"
+)
 TOO_LARGE = f"ce ZIP est trop grand : {MAX_FILES} fichiers et {MAX_FILES_BYTES >> 20} Mio au plus"
-_NO_ZIP = (zipfile.BadZipFile, zlib.error, NotImplementedError, RuntimeError, UnicodeDecodeError, OSError, EOFError)
+_NO_ZIP = (zipfile.BadZipFile, zlib.error, NotImplementedError, RuntimeError, ValueError, OSError, EOFError)
 _HINT = re.compile(r"^## Indice [123][ \t]*$", re.M)
 _TYPED = {"titre": "title", **CHECK_TEXTS, **CHECK_NUMBERS}
 
@@ -92,9 +95,15 @@ def _card(content: Mapping[str, Any], limits: Mapping[str, float]) -> str:
     return "\n".join([*lines, "", "[limits]", *(f"{name} = {value}" for name, value in limits.items())]) + "\n"
 
 
-def read_archive(data: bytes) -> ExerciseDraft:
-    """Return the draft of the exercise in a ZIP. Raises ArchiveRefused."""
-    files = _read_files(data)
+def is_archive(texts: Mapping[str, str]) -> bool:
+    """Whether files, by their paths, hold a declared exercise."""
+    return any(path.rpartition("/")[2] == "declaration.toml" for path in texts)
+
+
+def read_archive(texts: Mapping[str, str]) -> ExerciseDraft:
+    """Return the draft of an exercise's files, by their paths. Raises ArchiveRefused."""
+    by_depth = sorted(texts.items(), key=lambda it: it[0].count("/"))
+    files = {path.rpartition("/")[2]: text for path, text in by_depth}  # of two of one name, the deeper one
     for name in ("declaration.toml", "exercise.toml"):
         _require_shallow(name, files.get(name, ""))
     try:
@@ -107,8 +116,8 @@ def read_archive(data: bytes) -> ExerciseDraft:
         raise ArchiveRefused(f"« declaration.toml » ou « exercise.toml » ne se lit pas : {error}") from error
 
 
-def _read_files(data: bytes) -> dict[str, str]:
-    """Return the texts of the files by their last names; of two of one name, the deeper one's."""
+def unpack_texts(data: bytes) -> dict[str, str]:
+    """Return the texts of the files of a ZIP by their paths; pictures and the like are left. Raises ArchiveRefused."""
     if len(data) > MAX_ARCHIVE:
         raise ArchiveRefused(TOO_LARGE)
     try:
@@ -116,24 +125,20 @@ def _read_files(data: bytes) -> dict[str, str]:
             entries = [entry for entry in archive.infolist() if not entry.is_dir()]
             if len(entries) > MAX_FILES or sum(entry.file_size for entry in entries) > MAX_FILES_BYTES:
                 raise ArchiveRefused(TOO_LARGE)
-            texts = {entry.filename: _read_entry(archive, entry) for entry in entries}
-    except (
-        zipfile.BadZipFile,
-        zlib.error,
-        NotImplementedError,
-        RuntimeError,
-        UnicodeDecodeError,
-        OSError,
-        EOFError,
-    ) as error:
+            read = {entry.filename: _read_entry(archive, entry) for entry in entries}
+    except _NO_ZIP as error:
         raise ArchiveRefused("ce fichier n’est pas un ZIP de textes") from error
-    return {path.rpartition("/")[2]: text for path, text in sorted(texts.items(), key=lambda it: it[0].count("/"))}
+    return {path: text for path, text in read.items() if text is not None}
 
 
-def _read_entry(archive: zipfile.ZipFile, entry: zipfile.ZipInfo) -> str:
-    """Return the text of a file, of which no more is unpacked than the archive says that there is."""
+def _read_entry(archive: zipfile.ZipFile, entry: zipfile.ZipInfo) -> str | None:
+    """Return the text of a file, of which no more is unpacked than the archive says that there is; None without one."""
     with archive.open(entry) as opened:
-        return opened.read(entry.file_size + 1).decode("utf-8")
+        content = opened.read(entry.file_size + 1)
+    try:
+        return content.decode("utf-8")
+    except UnicodeDecodeError:
+        return None
 
 
 def _require_shallow(name: str, text: str) -> None:

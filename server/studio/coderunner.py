@@ -30,7 +30,7 @@ MAX_FILE_BYTES = 2000
 def read_questions(data: bytes) -> Iterator[Draft]:
     """Read Moodle XML: the questions of Python; of others, say that they are left. Raises ImportRefused."""
     if b"<!DOCTYPE" in data or b"<!ENTITY" in data:
-        raise ImportRefused("ce XML définit des entités : il n’est pas lu")
+        raise ImportRefused("ce XML définit des entités, et ne vient donc pas de Moodle : il n’est pas lu")
     if b"\0" in data:  # of another encoding, in which entities were not seen
         raise ImportRefused("ce XML n’est pas en UTF-8 : exportez-le de nouveau depuis Moodle")
     try:
@@ -59,16 +59,18 @@ def _read_question(question: ElementTree.Element, place: str) -> Draft:
     draft.solution = _text_of(question, "answer")
     kind = _text_of(question, "coderunnertype")
     if not kind.startswith("python3") or kind == "python3_tkinter":
-        draft.left.append(f"{place} : type « {kind} », qui n’est pas du Python seul")
+        draft.left.append(f"{place} : une question de type « {kind} » ; seules celles de Python se reprennent")
         return draft
     if _text_of(question, "prototypetype") not in ("", "0"):
-        draft.left.append(f"{place} : un modèle de questions, et non une question")
+        draft.left.append(f"{place} : un modèle (« prototype »), et non une question")
         return draft
     draft.statement = html_to_markdown(_text_of(question, "questiontext/text"))
     if _text_of(question, "template"):
-        draft.to_look_at.append(f"{place} : un gabarit de correction, qui n’est pas lu")
+        draft.to_look_at.append(
+            f"{place} : son gabarit (« template ») n’est pas repris ; vérifiez que les cas suffisent"
+        )
     if draft.statement:
-        draft.to_look_at.append(f"{place} : l’énoncé, qui était en HTML")
+        draft.to_look_at.append(f"{place} : relisez l’énoncé, qui était en HTML")
     tests = list(question.iter("testcase"))
     for name in {_text_of(test, "extra/text") for test in tests}:
         _drop_last_call(draft, place, name)
@@ -138,7 +140,9 @@ def _files(draft: Draft, place: str, question: ElementTree.Element) -> Iterator[
         if 0 < len(text) <= MAX_FILE_BYTES:
             yield f"{FILE}({python_text(name)}, {python_text(text)})"
         else:
-            draft.left.append(f"{place} : le fichier « {name} », qui est trop long ou n’est pas un texte")
+            draft.left.append(
+                f"{place} : le fichier « {name} » n’est pas repris : {MAX_FILE_BYTES} octets de texte au plus"
+            )
 
 
 def _read_test(question: _QuestionParts, place: str, test: ElementTree.Element, code: str) -> None:
@@ -146,7 +150,7 @@ def _read_test(question: _QuestionParts, place: str, test: ElementTree.Element, 
     if question.is_program:
         has_code = bool(_body(code))
         if has_code:
-            draft.left.append(f"{place} : « {code[:80]} » n’appelle rien de la solution")
+            draft.left.append(f"{place} : « {code[:80]} » n’appelle aucune fonction de la solution")
             return
         shown = python_text(expected) if expected else ""
         draft.add_case(place, ReadCase(PROGRAM, f"{question.files}{program_call(typed)}", shown))
@@ -165,7 +169,9 @@ def _read_test(question: _QuestionParts, place: str, test: ElementTree.Element, 
         return
     call, count = shown_value
     if count > 1:
-        draft.to_look_at.append(f"{place} : plusieurs valeurs affichées ; leur résultat est celui de la solution")
+        draft.to_look_at.append(
+            f"{place} : ce test affiche plusieurs valeurs ; le résultat attendu sera celui de la solution"
+        )
         wanted = ""
     else:
         wanted = readable_literal(expected) or python_text(expected)

@@ -87,17 +87,17 @@ class Draft:
     def make_checks(self) -> None:
         """Make checks of the cases: one of each function and settings, at most as many as there may be."""
         if self.is_full:
-            self.left.append(f"la suite du fichier : {MAX_READ} cas au plus sont lus")
+            self.left.append(f"la suite du fichier : les {MAX_READ} premiers cas sont lus")
         groups: dict[tuple[str, Sequence[tuple[str, str]]], list[ReadCase]] = {}
         for case in self.cases:
             groups.setdefault((case.function, case.settings), []).append(case)
         for (function, settings), own in groups.items():
             if len(self.checks) == MAX_CHECKS:
-                self.left.append(f"{function} : plus de {MAX_CHECKS} vérifications")
+                self.left.append(f"{function} : un exercice a {MAX_CHECKS} vérifications au plus")
                 continue
             if len(own) > MAX_CASES:
                 more = len(own) - MAX_CASES
-                self.left.append(f"{function} : {more} cas de plus que les {MAX_CASES} d’une vérification")
+                self.left.append(f"{function} : {more} cas de trop ; une vérification en a {MAX_CASES} au plus")
             kept = own[:MAX_CASES]
             name = "Le programme" if function == PROGRAM else function
             check: dict[str, Any] = {"id": f"v{len(self.checks) + 1}", "titre": f"{name} : les cas importés"}
@@ -114,15 +114,6 @@ def called_functions(code: str, solution: str) -> list[str]:
     own = {node.name for node in defined.body if isinstance(node, ast.FunctionDef | ast.ClassDef)}
     called = [node.func.id for node in ast.walk(tree) if isinstance(node, ast.Call) and isinstance(node.func, ast.Name)]
     return list(dict.fromkeys(name for name in called if name != "print" and (not own or name in own)))
-
-
-def _readable(expected: str) -> str | None:
-    """Return what was printed as a literal, where it is one."""
-    try:
-        parse_expected(expected)
-    except MalformedDeclaration:
-        return None
-    return expected
 
 
 def readable_literal(text: str) -> str | None:

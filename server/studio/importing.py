@@ -6,7 +6,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from server.studio.archive import ArchiveRefused, read_archive, read_check
+from server.studio.archive import ArchiveRefused, is_archive, read_archive, read_check, unpack_texts
+from server.studio.dodona import has_suite, read_exercise
 from server.studio.drafts import MAX_CASES, MAX_CHECKS, CaseDraft, CheckDraft, ExerciseDraft
 from server.studio.import_drafts import NO_SOLUTION, Draft, ImportRefused
 from server.studio.imports import read_drafts
@@ -34,7 +35,10 @@ def import_file(name: str, data: bytes) -> list[ImportedExercise]:
     """Return the exercises of a file, by the ending of its name. Raises ImportRefused."""
     if name.lower().endswith(".zip"):
         try:
-            draft = read_archive(data)
+            texts = unpack_texts(data)
+            if has_suite(texts) and not is_archive(texts):
+                return [_imported(draft) for draft in read_exercise(texts)]
+            draft = read_archive(texts)
         except ArchiveRefused as refused:
             raise ImportRefused(str(refused)) from refused
         calls = [case.call for check in draft.checks for case in check.written]
@@ -50,7 +54,9 @@ def import_file(name: str, data: bytes) -> list[ImportedExercise]:
 def _imported(draft: Draft) -> ImportedExercise:
     left = list(draft.left)
     checks = [_fitting(read_check(check), left) for check in draft.checks[:MAX_CHECKS]]
-    left += [f"{check['titre']} : plus de {MAX_CHECKS} vérifications" for check in draft.checks[MAX_CHECKS:]]
+    left += [
+        f"{check['titre']} : un exercice a {MAX_CHECKS} vérifications au plus" for check in draft.checks[MAX_CHECKS:]
+    ]
     exercise = ExerciseDraft(
         title=draft.title,
         statement=draft.statement,
@@ -64,6 +70,6 @@ def _imported(draft: Draft) -> ImportedExercise:
 def _fitting(check: CheckDraft, left: list[str]) -> CheckDraft:
     """Return a check with as many cases as one may have; what is beyond them is told in `left`."""
     beyond: Sequence[CaseDraft] = check.cases[MAX_CASES:]
-    left += [f"{case.call[:80]} : plus de {MAX_CASES} cas dans « {check.title} »" for case in beyond]
+    left += [f"{case.call[:80]} : « {check.title} » a déjà {MAX_CASES} cas, le plus possible" for case in beyond]
     values: dict[str, Any] = {**check.__dict__, "cases": check.cases[:MAX_CASES]}
     return CheckDraft(**values)

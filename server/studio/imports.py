@@ -29,16 +29,16 @@ MAX_CELLS, MAX_CELL = 500, 40_000
 def read_drafts(name: str, data: bytes) -> list[Draft]:
     """Return the drafts of a file, by the ending of its name. Raises ImportRefused."""
     if len(data) > MAX_FILE:
-        raise ImportRefused(f"{name} : {len(data)} octets ; {MAX_FILE} au plus")
+        raise ImportRefused(f"{name} pèse {len(data) >> 20} Mio ; {MAX_FILE >> 20} au plus")
     readers: dict[str, Callable[[bytes], Iterator[Draft]]] = {
         ".json": _exercism, ".xml": read_questions, ".ipynb": _notebook, ".yaml": read_suite, ".yml": read_suite,
     }  # fmt: skip
     reader = readers.get(PurePath(name).suffix.lower())
     if reader is None:
-        raise ImportRefused(f"{name} : {', '.join(readers)} se lisent ici")
+        raise ImportRefused(f"{name} : .zip, {', '.join(readers)} se lisent ici")
     drafts = list(reader(data))
     if not drafts:
-        raise ImportRefused(f"{name} : il n’y a là aucun exercice qui se lise ici")
+        raise ImportRefused(f"{name} ne contient aucun exercice qui se reprenne ici")
     return drafts
 
 
@@ -59,7 +59,7 @@ def _exercism(data: bytes) -> Iterator[Draft]:
     for place, case in itertools.islice(_flat_cases(content["cases"], "cases", 0), MAX_READ):
         _read_canonical_case(draft, place, case)
     draft.make_checks()
-    draft.to_look_at.append("la solution : Exercism n’en donne pas ; écrivez-la, et l’énoncé avec elle")
+    draft.to_look_at.append("écrivez l’énoncé et la solution : les données d’Exercism n’en contiennent pas")
     yield draft
 
 
@@ -74,17 +74,19 @@ def _flat_cases(cases: Sequence[Any], place: str, depth: int) -> Iterator[tuple[
 def _read_canonical_case(draft: Draft, place: str, case: dict[str, Any]) -> None:
     name, given = case.get("property"), case.get("input")
     if not isinstance(name, str) or not isinstance(given, dict):
-        draft.left.append(f"{place} : ni propriété, ni entrées")
+        draft.left.append(f"{place} : ce cas n’a pas « property » et « input »")
         return
     function = re.sub(r"\W+", "_", re.sub(r"(?<=[a-z0-9])(?=[A-Z])", "_", name)).lower()
     expected = case.get("expected")
     is_error = isinstance(expected, dict) and "error" in expected
     if any(isinstance(value, str) and ("=>" in value or "->" in value) for value in given.values()):
-        draft.to_look_at.append(f"{place} : une entrée semble être une fonction, écrite dans un autre langage")
+        draft.to_look_at.append(
+            f"{place} : une entrée semble être une fonction écrite dans un autre langage : récrivez-la en Python"
+        )
     if "operations" in given:
-        draft.to_look_at.append(f"{place} : une suite d’opérations ; une classe dirait mieux la même chose")
+        draft.to_look_at.append(f"{place} : une suite d’opérations, à laquelle une classe conviendrait mieux")
     if is_error:
-        draft.to_look_at.append(f"{place} : une erreur est attendue ; ValueError a été choisie")
+        draft.to_look_at.append(f"{place} : une erreur est attendue, sans son nom : ValueError a été choisie")
     call = f"{function}({', '.join(repr(value) for value in given.values())})"
     draft.add_case(place, ReadCase(function, call, "ValueError" if is_error else repr(expected)))
 
@@ -124,7 +126,7 @@ def _read_assertions(draft: Draft, place: str, text: str) -> None:
     try:
         body = parse_source(text).body
     except UNREADABLE:
-        draft.left.append(f"{place} : ce n’est pas du Python seul")
+        draft.left.append(f"{place} : cette cellule n’est pas du Python seul")
         return
     for node in itertools.islice(body, MAX_READ):
         where, test = f"{place}, ligne {node.lineno}", node.test if isinstance(node, ast.Assert) else None

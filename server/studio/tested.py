@@ -6,7 +6,7 @@ Each expected value becomes a case with all that was done before it in its conte
 from __future__ import annotations
 
 import ast
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -24,6 +24,7 @@ _TABS, _CONTEXTS, _CASES = ("tabs", "units"), ("contexts", "cases"), ("testcases
 #: Keys that change no verdict.
 _SILENT = {"description", "files", "tab", "unit", "name", "hidden", "definitions", "config", "language", "namespace"}
 _MODULE = "submission."
+TAKE_ZIP = "importez l’exercice en ZIP, avec ses fichiers"
 #: Keys of what a test does, of what it prepares, and of what it expects.
 _ACTS, _INPUTS = {"expression", "statement"}, {"stdin", "arguments", "argv", "input_files"}
 _EXPECTED = ("return", "return_raw", "stdout", "exception", "file", "output_files")
@@ -52,19 +53,23 @@ def _construct(loader: _Loader, suffix: str, node: yaml.Node) -> Tagged:
 _Loader.add_multi_constructor("!", _construct)
 
 
-def read_suite(data: bytes) -> Iterator[Draft]:
-    """Read a test suite. Raises ImportRefused."""
+def read_suite(
+    data: bytes, find: Callable[[str], str | None] = lambda _: None, *, solution: str = "", statement: str = ""
+) -> Iterator[Draft]:
+    """Read a test suite; `find` returns the text of a file beside it. Raises ImportRefused."""
     content = _load(data)
     tabs = _children(content, _TABS) if isinstance(content, dict) else content
     if not isinstance(tabs, list) or not all(isinstance(tab, dict) for tab in tabs):
         raise ImportRefused("ce YAML n’est pas une suite de TESTed : il n’a pas de « tabs »")
-    draft = Draft("Exercice de TESTed")
+    draft = Draft("Exercice de TESTed", statement=statement, solution=solution)
     contexts = [entry for number, tab in enumerate(tabs, 1) for entry in _contexts(tab, f"onglet {number}")]
     is_program = any(_needs_program(cases) for _, cases in contexts)
     for place, cases in contexts:
-        _ContextReader(draft, place, is_program).read(cases)
+        _ContextReader(draft, place, is_program, find).read(cases)
     draft.make_checks()
-    draft.to_look_at.append("la solution et l’énoncé : TESTed n’en donne pas ; écrivez-les")
+    missing = [words for words, text in (("l’énoncé", statement), ("la solution", solution)) if not text]
+    if missing:
+        draft.to_look_at.append(f"écrivez {' et '.join(missing)} : cette suite de tests n’en contient pas")
     yield draft
 
 
@@ -74,7 +79,9 @@ def _load(data: bytes) -> Any:
         for count, event in enumerate(yaml.parse(text, yaml.SafeLoader)):
             levels += isinstance(event, yaml.CollectionStartEvent) - isinstance(event, yaml.CollectionEndEvent)
             if isinstance(event, yaml.AliasEvent):
-                raise ImportRefused("ce YAML a des renvois (« *nom ») : il n’est pas lu")
+                raise ImportRefused(
+                    "ce YAML a des renvois (« *nom »), qui ne se lisent pas ici : recopiez ce à quoi ils renvoient"
+                )
             if count > MAX_NODES or levels > MAX_LEVELS:
                 raise ImportRefused("ce YAML est trop long, ou trop imbriqué")
         return yaml.load(text, _Loader)
@@ -122,6 +129,7 @@ class _ContextReader:
     draft: Draft
     place: str
     is_program: bool
+    find: Callable[[str], str | None]
     done: list[str] = field(default_factory=list)
     printed: str = ""
     names: set[str] = field(default_factory=set)
@@ -139,18 +147,18 @@ class _ContextReader:
         expected: dict[str, Any] = {key: case[key] for key in _EXPECTED if key in case}
         for key, value in expected.items():
             if _has_oracle(value):
-                raise _Left(f"« {key} » a un correcteur programmé")
+                raise _Left(f"« {key} » est comparé par un programme (« oracle »), qui n’est pas repris")
         self._prepare(case)
         self._act(case)
         call = "\n".join(self.done)
         functions = [PROGRAM] if self.is_program else self._functions(call)
         ignored = sorted(set(case) - _ACTS - _INPUTS - _SILENT - set(_EXPECTED))
         if ignored:
-            self.draft.to_look_at.append(f"{place} : {', '.join(ignored)}, qui n’est pas comparé")
+            self.draft.to_look_at.append(f"{place} : {', '.join(ignored)} n’est pas repris")
         read = list(self._expected(place, expected, call))
         if not read and "expression" in case:
             read = [ReadCase("", call)]
-            self.draft.to_look_at.append(f"{place} : le résultat attendu est celui de la solution")
+            self.draft.to_look_at.append(f"{place} : sans résultat attendu ; ce sera celui de la solution")
         for each in read:
             self.draft.add_case(place, replace(each, function=functions[0], others=functions[1:]))
 
@@ -160,23 +168,24 @@ class _ContextReader:
         if isinstance(stdin, dict):
             files.append(stdin)
         for file in files:
-            name, content = file.get("path", file.get("name")), file.get("content")
+            name = file.get("path", file.get("name"))
+            content = file.get("content", self.find(str(name)))
             if isinstance(content, str) and name:
                 self.done.append(f"{FILE}({python_text(str(name))}, {python_text(content)})")
             elif name:
-                raise _Left(f"le texte du fichier « {name} » est ailleurs que dans ce YAML")
+                raise _Left(f"le fichier « {name} » n’est pas dans ce YAML : {TAKE_ZIP}")
 
     def _act(self, case: Mapping[str, Any]) -> None:
         if self.is_program and (not _ACTS & set(case) or not any(PROGRAM in line for line in self.done)):
             arguments = _list(case.get("arguments", case.get("argv")))
             if arguments:
                 self.done.append(f"{ARGUMENTS}({', '.join(python_text(str(it)) for it in arguments)})")
-            self.done.append(program_call(_stdin(case.get("stdin"))))
+            self.done.append(program_call(self._text(case.get("stdin"))))
         written = case.get("expression", case.get("statement"))
         if isinstance(written, dict):
             written = written.get("python")
         if written is None and {"expression", "statement"} & set(case):
-            raise _Left("il n’y a pas d’expression pour Python")
+            raise _Left("ce test n’a pas d’expression en Python")
         if written is not None:
             self.done.append(self._tidy(str(written)))
 
@@ -208,22 +217,41 @@ class _ContextReader:
         if "exception" in expected:
             yield ReadCase("", call, self._exception(place, expected["exception"]))
         if "stdout" in expected:
-            self.printed += _text(expected["stdout"])
+            self.printed += self._text(expected["stdout"])
             yield ReadCase("", call, python_text(self.printed) if self.printed.strip() else "", PRINTED)
         if "output_files" in expected or "file" in expected:
-            files = [it for it in _list(expected.get("output_files")) if isinstance(it, dict)]
-            texts = {str(it.get("path")): it.get("content") for it in files}
-            known = files and all(isinstance(text, str) for text in texts.values())
+            texts = self._written(expected)
+            known = texts and all(isinstance(text, str) for text in texts.values())
             if not known:
-                words = "le fichier attendu est ailleurs ; c’est celui qu’écrit la solution"
+                words = "le fichier attendu n’est pas dans ce YAML ; ce sera celui que la solution écrit"
                 self.draft.to_look_at.append(f"{place} : {words}")
             yield ReadCase("", call, python_text(texts) if known else "", WRITTEN)
+
+    def _text(self, value: object) -> str:
+        """Return what is typed or printed: the text itself, or that of a file beside the suite."""
+        if isinstance(value, dict):
+            path, text = value.get("path"), value.get("data", value.get("content"))
+            value = self.find(str(path)) if text is None and path else text
+            if value is None and path:
+                raise _Left(f"le fichier « {path} » n’est pas dans ce YAML : {TAKE_ZIP}")
+        return "" if value is None else str(value)
+
+    def _written(self, expected: Mapping[str, Any]) -> dict[str, str | None]:
+        """Return the texts of the files that must be written, by their names; None for one that is not there."""
+        files = [it for it in _list(expected.get("output_files")) if isinstance(it, dict)]
+        texts = {str(it.get("path")): it.get("content", self.find(str(it.get("path")))) for it in files}
+        single = expected.get("file")
+        if isinstance(single, dict) and single.get("location"):  # its content is the name of a file beside the suite
+            texts[str(single["location"])] = self.find(str(single.get("content")))
+        return texts
 
     def _exception(self, place: str, expected: object) -> str:
         types = expected.get("types") if isinstance(expected, dict) else None
         name = types.get("python") if isinstance(types, dict) else None
         if not isinstance(name, str):
-            self.draft.to_look_at.append(f"{place} : une exception est attendue ; c’est celle de la solution")
+            self.draft.to_look_at.append(
+                f"{place} : une exception est attendue, sans son nom ; ce sera celle de la solution"
+            )
         return name if isinstance(name, str) else ""
 
 
@@ -242,19 +270,6 @@ def _list(value: object) -> list[Any]:
     if isinstance(value, dict):
         value = value.get("data")
     return value if isinstance(value, list) else []
-
-
-def _stdin(value: object) -> str:
-    if isinstance(value, dict):
-        value = value.get("content", "")
-    return "" if value is None else str(value)
-
-
-def _text(value: object) -> str:
-    """Return the text that is printed."""
-    if isinstance(value, dict):
-        value = value.get("data", value.get("content", ""))
-    return value if isinstance(value, str) else str(value)
 
 
 def _value(value: Any) -> str:
@@ -280,4 +295,4 @@ def _plain(value: Any) -> Any:
         return [_plain(item) for item in value]
     if value is None or isinstance(value, bool | int | float | str):
         return value
-    raise _Left(f"une valeur de type « {type(value).__name__} »")
+    raise _Left(f"une valeur de type « {type(value).__name__} » ne se reprend pas")

@@ -12,10 +12,13 @@ import pytest
 from graders.core.declared.declaration import read_declaration
 from server.cli import main
 from server.identity.models import Role
-from server.studio.archive import exercise_files, read_archive, write_archive
+from server.studio.archive import exercise_files, read_archive, unpack_texts, write_archive
 from server.studio.authored import LIMITS
 from server.studio.completion import complete_draft
+from server.studio.dodona import read_exercise
 from server.studio.drafts import ExerciseDraft
+from server.studio.import_drafts import ImportRefused
+from server.studio.importing import import_file
 from server.studio.publication import version_content, version_digest
 from server.studio.service import find_own, read_draft
 from tests.graders.declared.kinds import KINDS, Kind
@@ -66,10 +69,10 @@ def test_each_kind_of_exercise_comes_back_the_same(kind: Kind) -> None:
         "title": kind.name, "summary": "x", "statement": "```\n```", "starter": "pass\n", "hints": ["", "b", ""],
         "signatures": {}, "declaration": data,
     }  # fmt: skip
-    draft = read_archive(write_archive("l19", "essai", content, LIMITS))
+    draft = read_archive(unpack_texts(write_archive("l19", "essai", content, LIMITS)))
     first = completed(draft)
     read_declaration(first["declaration"])
-    again = read_archive(write_archive("l19", "essai", first, LIMITS))
+    again = read_archive(unpack_texts(write_archive("l19", "essai", first, LIMITS)))
     assert version_digest(completed(again)["declaration"]) == version_digest(first["declaration"])
     assert completed(again) == first
 
@@ -137,6 +140,55 @@ def test_a_file_is_imported_with_its_three_lists(studio: Studio, name: str, data
     )
     assert answer.status_code == status
     assert words in answer.text
+
+
+SUITE = """- tab: Somme
+  testcases:
+  - expression: somme("notes.txt")
+    input_files: [{path: notes.txt}]
+    return: 27
+"""
+
+
+def test_an_exercise_of_dodona_is_taken_with_the_files_beside_its_suite(studio: Studio) -> None:
+    files = {
+        "somme/config.json": '{"description": {"names": {"nl": "Som", "fr": "Somme des notes"}}}',
+        "somme/description/description.nl.md": "Schrijf `somme`.",
+        "somme/description/description.fr.md": "Écrivez `somme(nom)`.",
+        "somme/description/media/note.png": b"\x89PNG\xff",
+        "somme/evaluation/suite.yaml": SUITE,
+        "somme/solution/solution.py": "def somme(nom):\n    return sum(map(int, open(nom)))\n",
+        "somme/workdir/notes.txt": "12\n15\n",
+    }
+    packed = io.BytesIO()
+    with zipfile.ZipFile(packed, "w", zipfile.ZIP_DEFLATED) as archive:
+        for path, content in files.items():
+            archive.writestr(path, content)
+    (whole,) = import_file("somme.zip", packed.getvalue())
+    assert not whole.left
+    assert not whole.to_look_at
+    assert (whole.draft.title, whole.draft.statement) == ("Somme des notes", "Écrivez `somme(nom)`.")
+    assert "sum(map(int" in whole.draft.solution
+    (case,) = whole.draft.checks[0].cases
+    assert case.call == "fichier('notes.txt', '12\\n15\\n')\nsomme('notes.txt')"
+    path = studio.create()
+    studio.save(
+        path,
+        titre="Somme",
+        solution=whole.draft.solution,
+        **{
+            "v-0-c-0-appel": case.call,
+            "v-0-c-0-attendu": "27",
+            "v-0-c-1-appel": "",
+            "v-0-c-1-attendu": "",
+            "v-0-c-2-appel": "",
+        },
+    )
+    assert "Exemples ✓" in studio.report(path)
+    (alone,) = import_file("suite.yaml", SUITE.encode())
+    assert "importez l’exercice en ZIP, avec ses fichiers" in alone.left[0]
+    with pytest.raises(ImportRefused, match="2 suites de tests"):
+        list(read_exercise({"a/suite.yaml": SUITE, "b/suite.yaml": SUITE}))
 
 
 def test_a_zip_that_unpacks_to_much_is_refused(studio: Studio) -> None:
