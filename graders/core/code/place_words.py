@@ -121,7 +121,7 @@ def describe_place(
     look = f" {LOOK} {aspect.noun}." if aspect.noun and len(place.either) == 1 else ""
     if len(place.either) == 1 and place.changes[0].unlikely:
         look += _ELSEWHERE
-    return Slip(PLACE, title, f"{where}{seen} {_proof(place, titles, is_all, others)}{look}", aspect.question)
+    return Slip(PLACE, title, f"{where}{seen} {_proof(place, titles, is_all)}{look}", aspect.question)
 
 
 def _outcome(place: Place, is_all: bool) -> str:
@@ -132,7 +132,7 @@ def _outcome(place: Place, is_all: bool) -> str:
     return f"{verb} réussir {count} {'autres ' * place.is_second}vérification{'s' * (count > 1)}"
 
 
-def _proof(place: Place, titles: Mapping[str, str], is_all: bool, others: str) -> str:
+def _proof(place: Place, titles: Mapping[str, str], is_all: bool) -> str:
     begin, mends = "Écrite autrement", "cette seule ligne fait"
     if len(place.lines) > 1:
         begin, mends = "Écrites autrement ensemble", "ces lignes font"
@@ -141,7 +141,7 @@ def _proof(place: Place, titles: Mapping[str, str], is_all: bool, others: str) -
     elif place.is_second:
         begin, mends = "Écrite autrement elle aussi", "cette ligne fait"
     names = " ; ".join(f"« {titles.get(check, check)} »" for check in sorted(place.mended))
-    return f"{begin}, {mends} réussir {'tout ce qui échoue' if is_all else f'{names}{others}'}."
+    return f"{begin}, {mends} réussir {'tout ce qui échoue' if is_all else names}."
 
 
 def _aspect(changes: Sequence[ProgramChange]) -> Aspect:

@@ -99,6 +99,8 @@ def tell_sizes(got: Sequence[Floats], right: Sequence[Floats], wrong: Sequence[b
         subject = "est"
         if any(mine.ndim for mine, _ in pairs):
             return
+    if all(np.isin(its, (-1.0, 0.0, 1.0)).all() for its in right):
+        return  # a verdict is wrong, not too large
     gaps = [mine - its for mine, its in pairs]
     for sign, words in ((1.0, "trop grand"), (-1.0, "trop petit")):
         if all((sign * gap >= -SLACK).all() and (sign * gap).max() > SLACK for gap in gaps):

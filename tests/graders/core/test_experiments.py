@@ -99,6 +99,11 @@ def test_a_side_that_a_few_answers_share_by_chance_is_not_told() -> None:
     assert not any("trop grand" in predicate for predicate in told([x + 0.1 * x**2 for x in right], right))
 
 
+def test_a_verdict_is_not_too_large() -> None:
+    right = [np.array(float(k % 3 - 1)) for k in range(20)]
+    assert not any("trop" in predicate for predicate in told([x + (k % 4 > 0) for k, x in enumerate(right)], right))
+
+
 def test_a_property_that_one_wrong_answer_has_is_not_told() -> None:
     got = [*(x + np.array([[0.0, 0.3], [0.0, x[0, 0]]]) for x in SYMMETRIC[:3]), SYMMETRIC[3] + np.diag([0.5, -0.1])]
     assert not any("symétrique" in predicate for predicate in told(got, SYMMETRIC))
