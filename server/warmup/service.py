@@ -176,6 +176,10 @@ def poll_name(school_class: SchoolClass, warm_up: WarmUp, number: int) -> str:
     return f"{school_class.module}/pour-commencer/{warm_up.id}/{number}"
 
 
+def poll_names(school_class: SchoolClass, warm_up: WarmUp) -> Sequence[str]:
+    return [poll_name(school_class, warm_up, number) for number in range(len(warm_up.questions))]
+
+
 def answer(db: Session, account: Account, school_class: SchoolClass, number: int, option_id: str) -> None:
     """Store a student's first answer to a question of today. Raises NotFound or Invalid."""
     warm_up = find_today(db, school_class.id)
@@ -203,7 +207,7 @@ def load_own_answers(db: Session, account_id: UUID, school_class: SchoolClass, w
 
 def count_answers(db: Session, school_class: SchoolClass, warm_up: WarmUp) -> Sequence[CountedQuestion]:
     """Count the answers of the present students of the class to each question, in one query."""
-    names = [poll_name(school_class, warm_up, number) for number in range(len(warm_up.questions))]
+    names = poll_names(school_class, warm_up)
     said = polls.load_answer_counts(db, school_class.id, names)
     counted = []
     for name, question in zip(names, questions_of(warm_up), strict=True):

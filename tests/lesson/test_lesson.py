@@ -33,6 +33,7 @@ from tests.support.classes import Person, assign, new_class, person, seat
 from tests.support.counting import Counted
 from tests.support.crowd import Sent, seated, store
 from tests.support.service import EXERCISE, Site, new_account
+from tests.support.streams import parts_of
 
 OTHER, THIRD = "l20/kabsch", "l20/predire2d"
 WRONG = "rotation_oubliee"
@@ -186,12 +187,6 @@ def test_the_stream_sends_the_parts_and_the_end(site: Site, course: Course, mart
     with site.database.write() as db:
         service.end_lesson(db, made, martin.account.id, utc_now())
     assert browser.get(path).text.startswith("event: ended\n")
-
-
-def parts_of(stream: str) -> dict[str, str]:
-    (text,) = re.findall("^event: parts\ndata: (.*)$", stream, re.MULTILINE)
-    found: dict[str, str] = json.loads(text)
-    return found
 
 
 def test_a_lesson_is_read_again_where_it_has_changed(

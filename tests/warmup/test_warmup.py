@@ -14,6 +14,7 @@ from httpx2 import Response
 from sqlalchemy import select
 
 from server.base.app_services import add_services, get_service
+from server.board.live import LiveBoards
 from server.classes.models import SchoolClass
 from server.course import Course
 from server.database import utc_now
@@ -36,6 +37,7 @@ from server.warmup.needs import StudentMemory, SubjectNeed, rank_needs
 from tests.support.classes import Person, new_class, person, seat
 from tests.support.crowd import Sent, seated, store
 from tests.support.service import EXERCISE, Site
+from tests.support.streams import parts_of
 
 WRONG = "rotation_oubliee"
 CALL = "composer([0, 0, pi/2], [1, 0, 0])"
@@ -129,6 +131,30 @@ def test_a_class_begins_with_what_five_confused_and_answers_come_back_to_the_sch
     told = read(teacher.get(f"{page}/projeter?question=1&reponses=oui"))
     assert "✓ 0" in told
     assert "Ada" not in wall + told + read(teacher.get(page))
+
+
+def test_answers_are_counted_live_and_relapses_when_asked_for(site: Site, martin: Person, process: Process) -> None:
+    made, _ = confused_class(site, martin, 5)
+    ada = person(site, name="Ada")
+    seat(site.database, made, ada.account)
+    page, teacher = f"/classes/{made.id}/pour-commencer", martin.browser(site)
+    get_service(site.app, LiveBoards).max_stream_seconds = 0.0
+    assert "event: parts" not in teacher.get(f"{page}/evenements").text, "nothing was prepared"
+    teacher.post(page)
+    shown = teacher.get(page).text
+    assert f'data-stream="{page}/evenements"' in shown
+    assert "Pas encore assez de cas" not in shown
+    assert "Pas encore assez de cas" in teacher.get(f"{page}?utile=oui").text
+
+    def parts(query: str = "") -> dict[str, str]:
+        return parts_of(teacher.get(f"{page}/evenements{query}").text)
+
+    assert "0 réponse sur 7 élèves" in parts()["answers-1"].replace("\xa0", " ")
+    ada.browser(site).post(f"{page}/reponses", data={"question": "1", "reponse": "A"})
+    assert "1 réponse sur 7 élèves" in parts()["answers-1"].replace("\xa0", " ")
+    assert parts("?mur=oui").keys() == {"answered"}, "the wall shows what was chosen once one asks for it"
+    assert "warm-up-right" in parts("?mur=oui&reponses=oui")["options"]
+    assert "Ada" not in teacher.get(f"{page}/evenements").text
 
 
 @pytest.mark.parametrize("confused", [1, 4])

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-import json
-from collections.abc import AsyncIterator, Callable, Mapping
+from collections.abc import Mapping
 from functools import partial
 from typing import Annotated
 
@@ -11,7 +10,6 @@ from fastapi import APIRouter, Form, Query, Request
 from fastapi.responses import HTMLResponse, Response, StreamingResponse
 from starlette.concurrency import run_in_threadpool
 
-from server.base import root_path
 from server.base.app_services import SettingsOf
 from server.base.errors import Conflict, Invalid, NotFound
 from server.base.settings import Settings
@@ -24,7 +22,7 @@ from server.database.dependencies import DatabaseOf
 from server.desk.lesson import views
 from server.desk.lesson.live import LESSON, ShownLesson
 from server.desk.lesson.review import review_page
-from server.desk.lesson.schemas import LessonParts
+from server.desk.live_parts import stream_parts
 from server.desk.views import class_href
 from server.identity.dependencies import SignedIn
 from server.identity.models import Account
@@ -37,7 +35,7 @@ from server.mails.service import MailForm
 from server.rights import service as rights
 from server.rights.models import Right
 from server.rights.service import ClassAccess
-from server.submissions.job_events import STREAM_HEADERS, format_sse
+from server.submissions.job_events import STREAM_HEADERS
 from server.web.dependencies import CurrentReader
 from server.web.forms import UNKNOWN_ACTION, Field, redirect, redirect_to_login
 from server.web.rendering import render_page
@@ -45,8 +43,6 @@ from server.web.views import Reader
 
 router = APIRouter(include_in_schema=False)
 
-SIGN_OF_LIFE = ":\n\n"
-ENDED = "ended"
 NO_SUCH_LESSON = "Cette séance n’existe pas."
 Names = Annotated[list[str], Form()]
 
@@ -140,7 +136,12 @@ async def stream_lesson(
     allowed = partial(_may_watch, database, account, access)
     shown = boards.follow(LESSON, access.school_class.id, account.id, allowed)
     render = views.render_wall if mur else partial(views.render_parts, access=access)
-    return StreamingResponse(_event_stream(shown, render), media_type="text/event-stream", headers=STREAM_HEADERS)
+
+    def render_shown(lesson: ShownLesson) -> Mapping[str, str] | None:
+        return None if lesson.parts is None else render(lesson.parts)
+
+    stream = stream_parts(shown, render_shown)
+    return StreamingResponse(stream, media_type="text/event-stream", headers=STREAM_HEADERS)
 
 
 def _require_access(database: Database, account: Account, class_id: str) -> ClassAccess:
@@ -151,24 +152,6 @@ def _require_access(database: Database, account: Account, class_id: str) -> Clas
 def _may_watch(database: Database, account: Account, access: ClassAccess) -> bool:
     with database.read() as db:
         return may_watch_board(db, account.id, access.school_class.id)
-
-
-async def _event_stream(
-    lessons: AsyncIterator[ShownLesson | None], render: Callable[[LessonParts], Mapping[str, str]]
-) -> AsyncIterator[str]:
-    """Send the parts of the page that have changed."""
-    sent: Mapping[str, str] = {}
-    async for lesson in lessons:
-        if lesson is None:
-            yield SIGN_OF_LIFE
-            continue
-        if lesson.parts is None:
-            yield format_sse(ENDED, "")
-            return
-        parts = render(lesson.parts)
-        changed = {name: root_path.with_external_paths(html) for name, html in parts.items() if sent.get(name) != html}
-        sent = parts
-        yield format_sse("parts", json.dumps(changed)) if changed else SIGN_OF_LIFE
 
 
 @router.get("/classes/{class_id}/seance/{lesson_id}")

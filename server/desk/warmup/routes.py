@@ -2,23 +2,30 @@
 
 from __future__ import annotations
 
+from functools import partial
 from http import HTTPStatus
 from typing import Annotated, Literal
 
 from fastapi import APIRouter, Form, Query, Request
-from fastapi.responses import Response
+from fastapi.responses import Response, StreamingResponse
 from starlette.concurrency import run_in_threadpool
 
 from server.base.errors import Conflict, Invalid, NotFound
 from server.base.http import client_address
+from server.board.dependencies import LiveBoardsOf
+from server.board.service import may_watch_board
 from server.course.dependencies import CourseOf
-from server.database import roll_back_then_read
+from server.database import Database, roll_back_then_read
 from server.database.dependencies import DatabaseOf
-from server.desk.warmup import views
+from server.desk.live_parts import stream_parts
+from server.desk.warmup import live, views
 from server.hunts.dependencies import HuntsOf
 from server.identity.dependencies import SignedIn
+from server.identity.models import Account
 from server.rights import service as rights
 from server.rights.models import Right
+from server.rights.service import ClassAccess
+from server.submissions.job_events import STREAM_HEADERS
 from server.warmup import service
 from server.warmup.service import NO_QUESTION, WarmUpService
 from server.web.dependencies import CurrentReader
@@ -32,13 +39,13 @@ Number = Annotated[int, Query(alias="question", ge=1, le=MAX_NUMBER)]
 
 
 @router.get("/classes/{class_id}/pour-commencer")
-def show_questions(request: Request, class_id: str, reader: CurrentReader) -> Response:
-    """Today's questions: to answer, or with the answers of the class for who teaches."""
+def show_questions(request: Request, class_id: str, reader: CurrentReader, utile: Literal["", "oui"] = "") -> Response:
+    """Today's questions: to answer, or with the answers of the class for who teaches; `utile`: whether they serve."""
     if reader.account is None:
         return redirect_to_login(request)
     access = rights.require_right(reader.db, reader.account, Right.see_assignments, class_id)
     if access.has(Right.read_work):
-        view = views.staff_page(reader.db, reader.course, access)
+        view = views.staff_page(reader.db, reader.course, access, counts_relapses=bool(utile))
         return render_page(request, "classes/warm_up.html", reader.account, page=view)
     view = views.student_page(reader.db, reader.course, access, reader.account)
     return render_page(request, "classes/warm_up_answers.html", reader.account, page=view)
@@ -100,3 +107,33 @@ def project_question(
     if view is None:
         raise NotFound(NO_QUESTION)
     return render_page(request, "classes/warm_up_wall.html", reader.account, page=view)
+
+
+@router.get("/classes/{class_id}/pour-commencer/evenements")
+async def stream_answers(
+    class_id: str,
+    account: SignedIn,
+    database: DatabaseOf,
+    boards: LiveBoardsOf,
+    number: Number = 1,
+    mur: Literal["", "oui"] = "",
+    reponses: Literal["", "oui"] = "",
+) -> StreamingResponse:
+    """Stream the numbers of answers, as HTML; `mur`: those of one projected question."""
+    access = await run_in_threadpool(_require_access, database, account, class_id)  # before the stream begins
+    boards.require_free_stream(account.id)
+    allowed = partial(_may_watch, database, account, access)
+    shown = boards.follow(live.WARM_UP, access.school_class.id, account.id, allowed)
+    wall = partial(live.render_wall, number=number - 1, shows_answers=bool(reponses))
+    stream = stream_parts(shown, wall if mur else live.render_counts)
+    return StreamingResponse(stream, media_type="text/event-stream", headers=STREAM_HEADERS)
+
+
+def _require_access(database: Database, account: Account, class_id: str) -> ClassAccess:
+    with database.read() as db:
+        return rights.require_right(db, account, Right.read_work, class_id)
+
+
+def _may_watch(database: Database, account: Account, access: ClassAccess) -> bool:
+    with database.read() as db:
+        return may_watch_board(db, account.id, access.school_class.id)

@@ -24,8 +24,13 @@ def warm_up_href(school_class: SchoolClass) -> str:
     return f"{class_href(school_class)}{PATH}"
 
 
-def staff_page(db: Session, course: Course, access: ClassAccess, problem: str = "") -> Mapping[str, Any]:
-    """Build the page of who teaches: today's questions with the answers of the class, or what prepares them."""
+def staff_page(
+    db: Session, course: Course, access: ClassAccess, problem: str = "", *, counts_relapses: bool = False
+) -> Mapping[str, Any]:
+    """Build the page of who teaches: today's questions with the answers of the class, or what prepares them.
+
+    With `counts_relapses`, whether they serve, which takes all attempts of the class.
+    """
     school_class = access.school_class
     warm_up = service.find_today(db, school_class.id)
     return {
@@ -34,7 +39,8 @@ def staff_page(db: Session, course: Course, access: ClassAccess, problem: str = 
         "questions": [] if warm_up is None else service.count_answers(db, school_class, warm_up),
         "students": polls.count_active_students(db, school_class.id),
         "may_prepare": access.has(Right.run_lessons) and school_class.archived_at is None,
-        "relapses": service.load_relapses(db, course, school_class),
+        "stream": f"{warm_up_href(school_class)}/evenements",
+        "relapses": service.load_relapses(db, course, school_class) if counts_relapses else None,
         "fewest": FEWEST_CASES,
         "problem": problem,
     }
@@ -65,8 +71,10 @@ def wall_page(db: Session, access: ClassAccess, number: int, *, shows_answers: b
     counted = [] if warm_up is None else service.count_answers(db, school_class, warm_up)
     if not 0 <= number < len(counted):
         return None
+    href = warm_up_href(school_class)
     return {
-        "href": warm_up_href(school_class),
+        "href": href,
+        "stream": f"{href}/evenements?mur=oui&question={number + 1}{'&reponses=oui' if shows_answers else ''}",
         "class_href": class_href(school_class),
         "row": counted[number],
         "number": number,
