@@ -1,4 +1,5 @@
-"""« Exécuter » without scripts: a call of one's own, the file as it is, or a whole program with what it reads.
+"""« Exécuter » without scripts: a call of one's own, the file as it is, a whole program with what it reads, or a small
+program behind a class.
 
 The result is shown on a page, and is no attempt.
 """
@@ -16,7 +17,7 @@ from server.base.http import client_address
 from server.course.dependencies import CourseOf
 from server.identity.dependencies import BrowserAccount
 from server.steps.routes import StepsDep
-from server.steps.schemas import MAX_CALL, MAX_STDIN, CallBody, TraceOut
+from server.steps.schemas import MAX_AFTER, MAX_CALL, MAX_STDIN, CallBody, TraceOut
 from server.steps.writing import write_value
 from server.web.forms import FormFields
 from server.web.rendering import render_page
@@ -26,6 +27,7 @@ router = APIRouter(include_in_schema=False)
 
 TOO_LONG = f"Un appel fait au plus {MAX_CALL} caractères."
 STDIN_TOO_LONG = f"L’entrée standard fait au plus {MAX_STDIN} caractères."
+AFTER_TOO_LONG = f"Le petit programme fait au plus {MAX_AFTER} caractères."
 
 
 @router.post("/{module:module}/exercices/{slug}/executer")
@@ -40,8 +42,9 @@ async def run_own_call(
 ) -> Response:
     """Run a typed call of the code of the form, or the code alone where there is none, with its standard input."""
     exercise = find_exercise(course, module, slug)
-    code, call, stdin = (str(fields.get(name, "")) for name in ("code", "call", "stdin"))
-    stdin = stdin.replace("\r\n", "\n")
+    code, call, stdin, after = (
+        str(fields.get(name, "")).replace("\r\n", "\n") for name in ("code", "call", "stdin", "after")
+    )
     page: dict[str, Any] = {
         "module": module_link(course.modules[exercise.module]),
         "exercise_title": exercise.title,
@@ -51,6 +54,8 @@ async def run_own_call(
         "code": code,
         "call": call,
         "stdin": stdin,
+        "after": after,
+        "is_class": all(wanted.is_class for wanted in exercise.functions),
         "is_program": any(wanted.is_program for wanted in exercise.functions),
         "refusal": "",
         "trace": None,
@@ -61,7 +66,9 @@ async def run_own_call(
             raise Invalid(TOO_LONG)
         if len(stdin) > MAX_STDIN:
             raise Invalid(STDIN_TOO_LONG)
-        body = CallBody(code=code, call=call, plain=True, stdin=stdin)
+        if len(after) > MAX_AFTER:
+            raise Invalid(AFTER_TOO_LONG)
+        body = CallBody(code=code, call=call, plain=True, stdin=stdin, after=after)
         answer = await steps.trace_call(account, exercise.id, body, client_address(request))
     except Invalid as refused:
         page["refusal"] = refused.detail

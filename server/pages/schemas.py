@@ -252,9 +252,10 @@ class ExerciseFrame:
 
 @dataclass(frozen=True)
 class ExercisePage(ExerciseFrame):
-    """An exercise of code. `replay` is where one runs a call of one's own, or a whole program; empty where neither.
+    """An exercise of code. `replay` is where one runs a call of one's own, a whole program or, where `is_class`, a
+    small program that uses the class.
 
-    `examples` are calls to begin from, each with the name of its function.
+    `examples` are calls to begin from, each with the name of its function; `names_href` gives the names to propose.
     """
 
     functions: tuple[FunctionSpec, ...]
@@ -264,6 +265,7 @@ class ExercisePage(ExerciseFrame):
     taken: bool
     limits: tuple[tuple[str, str], ...]
     replay: str
+    is_class: bool
     examples: tuple[tuple[str, str], ...]
     kit_href: str
     kit_name: str

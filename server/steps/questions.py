@@ -51,7 +51,7 @@ class CellTraceRequest(_Frozen):
 class CallTraceRequest(_Frozen):
     """A request to trace a call that the student typed, on a program of an exercise; `is_declared` tells its kit.
 
-    `plain`: without the steps; an empty call then runs the file as it is.
+    `plain`: without the steps; an empty call then runs the file as it is, and `after` behind it.
     """
 
     kind: Literal["call"] = "call"
@@ -61,6 +61,7 @@ class CallTraceRequest(_Frozen):
     call: str
     is_declared: bool = False
     plain: bool = False
+    after: str = ""
 
 
 class ReplayTraceRequest(_Frozen):

@@ -105,12 +105,23 @@ def _trace_call(sandbox: Sandbox, request: CallTraceRequest) -> TraceOut:
     )
     kit = _make_kit(settings, request.library)
     if request.plain and not request.call.strip():
-        return _trace_program(sandbox, _TracedProgram(request.source, FILENAME, None, (), {}, kit, plain=True))
+        source = request.source + (f"\n{request.after}".encode() if request.after.strip() else b"")
+        trace = _trace_program(sandbox, _TracedProgram(source, FILENAME, None, (), {}, kit, plain=True))
+        return _count_lines_of_small_program(trace, len(_split_lines(request.source)))
     call = calls.parse_call(request.call)
     program = _TracedProgram(
         request.source, FILENAME, call.function, call.arguments, call.named, kit, calls.format_call(call)
     )
     return _trace_program(sandbox, replace(program, plain=request.plain))
+
+
+def _count_lines_of_small_program(trace: TraceOut, lines: int) -> TraceOut:
+    """Return a trace whose fault behind the `lines` of the file is told by its place in the small program."""
+    end = trace.end
+    if end.line is None or end.line <= lines:
+        return trace
+    title = f"{end.title}, ligne {end.line - lines} du petit programme"
+    return trace.model_copy(update={"end": end.model_copy(update={"title": title, "line": None})})
 
 
 def _trace_replay(sandbox: Sandbox, request: ReplayTraceRequest) -> TraceOut:

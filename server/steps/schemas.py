@@ -13,21 +13,23 @@ class _Frozen(BaseModel):
     model_config = ConfigDict(extra="forbid", frozen=True)
 
 
-#: Maximum lengths of a typed call and of a standard input, in characters.
-MAX_CALL, MAX_STDIN = 4000, 4000
+#: Maximum lengths of a typed call, of a standard input and of a small program, in characters.
+MAX_CALL, MAX_STDIN, MAX_AFTER = 4000, 4000, 4000
 
 
 class CallBody(RequestBody):
     """A typed call: the code in the editor, and the call (« predire2d((0, 0, 0), 1, 0.5) »).
 
     `plain`: only the prints and the end are wanted; the call may then be empty, and the file runs as it is. Where an
-    exercise asks for a whole program, its `input` reads the lines of `stdin`.
+    exercise asks for a whole program, its `input` reads the lines of `stdin`. `after` is a small program that then runs
+    behind the file: in exercises that ask for a class, it builds an object and uses it.
     """
 
     code: str
     call: str = Field(max_length=MAX_CALL)
     plain: bool = False
     stdin: str = Field(default="", max_length=MAX_STDIN)
+    after: str = Field(default="", max_length=MAX_AFTER)
 
 
 class ReplayBody(RequestBody):

@@ -81,14 +81,16 @@ class StepService:
         is_program = new.plain and not new.call.strip() and any(wanted.is_program for wanted in exercise.functions)
         if new.call.strip() or not new.plain:
             calls.parse_call(new.call)
+        after = _unix_newlines(new.after)
+        whole = source + encode_bounded(f"\n{after}", self.settings.code_bytes)
 
         def build(db: Session) -> TraceRequest:
             if tests := feedback.load_holds(db, account.id, exercise.id).tests:
                 raise WrongMoment(IN_TEST.format(title=tests[0].title))
             if is_program and isinstance(exercise.grader, DeclaredGrader):
                 return _program_request(exercise.grader, source, new.stdin)
-            sittings.require_no_tested_imports(db, account.id, source, self._reused_exercises(exercise.id))
-            own = importable_files.load_importable_files_now(db, self.course, account.id, exercise.id, source)
+            sittings.require_no_tested_imports(db, account.id, whole, self._reused_exercises(exercise.id))
+            own = importable_files.load_importable_files_now(db, self.course, account.id, exercise.id, whole)
             tested = sittings.load_tested_exercises(db, account.id, utc_now())
             return CallTraceRequest(
                 exercise=exercise.id,
@@ -97,6 +99,7 @@ class StepService:
                 call=new.call,
                 is_declared=exercise.kit == SCENARIOS,
                 plain=new.plain,
+                after=after,
             )
 
         return await self._trace_with_token(account, address, build)

@@ -20,7 +20,9 @@ from server.database import utc_now
 from server.gradebook import service as gradebook
 from server.gradebook.schemas import GradingResult
 from server.identity.models import Role
+from server.sandbox import Sandbox
 from server.steps.questions import CallTraceRequest, CellTraceRequest, ReplayTraceRequest, TraceQuestion
+from server.steps.run import answer_question
 from server.steps.schemas import EndOut, NumberOut, TraceOut
 from server.steps.service import StepService
 from server.submissions.models import Submission
@@ -246,5 +248,36 @@ def test_a_call_runs_without_scripts_and_is_no_attempt(site: Site) -> None:
     refused = site.client.post("/l20/exercices/poses/executer", data=form | {"call": "composer([1"}).text
     assert 'role="alert"' in refused
     assert len(process.asked) == 1
+    with site.database.read() as db:
+        assert db.execute(select(Submission)).first() is None
+
+
+def test_a_small_program_uses_the_class_that_an_exercise_asks_for(site: Site, course_sandbox: Sandbox) -> None:
+    address = "/l20/exercices/noeud_ros"
+    page = site.client.get(address).text
+    fields = page.split('id="rejouer-un-appel"')[1].split("</form>")[0]
+    assert 'name="after"' in fields
+    assert 'name="call"' not in page
+    assert 'name="after"' in page.split("<noscript>")[1].split("</noscript>")[0]
+
+    async def run(question: bytes, *, reader: str, flow: str, rank: int = 0) -> bytes:
+        return answer_question(course_sandbox, TraceQuestion.model_validate_json(question)).model_dump_json().encode()
+
+    add_services(site.app, replace(get_service(site.app, StepService), trace_program=run))
+    code = "class ArretUrgence:\n    def __init__(self, d):\n        self.d = 1 / d\n"
+
+    def played(after: str) -> tuple[str, str, int | None]:
+        body = {"code": code, "call": "", "plain": True, "after": after}
+        trace = site.client.post(f"{address}/pas", json=body).json()
+        return trace["stdout"], trace["end"]["title"], trace["end"]["line"]
+
+    assert played("a = ArretUrgence(4)\na.d") == ("0.25\n", "", None)
+    assert played("print(H)\nabsent") == ("16\n", "Erreur à l’exécution, ligne 2 du petit programme", None)
+    assert played("ArretUrgence(0)")[2] == 3, "a fault of the file is told by its own line"
+    form = {"code": code, "after": "ArretUrgence(2).d\r\n"}
+    shown = site.client.post(f"{address}/executer", data=form).text
+    assert "0.5\n" in shown
+    assert "ArretUrgence(2).d\n</textarea>" in shown
+    assert "au plus 4000 caractères" in site.client.post(f"{address}/executer", data=form | {"after": "x" * 4001}).text
     with site.database.read() as db:
         assert db.execute(select(Submission)).first() is None

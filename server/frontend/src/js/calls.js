@@ -1,14 +1,15 @@
 // A call of one's own, run, or replayed line by line, with what the editor holds; without a call, the file is run. What
 // stands in its field when nothing was typed there is the field's default: an example, or the last counterexample that
-// was replayed. Where a whole program is asked for, the field holds its standard input instead.
+// was replayed. Where a whole program is asked for, the field holds its standard input instead; where a class is, a small
+// program that uses it.
 
 import { make } from "./replays/dom.js";
 import { asked, show } from "./steps/index.js";
 import { Values } from "./steps/values.js";
 
 export function setUp(form, code) {
-  const { call, again, run, stdin } = form.elements;
-  const field = stdin ?? call;
+  const { call, again, run, stdin, after } = form.elements;
+  const [field, several] = [stdin ?? after ?? call, !call];
   const output = document.getElementById("appel-sortie");
   const wrong = document.getElementById("appel-refus");
 
@@ -23,21 +24,21 @@ export function setUp(form, code) {
   };
   const execute = async () => {
     right();
-    const given = stdin ? { call: "", stdin: stdin.value } : { call: call.value };
+    const given = several ? { call: "", [field.name]: field.value } : { call: call.value };
     const trace = await asked(run, wrong, form.action, { code: code(), ...given, plain: true }, "Exécution…");
-    if (trace) output.replaceChildren(...parts(trace, Boolean(stdin)));
+    if (trace) output.replaceChildren(...parts(trace, several && Boolean(stdin || after.value.trim())));
     else refused();
   };
   form.addEventListener("submit", async (event) => {
     event.preventDefault();
-    if (stdin) return execute();
+    if (several) return execute();
     right();
     const trace = await asked(again, wrong, form.action, { code: code(), call: call.value });
     if (trace) show(trace);
     else refused();
   });
   field.addEventListener("input", right);
-  if (stdin) {
+  if (several) {
     run.disabled = false;
     return; // there, Enter ends a line
   }
