@@ -172,13 +172,19 @@ def _replaces(isolated: IsolatedFunctions, function: str) -> bool:
     return bool(own.failed and own.ids) and own.certain and not isolated.is_certain(function)
 
 
+def _shows_others(isolated: IsolatedFunctions, function: str, mistake: str) -> bool:
+    """Whether a function shows no such mistake beside right ones, but surer ones, or others of the whole program."""
+    own = isolated.own[function].ids
+    return mistake not in own and (_replaces(isolated, function) or not set(own).isdisjoint(isolated.whole.ids))
+
+
 def _still_explained(isolated: IsolatedFunctions, mistake: str) -> frozenset[str]:
     """Return the checks that a mistake of the whole program explains; none where its functions do not bear it out."""
     functions = [name for name in isolated.own if name in isolated.functions.get(mistake, ())]
     if not functions:
         return frozenset(isolated.whole.explains[isolated.whole.ids.index(mistake)])
     guilty = [name for name in functions if isolated.own[name].failed]
-    if guilty and all(_replaces(isolated, name) and mistake not in isolated.own[name].ids for name in guilty):
+    if guilty and all(_shows_others(isolated, name, mistake) for name in guilty):
         return frozenset()
     return frozenset().union(*(isolated.own[name].failed for name in guilty))
 

@@ -73,7 +73,9 @@ def describe_mending(
         paragraphs.append(f"Ce qui reste, une fois l'autre ligne écrite autrement : {named.title}. {named.explanation}")
     title = AND_ALSO.join([first.title, *(lowercase_title(other.title) for other in others)])
     explains = tuple(tuple(sorted(place.mended)) for place in places)
-    return tell_remainder(Diagnosis(PLACE, title, "\n\n".join(paragraphs), None, explains), checks)
+    return tell_remainder(
+        Diagnosis(PLACE, title, "\n\n".join(paragraphs), None, explains), checks, _named_last(mending)
+    )
 
 
 def _titles(checks: Sequence[CheckResult]) -> dict[str, str]:
@@ -121,7 +123,7 @@ def find_place(
         if found is not None:
             found = tell_shares(isolated, verdict.checks, _without_remainder(found))
             explained = {check for ids in found.explains for check in ids}
-            doubtful = isolated.doubtful() | isolated.consequences(explained, grader.checks)
+            doubtful = isolated.doubtful().union(isolated.consequences(explained, grader.checks), _named_last(mending))
             found = tell_remainder(found, verdict.checks, doubtful, is_quoted=True)
     return None if found is None or found == verdict.diagnosis else FoundPlace(found, operators)
 
@@ -178,7 +180,13 @@ def _with_places(
     if last is not None and last.title not in named.titles:
         told = f"Ce qui reste, une fois l'autre ligne écrite autrement : {last.title}. {last.explanation}"
         named = replace(named, explanation=f"{named.explanation}\n\n{told}")
-    return tell_remainder(named, checks)
+    return tell_remainder(named, checks, _named_last(mending))
+
+
+def _named_last(mending: Mending | None) -> set[str]:
+    """Return the checks that the name of what the last step mends explains: they do not remain."""
+    name = mending.last_name if mending is not None else None
+    return set() if name is None else {check for ids in name.explains for check in ids}
 
 
 def _without_remainder(diagnosis: Diagnosis) -> Diagnosis:

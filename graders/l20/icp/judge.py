@@ -93,9 +93,16 @@ def misplaced(case: Registration, value: Value) -> Mismatch | None:
 
 
 def _at(answer: Answer, step: Step) -> bool:
+    return _is_turned_alike(answer, step) and _is_moved_alike(answer, step)
+
+
+def _is_turned_alike(answer: Answer, step: Step) -> bool:
+    return float(np.max(np.abs(answer.R - step.R))) <= TOLERANCE
+
+
+def _is_moved_alike(answer: Answer, step: Step) -> bool:
     size = max(1.0, float(np.max(np.abs(step.t))))
-    turned = float(np.max(np.abs(answer.R - step.R)))
-    return turned <= TOLERANCE and float(np.max(np.abs(answer.t - step.t))) <= TOLERANCE * size
+    return float(np.max(np.abs(answer.t - step.t))) <= TOLERANCE * size
 
 
 def _compared(answer: Answer, step: Step) -> str:
@@ -103,8 +110,13 @@ def _compared(answer: Answer, step: Step) -> str:
     same_angle = render.number(turned, 4) == render.number(wanted, 4)
     if same_angle and render.text(answer.t, digits=4) == render.text(step.t, digits=4):
         return "R et t sont proches de ce qui est attendu, mais pas à 10⁻⁶ près : sont-ils arrondis ?"
-    angles, places = number_pair(turned, wanted, 4), text_pair(answer.t, step.t, digits=4)
-    return f"R tourne de {angles[0]}° au lieu de {angles[1]}°, et t vaut {places[0]} au lieu de {places[1]}."
+    if _is_turned_alike(answer, step):
+        return "R est juste, mais t vaut {} au lieu de {}.".format(*text_pair(answer.t, step.t, digits=4))
+    rotation = "R tourne de {}° au lieu de {}°".format(*number_pair(turned, wanted, 4))
+    if _is_moved_alike(answer, step):
+        return f"t est juste, mais {rotation}."
+    got, expected = text_pair(answer.t, step.t, digits=4)
+    return f"{rotation}, et t vaut {got} au lieu de {expected}."
 
 
 def _elsewhere(case: Registration, answer: Answer, steps: Sequence[Step]) -> str:

@@ -39,6 +39,27 @@ def nees(vraie, estimee, P):
     return np.sqrt(e @ np.linalg.solve(P, e))
 """
 
+HALF_TURN = """
+def normaliser(t):
+    return t % (2 * np.pi) - np.pi
+
+
+def composer(a, b):
+    c, s = np.cos(a[2]), np.sin(a[2])
+    x = a[0] + c * b[0] - s * b[1]
+    y = a[1] + s * b[0] + c * b[1]
+    return np.array([x, y, normaliser(a[2] + b[2])])
+
+
+def inverse(a):
+    c, s = np.cos(a[2]), np.sin(a[2])
+    return np.array([-c * a[0] - s * a[1], s * a[0] - c * a[1], normaliser(-a[2])])
+
+
+def relatif(a, b):
+    return composer(inverse(a), b)
+"""
+
 
 #: What an explanation says to be right, where the mistake is the only one.
 RIGHT = re.compile(
@@ -158,3 +179,12 @@ def test_checks_that_fail_through_a_function_that_is_told_are_not_left_without_e
     assert others
     assert isolated.consequences(own, grader.checks) == others
     assert not isolated.consequences((), grader.checks)
+
+
+def test_a_name_that_no_function_shows_beside_right_ones_is_withdrawn() -> None:
+    """Every function calls the one that is wrong: `relatif` then answers as with a wrong sign, and has none."""
+    verdict, found = place_of("l20/poses", HALF_TURN)
+    assert found is not None
+    assert "un signe est faux" in [title.lower() for title in verdict.diagnosis.titles]
+    assert "un signe est faux" not in [title.lower() for title in found.diagnosis.titles]
+    assert "relatif n'a rien de faux" in found.diagnosis.explanation

@@ -8,7 +8,7 @@ from graders.core.code.changes import ProgramChange, count_turns, find_changes, 
 from graders.core.code.mending import Mending, MendingSearch, MendingStep, in_lines_of
 from graders.core.code.places import describe_mending, find_place, is_worth_searching, join_place
 from graders.core.contract.local import LOCAL
-from graders.core.contract.verdict import Diagnosis, Verdict
+from graders.core.contract.verdict import CheckResult, Diagnosis, Verdict
 from tests.support.shipped import CODE
 
 EXERCISE = "l19/predire_corriger"
@@ -160,6 +160,16 @@ def test_a_kind_of_change_that_may_make_up_for_another_line_says_so(unlikely: bo
     mending = Mending((MendingStep(change, frozenset({"a"})),), frozenset())
     words = describe_mending(mending, "def f(g):\n    return 2 * g\n", ())
     assert ("cherchez parmi les lignes qui calculent ou emploient les mêmes" in words.explanation) == unlikely
+
+
+def test_what_the_last_name_explains_does_not_remain() -> None:
+    change = ProgramChange("", "", 2, "angle")
+    name = Diagnosis("angle", "L'angle n'est pas ramené", "Il sort de l'intervalle.", None, (("b",),))
+    mending = Mending((MendingStep(change, frozenset({"a"})),), frozenset({"b", "c"}), name)
+    checks = tuple(CheckResult(letter, letter.upper(), False, 0.0, 1.0) for letter in "abc")
+    words = describe_mending(mending, "def f(g):\n    return 2 * g\n", checks).explanation
+    assert "Ce qui reste, une fois l'autre ligne écrite autrement : L'angle n'est pas ramené." in words
+    assert "Cela explique 2 des 3 points perdus. Reste sans explication : « C »." in words
 
 
 def test_the_lines_of_a_second_change_are_those_of_the_program_as_it_was() -> None:

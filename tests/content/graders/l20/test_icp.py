@@ -185,6 +185,15 @@ def test_the_first_counterexample_is_that_of_the_statement_or_simpler() -> None:
     assert "une seule itération" in one.message
 
 
+def test_a_rotation_that_is_right_but_for_rounding_is_not_held_against_a_program() -> None:
+    source = edited("return R, t, erreurs", "return R @ fit(P, P)[0], t + 1.0, erreurs")
+    found = checked(GRADER.exercise, source, 3, simplified=True).verdict.checks[1]
+    assert "R est juste, mais t vaut" in found.message
+    turned = edited("return R, t, erreurs", "return fit(P, P)[0], t, erreurs")
+    found = checked(GRADER.exercise, turned, 3, simplified=True).verdict.checks[1]
+    assert "t est juste, mais R tourne de" in found.message
+
+
 def test_errors_are_right_at_any_moment_of_an_iteration() -> None:
     case = cases.example(2)
     stairs = staircase(descend(*case[:4], 3))
