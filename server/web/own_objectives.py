@@ -77,11 +77,12 @@ def count_states(rows: Sequence[OwnObjectiveRow]) -> str:
 
 
 def group_by_lesson(course: Course, module: str, rows: Sequence[OwnObjectiveRow]) -> tuple[ObjectiveGroup, ...]:
-    """Group the objectives of a student by lesson; the lessons in which something is under way are unfolded."""
-    groups = []
+    """Group the objectives of a student by lesson; the first lesson in which something is under way is unfolded."""
+    groups: list[ObjectiveGroup] = []
     for slug, group in groupby(rows, key=lambda row: row.objective.objective.lesson):
         lesson, own = lesson_of(course, module, slug), tuple(group)
-        is_open = any(row.state in {Mastery.weak, Mastery.started} for row in own)
+        is_under_way = any(row.state in {Mastery.weak, Mastery.started} for row in own)
+        is_open = is_under_way and not any(earlier.is_open for earlier in groups)
         groups.append(ObjectiveGroup(lesson_title(lesson), is_open, own, count_states(own)))
     return tuple(groups)
 
