@@ -6,7 +6,7 @@ import pytest
 
 from tests.contract.browser.conftest import NewVisit, Visit, sync_api
 from tests.contract.browser.test_accessibility import check
-from tests.contract.browser.test_classes import fill, teacher
+from tests.contract.browser.test_classes import creates, fill, teacher
 
 expect = sync_api.expect
 ROTATION = """import numpy as np
@@ -38,7 +38,7 @@ def test_the_board_follows_a_lesson(visit: NewVisit) -> None:
     martin = teacher(visit, "martin-tableau")
     page = martin.page
     page.goto(martin.server.address + "/classes")
-    fill(martin, {"Nom de la classe": "MPSI 3"}, "Créer la classe")
+    creates(martin, "MPSI 3")
     home, code = page.url, page.locator(".join-code").inner_text()
     ada = student(visit, code, "Ada")
     page.goto(home)

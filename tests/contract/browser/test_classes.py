@@ -21,6 +21,12 @@ def fill(visitor: Visit, fields: dict[str, str], button: str) -> None:
     visitor.page.locator("main").get_by_role("button", name=button).click()
 
 
+def creates(visitor: Visit, name: str) -> None:
+    """A class of the module whose exercises these tests send to."""
+    visitor.page.get_by_label("Module", exact=True).select_option("l20")
+    fill(visitor, {"Nom de la classe": name}, "Créer la classe")
+
+
 def teacher(visit: NewVisit, login: str) -> Visit:
     """Somebody who has an account, made a teacher's on the command line."""
     visitor = visit(expected="422")
@@ -38,7 +44,7 @@ def test_a_class_in_five_minutes(visit: NewVisit) -> None:
     page = martin.page
     page.goto(martin.server.address + "/classes")
     check(martin, "classes")
-    fill(martin, {"Nom de la classe": "MPSI 2"}, "Créer la classe")
+    creates(martin, "MPSI 2")
     expect(page.get_by_role("heading", level=1)).to_have_text("MPSI 2")
     home, code = page.url.removesuffix("/eleves"), page.locator(".join-code").inner_text()
     assert re.fullmatch(r"[A-Z]{4}-[A-Z]{4}", code)
@@ -167,7 +173,7 @@ def test_what_is_said_of_work(visit: NewVisit) -> None:
     martin = teacher(visit, "martin-messages")
     page, address = martin.page, martin.server.address
     page.goto(address + "/classes")
-    fill(martin, {"Nom de la classe": "MPSI 3"}, "Créer la classe")
+    creates(martin, "MPSI 3")
     home, code = page.url.removesuffix("/eleves"), page.locator(".join-code").inner_text()
     ada = visit(width=390, height=844)
     ada.page.goto(f"{address}/rejoindre/{code}")

@@ -95,7 +95,7 @@ def test_a_verdict_is_said_once(visit: NewVisit) -> None:
     check(visitor, "/l20/exercices/calcul_logodds")
     page = visitor.page
     page.evaluate(LISTEN)
-    page.locator("#essai input").first.fill("1,5")
+    page.locator("#essai input:not([type=hidden])").first.fill("1,5")
     page.locator("#envoyer").click()
     visitor.verdict()
     expect(page.locator("#annonce")).to_contain_text("Verdict")
