@@ -1,7 +1,8 @@
 """The course, as `balise check` proves it: all of it in one slow test.
 
 The fast suite proves of each exercise that its reference passes, that its starter does not, and that every mistake of
-its catalogue is caught; and that mistakes are named in the sandbox, of one exercise for each template.
+its catalogue is caught; and that mistakes are named in the sandbox, of one exercise for each template. Texts have their
+own file, `test_texts.py`.
 """
 
 from __future__ import annotations
@@ -22,7 +23,7 @@ from graders.core.contract.local import LOCAL
 from server.base.files import ROOT
 from server.cli import check
 from server.cli.check import Case, cases, examine
-from server.course import Course, Exercise, load
+from server.course import Course, Exercise
 from server.grading.sandbox_grader import SandboxGrader
 from server.sandbox import Sandbox
 from tests.support.shipped import CODE, exercises_of_kind
@@ -64,11 +65,6 @@ def test_the_course_has_its_exercises_and_no_problem(course: Course) -> None:
     assert {f"l20/{slug}" for slug in first} <= course.exercises.keys()
     assert course.problems == ()
     assert course.exercises.keys() == {*exercises_of_kind("code"), *exercises_of_kind("answers")}
-
-
-@pytest.mark.long
-def test_every_text_holds_together_and_every_formula_is_drawn() -> None:
-    assert [str(problem) for problem in load().problems] == []
 
 
 @pytest.mark.long

@@ -14,6 +14,7 @@ import pytest
 from server.app import create_app
 from server.base.settings import Settings
 from server.cells.run import run
+from server.course import Course, load
 from server.sandbox import Sandbox
 from tests.support.client import TestClient
 from tests.support.quick import migrated, the_course
@@ -62,10 +63,16 @@ class Page(HTMLParser):
 
 
 @pytest.fixture(scope="module")
-def client(tmp_path_factory: pytest.TempPathFactory) -> Iterator[TestClient]:
+def rendered() -> Course:
+    """The course with its texts and formulas drawn: the pages are made of these."""
+    return load()
+
+
+@pytest.fixture(scope="module")
+def client(rendered: Course, tmp_path_factory: pytest.TempPathFactory) -> Iterator[TestClient]:
     settings = Settings(data_dir=Path(tmp_path_factory.mktemp("data")), workers=0)
     database = migrated(settings)
-    with TestClient(create_app(settings, course=the_course())) as made:
+    with TestClient(create_app(settings, course=rendered)) as made:
         yield made
     database.close()
 
@@ -81,6 +88,12 @@ def seen(client: TestClient, path: str) -> Page:
     return Page(answer.text if answer.headers["content-type"].startswith("text/html") else "")
 
 
+@pytest.mark.long
+def test_every_text_holds_together_and_every_formula_is_drawn(rendered: Course) -> None:
+    assert [str(problem) for problem in rendered.problems] == []
+
+
+@pytest.mark.long
 @pytest.mark.parametrize("module", MODULES)
 def test_pages_are_whole_and_their_links_arrive(client: TestClient, module: str) -> None:
     exercises = [f"/{module}/exercices/{exercise.slug}" for exercise in the_course().modules[module].exercises]
