@@ -16,6 +16,7 @@ from types import MappingProxyType
 import numpy as np
 
 from graders.core.code.checks import Cases
+from graders.core.code.example_calls import like_call
 from graders.core.code.grading import CodeGrader
 from graders.core.code.seen_facts import (
     FELT,
@@ -205,7 +206,8 @@ class Experimenter:
             for check in self._grader.checks
             if isinstance(check, Cases) and check.functions == (trial.function,)
         ]
-        further = [*self._examples.get(trial.function, ()), *_in_turn(drawn)]
+        shown = [like_call(trial.calls[0], call) for call in self._examples.get(trial.function, ())]
+        further = [*(call for call in shown if call is not None), *_in_turn(drawn)]
         known = {pickle.dumps(call) for call in trial.calls}
         calls = [call for call in further if pickle.dumps(call) not in known][:MAX_FURTHER]
         right, got = self._solution(trial, calls), self._answers(source, trial, calls)

@@ -7,6 +7,7 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
+from graders.core.code.example_calls import like_call
 from graders.core.code.experiments import Experimenter
 from graders.core.code.places import EXPERIMENT, SEEN_ALSO, describe_facts, join_place
 from graders.core.compare.changed_arguments import replacements, variations
@@ -189,6 +190,17 @@ def test_what_a_failed_check_belies_is_not_told() -> None:
         source, ("distance_et_jacobien",)
     )
     assert not [fact.title for fact in facts if "trop grand" in fact.title]
+
+
+def test_a_shown_call_has_the_types_that_its_function_is_given() -> None:
+    """A verdict keeps tables of booleans, whole numbers and tuples as lists of numbers."""
+    call = (np.array([[True]]), (1, 2), [(0, np.array([1.5]))], 0.5)
+    made = like_call(call, (np.array([[1.0, 0.0]]), [3.0, 4.0], [[1, [2, 3]], [2, [4, 5]]], 1))
+    assert made is not None
+    assert (made[0].dtype, made[1], made[3]) == (np.dtype(bool), (3, 4), 1.0)
+    assert [type(item) for item in made[2]] == [tuple, tuple]
+    assert made[2][1][1].tolist() == [4.0, 5.0]
+    assert like_call(call, (1.0, 2.0, 3.0, 4.0)) is None
 
 
 def test_what_further_calls_belie_is_not_told() -> None:
