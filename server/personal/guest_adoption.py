@@ -19,7 +19,7 @@ from server.recall import repository as recall
 
 STAFF = (
     "Ce compte-ci enseigne déjà dans une classe, et ne peut plus en rejoindre un autre. Faites entrer l’autre compte "
-    "dans vos classes (Réglages, « Qui enseigne »)."
+    "dans vos classes (Réglages, « Équipe enseignante »)."
 )
 SAT_TWICE = (
     "Les deux comptes ont composé dans le même contrôle : ils restent séparés, pour que chaque copie garde son temps. "

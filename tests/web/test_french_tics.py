@@ -10,6 +10,10 @@ from server.base.files import ROOT
 
 #: Each with the reason or the phrase to write instead.
 TICS = {
+    r"[.>:] ?Qui (?:enseigne|arrive|compose)|(?:de|pour|à) qui (?:arrive|n’a|a |enseigne)": "« les enseignants qui… »",
+    r"n’y entre plus|n’y paraît|rien ne s’y change|rien n’en est": "a subject, and a verb that says what happens",
+    r"[Mm]ots (?:à choisir|choisis)": "« niveaux »",
+    r">Faire (?:ce groupe|une adresse)": "« créer »",
     r"[.>] Qui (?!est bloqué|a |voir)[a-zé’ ]+ (?:en |y |ne |le |sort|voit)": "« les élèves qui… »",
     r"\bne se défait pas|\bCela se défait": "« cette action est définitive », « vous pourrez… »",
     r"(?:Reportée|suit) d’elle-même": "« automatiquement »",

@@ -191,7 +191,7 @@ def test_what_is_said_of_work(visit: NewVisit) -> None:
     page.locator(".people tbody th a").first.click()
     page.get_by_role("link", name="Commenter la ligne 1", exact=True).click()
     check(martin, "an attempt, a line chosen")
-    fill(martin, {"Votre commentaire": "Pourquoi ?"}, "Commenter")
+    fill(martin, {"Votre remarque": "Pourquoi ?"}, "Commenter")
     expect(page.locator(".lines .thread")).to_contain_text("Pourquoi ?")
 
     ada.page.reload()
