@@ -15,7 +15,7 @@ from uuid import UUID
 from graders.core.contract.outcomes import Outcome
 from server.board.attempts import Pair, is_unexplained
 from server.board.progress import ClassProgress
-from server.board.stuck import failures_without_progress
+from server.board.stuck import PRESENCE, failures_without_progress
 from server.gradebook.histories import Attempts, AttemptsByPair
 
 #: Different failures without progress at the end of the period, from which a student is to be seen.
@@ -70,14 +70,22 @@ class OvercomeMistake:
 
 @dataclass(frozen=True)
 class LessonReview:
-    """The review of a period. `idle` have sent nothing although they were there; `absent` were not seen; neither
-    names a student to whom no exercise of the period is given."""
+    """The review of a period. `more_to_see` and `more_to_explain` are those for whom there is no room.
+
+    Of the students to whom an exercise of the period is given and who have sent nothing to any: `elsewhere` worked at
+    other exercises then, `idle` were there, `absent` were not seen since it began. Of `unknown`, seen after it, nobody
+    knows whether they were there.
+    """
 
     to_see: tuple[StudentToSee, ...]
+    more_to_see: tuple[StudentToSee, ...]
     to_explain: tuple[MistakeToExplain, ...]
+    more_to_explain: int
     at_fault: tuple[ExerciseAtFault, ...]
+    elsewhere: tuple[UUID, ...]
     idle: tuple[UUID, ...]
     absent: tuple[UUID, ...]
+    unknown: tuple[UUID, ...]
     overcome: tuple[OvercomeMistake, ...]
 
 
@@ -93,20 +101,32 @@ def build_review(
     period = _attempts_in(progress.attempts, exercises, since, until)
     senders = {account for account, _ in period}
     active = senders | {student for student, others in partners.items() if not senders.isdisjoint(others)}
-    others = [
+    quiet = [
         student
         for student in progress.students
         if student.id not in active and any(progress.concerns(student, exercise) for exercise in exercises)
     ]
-    seen = {student.id for student in others if student.seen_at is not None and student.seen_at >= since}
+    elsewhere = {account for (account, _), series in progress.attempts.items() if _has_some(series, since, until)}
+    silent = [student for student in quiet if student.id not in elsewhere]
+    seen = {student.id: student.seen_at for student in silent if student.seen_at and student.seen_at >= since}
+    present = {account for account, at in seen.items() if at <= until + PRESENCE}
+    to_see, to_explain = _students_to_see(period), _mistakes_to_explain(period)
     return LessonReview(
-        to_see=_students_to_see(period)[:MAX_TO_SEE],
-        to_explain=_mistakes_to_explain(period)[:MAX_TO_EXPLAIN],
+        to_see=to_see[:MAX_TO_SEE],
+        more_to_see=to_see[MAX_TO_SEE:],
+        to_explain=to_explain[:MAX_TO_EXPLAIN],
+        more_to_explain=len(to_explain[MAX_TO_EXPLAIN:]),
         at_fault=_exercises_at_fault(period, exercises),
-        idle=tuple(student.id for student in others if student.id in seen),
-        absent=tuple(student.id for student in others if student.id not in seen),
+        elsewhere=tuple(student.id for student in quiet if student.id in elsewhere),
+        idle=tuple(student.id for student in silent if student.id in present),
+        absent=tuple(student.id for student in silent if student.id not in seen),
+        unknown=tuple(account for account in seen if account not in present),
         overcome=_overcome_mistakes(period)[:MAX_OVERCOME],
     )
+
+
+def _has_some(attempts: Attempts, since: datetime, until: datetime) -> bool:
+    return any(since <= attempt.sent_at <= until for attempt in attempts)
 
 
 def _attempts_in(

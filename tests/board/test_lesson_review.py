@@ -4,11 +4,14 @@ from __future__ import annotations
 
 from datetime import timedelta
 
-from server.board.lesson_review import MIN_TRIED, ExerciseAtFault, build_review
+from sqlalchemy import update
+
+from server.board.lesson_review import MAX_TO_SEE, MIN_TRIED, ExerciseAtFault, build_review
 from server.board.service import load_progress
+from server.classes.models import Membership
 from server.course import Course
 from server.database import Database
-from tests.support.marks import AFTER, OPENS, POSES, Term
+from tests.support.marks import AFTER, ODOMETRY, OPENS, POSES, Term
 
 
 def test_who_has_solved_an_exercise_does_not_fail_it(database: Database, course: Course) -> None:
@@ -31,3 +34,29 @@ def test_who_has_solved_an_exercise_does_not_fail_it(database: Database, course:
         progress = load_progress(db, course, term.made, later)
     fault = build_review(progress, [POSES], OPENS, later).at_fault
     assert fault == (ExerciseAtFault(POSES, 2 * MIN_TRIED, MIN_TRIED - 1, MIN_TRIED + 1),)
+
+
+def test_students_without_an_attempt_are_told_apart_by_what_is_known_of_them(sqlite: Database, course: Course) -> None:
+    term, during, after = Term.begin(sqlite), OPENS + timedelta(minutes=20), AFTER + timedelta(hours=9)
+    present, absent, later, busy = (term.student(name, "Petit") for name in ("Ada", "Alan", "Grace", "Kurt"))
+    term.send(busy, ODOMETRY, 20, during)
+    with sqlite.write() as db:
+        for student, seen_at in ((present, during), (absent, OPENS - timedelta(days=1)), (later, after)):
+            own = Membership.class_id == term.made.id, Membership.account_id == student.id
+            db.execute(update(Membership).where(*own).values(last_seen_at=seen_at))
+    with sqlite.read() as db:
+        review = build_review(load_progress(db, course, term.made, after), [POSES], OPENS, AFTER)
+    assert (review.idle, review.absent) == ((present.id,), (absent.id,))
+    assert review.unknown == (later.id,), "seen after the lesson: nobody knows whether they were there"
+    assert review.elsewhere == (busy.id,)
+
+
+def test_those_for_whom_there_is_no_room_are_named_too(sqlite: Database, course: Course) -> None:
+    term = Term.begin(sqlite)
+    for number in range(MAX_TO_SEE + 2):
+        student = term.student(f"Élève{number}", "Petit")
+        for points in (5, 4, 3):
+            term.send(student, POSES, points, OPENS + timedelta(minutes=10 - points))
+    with sqlite.read() as db:
+        review = build_review(load_progress(db, course, term.made, AFTER), [POSES], OPENS, AFTER)
+    assert (len(review.to_see), len(review.more_to_see)) == (MAX_TO_SEE, 2)

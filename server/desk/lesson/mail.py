@@ -99,7 +99,14 @@ class ReviewMails:
         if not tells:
             return None
         subject = f"Demain matin, {access.school_class.name}, {title}"
-        return self._write(sending, access, "review", subject, now, {"page": page, "href": href, **_counts(page)})
+        return self._write(
+            sending,
+            access,
+            "review",
+            subject,
+            now,
+            {"page": page, "href": href, "started": short_moment(page.since), **_counts(page)},
+        )
 
     def _write(
         self, sending: OutgoingMail, access: ClassAccess, template: str, subject: str, now: datetime,
@@ -135,8 +142,12 @@ class ReviewMails:
 def _counts(page: ReviewPage) -> Mapping[str, Sequence[str]]:
     """Return the first line of a mail: what the page holds, in numbers."""
     counts = (
-        (len(page.to_see), "élève à voir", "élèves à voir"),
-        (len(page.to_explain), "erreur à expliquer de nouveau", "erreurs à expliquer de nouveau"),
+        (len(page.to_see) + len(page.more_to_see), "élève à voir", "élèves à voir"),
+        (
+            len(page.to_explain) + page.more_to_explain,
+            "erreur à expliquer de nouveau",
+            "erreurs à expliquer de nouveau",
+        ),
         (len(page.at_fault), "énoncé à revoir", "énoncés à revoir"),
     )
     return {"summary": [plural(count, singular, many) for count, singular, many in counts if count]}

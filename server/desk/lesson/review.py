@@ -81,7 +81,10 @@ class OvercomeRow:
 
 @dataclass(frozen=True)
 class ReviewPage:
-    """The review of a period; `lesson`: of one lesson, else of a week."""
+    """The review of a period: of a lesson, with its `exercises`, else of a week.
+
+    `more_to_see` and `more_to_explain` are those for whom the lists have no room.
+    """
 
     head: ClassHead
     is_lesson: bool
@@ -89,16 +92,25 @@ class ReviewPage:
     until: datetime
     exercises: tuple[str, ...]
     to_see: tuple[SeeRow, ...]
+    more_to_see: tuple[Link, ...]
     to_explain: tuple[ExplainRow, ...]
+    more_to_explain: int
     at_fault: tuple[FaultRow, ...]
+    elsewhere: tuple[Link, ...]
     idle: tuple[Link, ...]
     absent: tuple[Link, ...]
+    unknown: tuple[Link, ...]
     overcome: tuple[OvercomeRow, ...]
     idle_remedial: str
 
     @property
     def is_empty(self) -> bool:
-        return not (self.to_see or self.to_explain or self.at_fault or self.idle or self.overcome)
+        return not (self.to_see or self.to_explain or self.at_fault or self.elsewhere or self.idle or self.overcome)
+
+    @property
+    def is_anybody_silent(self) -> bool:
+        """Whether somebody has sent nothing to the exercises of the period."""
+        return bool(self.elsewhere or self.idle or self.absent or self.unknown)
 
 
 def review_page(
@@ -140,6 +152,9 @@ def review_page(
             )
             for row in review.to_see
         ),
+        more_to_see=tuple(
+            (names[row.account], f"{links.href}/eleves/{row.account}/{row.exercise}") for row in review.more_to_see
+        ),
         to_explain=_explain_rows(course, links, review, remedy, may_write=access.has(Right.comment)),
         at_fault=tuple(
             FaultRow(
@@ -147,8 +162,11 @@ def review_page(
             )
             for row in review.at_fault
         ),
+        more_to_explain=review.more_to_explain,
+        elsewhere=tuple(map(person, review.elsewhere)),
         idle=tuple(map(person, review.idle)),
         absent=tuple(map(person, review.absent)),
+        unknown=tuple(map(person, review.unknown)),
         overcome=tuple(
             OvercomeRow(
                 mistake_title(course, row.exercise, row.id),
@@ -157,7 +175,7 @@ def review_page(
             )
             for row in review.overcome
         ),
-        idle_remedial=remedy(exercises[0] if exercises else "", [*review.idle, *review.absent]),
+        idle_remedial=remedy(exercises[0] if exercises else "", [*review.idle, *review.absent, *review.unknown]),
     )
 
 
