@@ -23,8 +23,8 @@ from server.identity.models import Account
 
 GUEST = (
     "Un invité ne commence pas de contrôle : n’importe qui peut s’être donné ce nom. Connectez-vous, ou choisissez "
-    "votre mot de passe avec le billet que votre enseignant vous a remis ; sans compte, créez-en un. Votre travail "
-    "vous suit."
+    "votre mot de passe avec la fiche de connexion que votre enseignant vous a remise ; sans compte, créez-en "
+    "un. Votre travail vous suit."
 )
 NAMESAKE = (
     "Un autre élève de cette classe s’appelle « {name} », et son compte est celui de la liste, ou a déjà commencé ce "

@@ -149,8 +149,8 @@ _ROWS: tuple[Callable[[Settings], Row], ...] = (
     ),
     lambda settings: Row(
         "Liens vers un mot de passe",
-        f"{_hours(settings.password_link_hours)} ; le premier, sur un billet, avec son code tant qu’il n’a pas servi, "
-        f"{_days(settings.first_password_days)} depuis que l’enseignant l’a affiché",
+        f"{_hours(settings.password_link_hours)} ; le premier, sur une fiche de connexion, avec son code tant "
+        f"qu’il n’a pas servi, {_days(settings.first_password_days)} depuis que l’enseignant l’a affiché",
         f"à leur usage, avec le rôle ou le droit pour lequel ils ont été faits, ou {HOURLY}",
         ("password_link_hours", "first_password_days"),
         ("password_link",),

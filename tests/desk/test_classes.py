@@ -141,9 +141,9 @@ def test_slips_lead_to_a_first_password(site: Site, martin: TestClient, href: st
     assert ada.post(links[0], data={"login": "ada", "new_password": "notes sur la machine"}).status_code == 303
     assert "Aller aux exercices" in text_of(ada, href)
     assert text_of(ada, links[0], 404)
-    assert "1 billet" in martin.post(f"{href}/acces").text, "who has chosen one needs none"
+    assert "1 fiche de connexion" in martin.post(f"{href}/acces").text, "who has chosen one needs none"
     renewed = martin.post(f"{href}/acces", data={"nouveaux": "oui"}).text
-    assert "remplacent ceux d’avant" in renewed
+    assert "remplacent les précédentes" in renewed
     assert codes[1] not in renewed
     text_of(ada, links[1], 404)
     site.tighten(guest_burst=2, guest_refill_seconds=1000.0)

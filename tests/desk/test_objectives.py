@@ -65,7 +65,7 @@ def test_the_pages_say_who_has_mastered_what(site: Site, martin: Person, made: S
     assert f"Votre dernière erreur&nbsp;: {WRONG_TITLE}" in own
     assert "Alan" not in own, "no student is compared with another"
     sheet = text_of(browser, f"{href}/conseil")
-    assert "À retravailler : composer des poses. Erreur qui demeure" in sheet.replace("\u202f", " ").replace(
+    assert "À retravailler : composer des poses. Erreur persistante" in sheet.replace("\u202f", " ").replace(
         "\u00a0", " "
     )
     assert sheet.count("1 objectif acquis sur 1 commencé") == 1

@@ -13,6 +13,7 @@ TICS = {
     r"[.>:] ?Qui (?:enseigne|arrive|compose)|(?:de|pour|à) qui (?:arrive|n’a|a |enseigne)": "« les enseignants qui… »",
     r"n’y entre plus|n’y paraît|rien ne s’y change|rien n’en est": "a subject, and a verb that says what happens",
     r"[Mm]ots (?:à choisir|choisis)": "« niveaux »",
+    r"\b[Bb]illets?\b": "« fiche de connexion »",
     r">Faire (?:ce groupe|une adresse)": "« créer »",
     r"[.>] Qui (?!est bloqué|a |voir)[a-zé’ ]+ (?:en |y |ne |le |sort|voit)": "« les élèves qui… »",
     r"\bne se défait pas|\bCela se défait": "« cette action est définitive », « vous pourrez… »",

@@ -102,4 +102,4 @@ def _remaining_mistake(course: Course, weak: Sequence[ObjectiveState]) -> str:
     mistakes = [mistake for found in weak for mistake in found.mistakes]
     if not mistakes:
         return ""
-    return f" Erreur qui demeure : « {find_misconception(course, *mistakes[0]).diagnosis.title} »."
+    return f" Erreur persistante : « {find_misconception(course, *mistakes[0]).diagnosis.title} »."

@@ -141,7 +141,8 @@ def _part(
     attempt = gradebook.find_attempt(reader.db, account, mark.counted.attempt)
     talks = comments.load_attempt_conversations(reader.db, attempt) if with_threads else ()
     is_code = exercise.answers is None
-    code = code_view(attempt.submission.code, talks, account) if is_code else None
+    talker = account if account.id == student else None  # on paper « vous » is the student
+    code = code_view(attempt.submission.code, talks, talker) if is_code else None
     on_lines = {talk.thread.id for talk in talks if is_code and talk.lines is not None}
     return CopyPart(
         title=title,
@@ -152,7 +153,7 @@ def _part(
         late=f"{plural(mark.days_late, 'jour')} de retard" if mark.days_late else "",
         code=code,
         verdict=_verdict(reader.course, attempt),
-        threads=thread_views([talk for talk in talks if talk.thread.id not in on_lines], account),
+        threads=thread_views([talk for talk in talks if talk.thread.id not in on_lines], talker),
         held=attempt.held_text,
         partner=find_teammate_name(reader.db, student, attempt.submission.account_id)
         if with_threads and attempt.submission.account_id != student
