@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import json
+
 import pytest
 
 from tests.contract.browser.conftest import EXERCISE, ROOT, NewVisit, sync_api
 
-expect = sync_api.expect
+expect, Route = sync_api.expect, sync_api.Route
 SOLUTION = (ROOT / "graders/l20/poses/solution.py").read_text(encoding="utf-8")
 WRONG = f"""{SOLUTION}
 
@@ -168,9 +170,26 @@ def test_everything_can_be_done_from_the_keyboard(visit: NewVisit) -> None:
     page.keyboard.press("Escape")
     page.keyboard.press("Tab")
     expect(page.get_by_role("button", name="Envoyer")).to_be_focused()
+
+    sought = True
+    early = f"retry: 100\nevent: status\ndata: {json.dumps({'status': 'running', 'early': True, 'text': ''})}\n\n"
+
+    def answer(route: Route) -> None:
+        """Says that the mistake is still sought, as long as it is to be."""
+        graded = route.fetch()
+        route.fulfill(response=graded, body=early if sought else graded.text())
+
+    page.route("**/evenements", answer)
     page.keyboard.press("Enter")
     visitor.verdict()
     expect(page.locator("#annonce")).to_contain_text("sur 20")
+    page.keyboard.press("Control+Shift+Enter")
+    verdict = page.locator("[data-part=verdict]")
+    expect(verdict.locator("h2").first).to_be_focused()
+    verdict.evaluate("part => { part.dataset.early = 'yes'; }")
+    sought = False
+    page.wait_for_selector("[data-part=verdict]:not([data-early])")
+    expect(verdict.locator("h2").first, "the final form takes the place of the early one").to_be_focused()
 
 
 @pytest.mark.slow
