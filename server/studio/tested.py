@@ -24,7 +24,7 @@ _TABS, _CONTEXTS, _CASES = ("tabs", "units"), ("contexts", "cases"), ("testcases
 #: Keys that change no verdict.
 _SILENT = {"description", "files", "tab", "unit", "name", "hidden", "definitions", "config", "language", "namespace"}
 _MODULE = "submission."
-TAKE_ZIP = "importez l’exercice en ZIP, avec ses fichiers"
+TAKE_ZIP = "importez un ZIP de l’exercice où il est"
 #: Keys of what a test does, of what it prepares, and of what it expects.
 _ACTS, _INPUTS = {"expression", "statement"}, {"stdin", "arguments", "argv", "input_files"}
 _EXPECTED = ("return", "return_raw", "stdout", "exception", "file", "output_files")
@@ -173,7 +173,7 @@ class _ContextReader:
             if isinstance(content, str) and name:
                 self.done.append(f"{FILE}({python_text(str(name))}, {python_text(content)})")
             elif name:
-                raise _Left(f"le fichier « {name} » n’est pas dans ce YAML : {TAKE_ZIP}")
+                raise _Left(f"le fichier « {name} » manque : {TAKE_ZIP}")
 
     def _act(self, case: Mapping[str, Any]) -> None:
         if self.is_program and (not _ACTS & set(case) or not any(PROGRAM in line for line in self.done)):
@@ -233,7 +233,7 @@ class _ContextReader:
             path, text = value.get("path"), value.get("data", value.get("content"))
             value = self.find(str(path)) if text is None and path else text
             if value is None and path:
-                raise _Left(f"le fichier « {path} » n’est pas dans ce YAML : {TAKE_ZIP}")
+                raise _Left(f"le fichier « {path} » manque : {TAKE_ZIP}")
         return "" if value is None else str(value)
 
     def _written(self, expected: Mapping[str, Any]) -> dict[str, str | None]:

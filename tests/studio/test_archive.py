@@ -186,7 +186,7 @@ def test_an_exercise_of_dodona_is_taken_with_the_files_beside_its_suite(studio: 
     )
     assert "Exemples ✓" in studio.report(path)
     (alone,) = import_file("suite.yaml", SUITE.encode())
-    assert "importez l’exercice en ZIP, avec ses fichiers" in alone.left[0]
+    assert "« notes.txt » manque : importez un ZIP de l’exercice où il est" in alone.left[0]
     with pytest.raises(ImportRefused, match="2 suites de tests"):
         list(read_exercise({"a/suite.yaml": SUITE, "b/suite.yaml": SUITE}))
 

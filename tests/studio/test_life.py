@@ -7,13 +7,17 @@ from html import unescape
 
 from sqlalchemy import delete
 
-from graders.core.declared.case_reading import parse_scenario
-from graders.core.declared.scenarios import FILE, TYPE
+from graders.core.declared.scenarios import PROGRAM
+from graders.core.declared.trial import ExerciseTrial
 from server.base.files import ROOT
+from server.grading.sandbox_grader import SandboxPrograms
+from server.grading.trial_task import TRIAL_POLICY
 from server.identity.models import Account
+from server.sandbox import Sandbox
 from server.studio import repository
 from server.studio.models import AuthoredExercise
 from server.studio.service import read_draft
+from tests.graders.declared.kinds import declare
 
 from .conftest import Studio
 
@@ -53,12 +57,44 @@ def test_a_surviving_change_may_be_accepted_with_a_reason(studio: Studio) -> Non
     assert set(read_draft(studio.stored(path)).reasons.values()) == {"0 n’est pas demandé"}
 
 
-def test_each_call_that_the_guide_shows_is_read(studio: Studio) -> None:
-    rows = re.findall(r"^\| .* \| `([^`]+)`.* \|$", GUIDE.read_text(encoding="utf-8"), re.M)
-    assert len(rows) >= 7
-    for call in rows:
-        names = [name for name in re.findall(r"\b([A-Za-z_]\w*)\(", call) if name not in (TYPE, FILE)]
-        assert parse_scenario(call, names[:1])
+#: What the calls of the guide are played on, and what each gives.
+GUIDE_SOLUTION = """import numpy as np
+from math import cos
+def compter_mots(texte):
+    return {mot: texte.split().count(mot) for mot in texte.split()}
+def dichotomie(f, a, b, eps):
+    while b - a > eps:
+        m = (a + b) / 2
+        a, b = (a, m) if f(a) * f(m) <= 0 else (m, b)
+    return round((a + b) / 2, 3)
+class Pile:
+    def __init__(self):
+        self.t = []
+    def empiler(self, x):
+        self.t.append(x)
+    def depiler(self):
+        return self.t.pop()
+def transposee(m):
+    return m.T.tolist()
+def demander_age():
+    return int(input())
+def moyenne_du_fichier():
+    notes = [float(ligne) for ligne in open("notes.txt")]
+    return sum(notes) / len(notes)
+"""
+GUIDE_ANSWERS = ["{'a': 2, 'b': 1}", "1.414", "3", "[[1.0], [2.0]]", "3", "13.5", "1.571", "1.571"]
+
+
+def test_each_call_that_the_guide_shows_gives_what_it_says(studio: Studio, course_sandbox: Sandbox) -> None:
+    text = GUIDE.read_text(encoding="utf-8")
+    rows = re.findall(r"^\| ([^|]+) \| `([^`]+)`.* \|$", text, re.M)
+    program, calls = [call for _, call in rows if call.startswith(PROGRAM)], [call for _, call in rows]
+    calls = [call for call in calls if call not in program]
+    calls += [f"{call[: call.index('(')]}(cos, 1, 2, 1e-6)" for call in calls if "math.cos" in call]
+    trial = ExerciseTrial("l20/essai", *[lambda *_: SandboxPrograms(course_sandbox, TRIAL_POLICY)] * 2)
+    functions = " ".join(re.findall(r"^(?:def|class) (\w+)", GUIDE_SOLUTION, re.M))
+    assert trial.answers(declare(functions, GUIDE_SOLUTION, *calls)) == [GUIDE_ANSWERS]
+    assert trial.answers(declare(PROGRAM, "print(int(input()) + int(input()))\n", *program)) == [["'7\\n'"]]
 
 
 LARGEST = "def maximum(t):\n    m = t[0]\n    for x in t:\n        if x > m:\n            m = x\n    return m\n"
