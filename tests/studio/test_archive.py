@@ -219,6 +219,10 @@ def test_colleagues_copy_by_a_code_and_from_the_bank(studio: Studio) -> None:
     studio.save(path, **MISTAKE, action="ne-plus-partager")
     assert alan.post("/mes-exercices/copier", data={"code": code}).status_code == 404
     studio.save(path, **MISTAKE, niveau="MPSI", themes="dictionnaires", action="banque")
+    assert "modifié depuis" in studio.browser.get("/mes-exercices").text, "a level was saved, and not published"
+    studio.save(path, **MISTAKE, niveau="MPSI", themes="dictionnaires", action="publier")
+    studio.save(path, **MISTAKE, niveau="MPSI", themes="dictionnaires", action="banque")
+    assert "modifié depuis" not in studio.browser.get("/mes-exercices").text, "lending changes nothing"
     for query, found in (("", True), ("mpsi dictionnaire", True), ("chaque mot", True), ("piles", False)):
         assert (FORM["titre"] in alan.get("/mes-exercices/banque", params={"q": query}).text) is found, query
     assert alan.post("/mes-exercices/copier", data={"exercice": str(exercise.id)}).status_code == 303

@@ -68,9 +68,16 @@ class TriedInputs:
         grader, _ = self._grader, self.known  # which tells how long a program may take
         checks = enumerate(grader.declaration.checks)
         nearby = [(at, scenario) for at, check in checks for scenario in vary_cases(check, grader.solution)]
-        nearby.sort(key=lambda pair: bool(self._doubt(*pair)))  # those may never end: what comes after is not played
-        played = self._play_near(grader, [scenario for _, scenario in nearby])
-        answered = zip(nearby, played, strict=True)
+        nearby.sort(
+            key=lambda pair: bool(self._doubt(*pair))
+        )  # those may never end: the first that does not is the last
+        sure = next((at for at, pair in enumerate(nearby) if self._doubt(*pair)), len(nearby))
+        played = self._play_near(grader, [scenario for _, scenario in nearby[:sure]])
+        for part in parts_of(nearby[sure:]):
+            played += self._play_near(grader, [scenario for _, scenario in part])
+            if played[-1].fault is not None and played[-1].fault.outcome in LIMITS:
+                break
+        answered = zip(nearby, played, strict=False)
         return [(at, Case(scenario), got) for (at, scenario), got in answered if got.fault is None and not got.raised]
 
     @property

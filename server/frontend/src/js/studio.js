@@ -19,6 +19,7 @@ function setUp() {
   const key = `balise-exercice:${address}`;
   const told = form.querySelector("[data-saved]");
   const panel = document.querySelector("[data-report]");
+  const { number } = panel.querySelector("[data-number]").dataset;
   let [timer, look, changed, sending, over] = [null, null, false, false, false];
 
   const written = () => {
@@ -36,6 +37,7 @@ function setUp() {
     }
     const place = new DOMParser().parseFromString(html, "text/html").querySelector("[data-version]");
     clearTimeout(look);
+    if (place && place.dataset.number !== number && !changed && !sending) location.reload(); // published: it may be shared
     if (place && "trying" in place.dataset) look = setTimeout(lookAgain, LOOK_MS);
     return place?.dataset.version;
   }
