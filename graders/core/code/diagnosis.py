@@ -24,6 +24,8 @@ MIN_AGREEMENT = 0.9
 EXPLAINS = "Cela explique"
 #: Said of a mistake that shows only where the other functions are right.
 _HIDDEN = "se voit avec les autres fonctions justes"
+#: Before the title of a mistake that others resemble, and said of it.
+LIKELY, _RESEMBLES = "Peut-être : ", "Votre fonction répond comme avec cette erreur ; d'autres donneraient cela aussi."
 
 
 @dataclass(frozen=True)
@@ -111,11 +113,13 @@ def combine_diagnoses(
     facts: Sequence[Slip] = (),
     *,
     hidden: Collection[str] = (),
+    likely: Collection[str] = (),
     explains_all: bool = True,
 ) -> Diagnosis:
     """Return one diagnosis of several mistakes, slips and facts: the id of the first, the texts of all.
 
-    `hidden` are the titles of those that show only where the other functions are right. What is true only of a program
+    `hidden` are the titles of those that show only where the other functions are right, `likely` the ids of those that
+    others resemble. What is true only of a program
     with one mistake is left out beside another one, and where not `explains_all`.
     """
     named: dict[str, Misconception | Slip] = {**SLIPS, **{mistake.id: mistake for mistake in misconceptions}}
@@ -124,12 +128,17 @@ def combine_diagnoses(
     paragraphs: list[str] = []
     for mistake in together:
         explanation = mistake.explanation if is_alone else _beside_others(mistake)
-        is_hidden = mistake.title in hidden
+        is_hidden, is_likely = mistake.title in hidden, mistake.id in likely
         begin = f"Cette erreur {_HIDDEN}. " if is_hidden else ""
         if paragraphs:
-            begin = f"Autre erreur{f', qui {_HIDDEN}' if is_hidden else ''} : {lowercase_title(mistake.title)}. "
+            other = f"Autre erreur{f', qui {_HIDDEN}' if is_hidden else ''}{', peut-être' if is_likely else ''}"
+            begin = f"{other} : {lowercase_title(mistake.title)}. "
+        if is_likely:
+            begin += f"{_RESEMBLES} "
         paragraphs += [begin + explanation, mistake.question]
-    title = AND_ALSO.join(mistake.title for mistake in together)
+    titles = [f"{LIKELY}{lowercase_title(m.title)}" if m.id in likely else m.title for m in together]
+    titles[1:] = [f"{title[:1].lower()}{title[1:]}" if title.startswith(LIKELY) else title for title in titles[1:]]
+    title = AND_ALSO.join(titles)
     return Diagnosis(together[0].id, title, "\n\n".join(part.strip() for part in paragraphs))
 
 

@@ -20,12 +20,14 @@ from graders.core.code.explaining import KitMaker, MistakeExplainer
 from graders.core.code.facts import IMPRECISIONS, Fact, find_facts
 from graders.core.code.folder import Misconception, Specimen, read_specimens
 from graders.core.code.pair_search import PairSearch
-from graders.core.code.prober import Prober, RecognisedMistakes
+from graders.core.code.prober import Prober
 from graders.core.code.probes import explains_itself
+from graders.core.code.recognised import RecognisedMistakes
 from graders.core.code.reenacting import Reenactor
 from graders.core.code.rounded_constants import rounded_constant_diagnosis
 from graders.core.code.runner import DEFAULT_BUDGET, Runner
 from graders.core.code.running import run_check, run_checks
+from graders.core.code.undoing import verify_silent
 from graders.core.compare.shrinking import Budget
 from graders.core.compare.slips import SLIPS
 from graders.core.contract.films import film_to_json
@@ -49,8 +51,8 @@ NO_SHRINKING = Budget(calls=0)
 class NamedMistakes:
     """The mistakes named in a program: ids of the catalogue, facts, and for each the checks that it explains.
 
-    `certain` is as in `Diagnosis`; `failed` are the ids of the checks that the program is at fault in. `hidden` are the
-    titles of the mistakes and facts that the program shows only with right functions in the place of others.
+    `certain` is as in `Diagnosis`; `failed` are ids of checks. `hidden` are the titles of the mistakes and facts that
+    the program shows only with right functions in the place of others; `likely`, ids of mistakes that others resemble.
     """
 
     ids: tuple[str, ...] = ()
@@ -59,6 +61,7 @@ class NamedMistakes:
     certain: bool = False
     failed: frozenset[str] = frozenset()
     hidden: frozenset[str] = frozenset()
+    likely: frozenset[str] = frozenset()
 
 
 @dataclass(frozen=True)
@@ -210,7 +213,7 @@ class CodeGrader:
         """Return the diagnosis of named mistakes, without what it leaves unexplained."""
         facts, explains_all = [fact.slip for fact in named.facts], named.failed <= set().union(*named.explains)
         diagnosis = combine_diagnoses(
-            named.ids, self.misconceptions, facts, hidden=named.hidden, explains_all=explains_all
+            named.ids, self.misconceptions, facts, hidden=named.hidden, likely=named.likely, explains_all=explains_all
         )
         return replace(diagnosis, explains=named.explains, certain=named.certain)
 
@@ -226,6 +229,7 @@ class CodeGrader:
         failed = [check for check, _ in pairs]
         blamed, (functions, alone) = _blamed(failed), self._asked_of(failed)
         found = self.prober.recognise(runner, functions, alone, search) if self.prober else RecognisedMistakes()
+        found = verify_silent(found, self.prober, runner, partial(self._explainer.holds, runner, seed))
         told = [check for check, finding in pairs if explains_itself(finding.result.message)]
         others = {name for check in failed if check not in told for name in check.functions}
         left = ((alone if found.mistakes else blamed) - set(found.consequences)) & others
@@ -239,7 +243,8 @@ class CodeGrader:
             *(fact.checks for fact in facts),
         )
         certain = found.certain and not reenacted and ids == found.mistakes
-        return NamedMistakes(ids, tuple(facts), explains, certain, frozenset(check.id for check in at_fault))
+        failed_ids = frozenset(check.id for check in at_fault)
+        return NamedMistakes(ids, tuple(facts), explains, certain, failed_ids, likely=frozenset(found.likely))
 
     def _borne_out(self, ids: Sequence[str], failed: Sequence[Check]) -> tuple[str, ...]:
         """Return the ids whose words the failed checks do not contradict: nothing fails that they say to be right."""

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 from graders.core.code.mutants import MAX_COMBINED_MISTAKES, MutantAnswerCache, MutantAnswers, MutantRow
 from graders.core.code.mutations import Mutant
-from graders.core.code.probes import ProbeFault, ProbeResults, Probes, same_probe_answer
+from graders.core.code.probes import Probes
 from graders.core.code.reachability import is_program
 
 #: Mutants that are asked in one exchange, and in all: some 0.4 ms each, in the helper process.
@@ -53,15 +53,6 @@ def slice_untried_pairs(mutants: MutantAnswerCache, index: int, blamed: Collecti
     made = (mutant for chosen in pairs for mutant in mutants.model.combine(styles, chosen))
     programs = (mutant for mutant in made if mutant.applies_to(blamed) and is_program(mutant.text))
     return _slices(itertools.islice(programs, MAX_PAIRS))
-
-
-def are_telling(shown: ProbeResults) -> bool:
-    """Whether some wrong answer is a value of its own: no argument that was given, nor none at all."""
-    return any(
-        not isinstance(shown.got[k], ProbeFault | str | None)
-        and not any(same_probe_answer(shown.got[k], argument) for argument in shown.calls[k])
-        for k in shown.wrong_indices()
-    )
 
 
 def _slices(mutants: Iterator[Mutant]) -> Iterator[list[MutantRow]]:

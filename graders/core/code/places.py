@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from graders.core.code.checks import Check
-from graders.core.code.diagnosis import EXPLAINS, lowercase_title, tell_remainder
+from graders.core.code.diagnosis import EXPLAINS, LIKELY, lowercase_title, tell_remainder
 from graders.core.code.experiments import Experimenter
 from graders.core.code.grading import CodeGrader
 from graders.core.code.isolation import isolate_functions, name_isolated, replacing_suffix, tell_shares
@@ -269,7 +269,7 @@ def join_place(diagnosis: Diagnosis | None, place: Diagnosis) -> Diagnosis:
 
 
 def _is_disproved(diagnosis: Diagnosis, place: Diagnosis) -> bool:
-    """Whether one place mends all that several mistakes are told to explain together."""
+    """Whether one place mends all that several mistakes, or one that is only likely, are told to explain."""
     together = {frozenset(checks) for checks in diagnosis.explains}
-    is_one = len(place.explains) == 1 and len(diagnosis.titles) > 1
+    is_one = len(place.explains) == 1 and (len(diagnosis.titles) > 1 or diagnosis.title.startswith(LIKELY))
     return is_one and diagnosis.source is None and all(checks <= set(place.explains[0]) for checks in together)

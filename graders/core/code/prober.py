@@ -14,13 +14,14 @@ import threading
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from collections.abc import Set as AbstractSet
 from functools import cached_property, partial
-from typing import Any, NamedTuple
+from typing import Any
 
 from graders.core.code.answer_arrays import AnswerSequence
 from graders.core.code.confined import Unfinished
+from graders.core.code.evidence import are_opinions, are_telling, are_too_poor_for_two, explain_themselves, say_nothing
 from graders.core.code.mutants import MAX_COMBINED_MISTAKES, MutantAnswerCache, MutantRow
 from graders.core.code.mutations import Model, Mutant
-from graders.core.code.pair_search import OutOfTimeError, PairSearch, are_telling, slice_untried_pairs, within_seconds
+from graders.core.code.pair_search import OutOfTimeError, PairSearch, slice_untried_pairs, within_seconds
 from graders.core.code.part_matching import match_parts
 from graders.core.code.piggyback import HANG_SECONDS
 from graders.core.code.probe_runs import (
@@ -31,7 +32,8 @@ from graders.core.code.probe_runs import (
     repeat_differs,
     with_other_seed,
 )
-from graders.core.code.probes import ProbeAnswer, ProbeFault, ProbeResults, Probes, Rule, same_probe_answer
+from graders.core.code.probes import ProbeAnswer, ProbeResults, Probes, Rule, same_probe_answer
+from graders.core.code.recognised import RecognisedMistakes, SilentName
 from graders.core.code.runner import Runner
 from graders.core.code.shared_results import SHARED
 from graders.core.code.stateless import is_stateless, may_keep_state
@@ -42,17 +44,6 @@ from graders.core.contract.rows import as_rows
 
 #: Seconds for all the probes of a program; a slower one is not named by them.
 MAX_PROBING_SECONDS = HANG_SECONDS
-
-
-class RecognisedMistakes(NamedTuple):
-    """Ids of the mistakes found, in order; `fallback` ids, from the last rules, for when nothing else finds a name; and
-    the functions whose wrong answers are `consequences` of mistakes in others. The mistakes are `certain` where every
-    function answers as a mutant with these and no other does."""
-
-    mistakes: tuple[str, ...] = ()
-    fallback: tuple[str, ...] = ()
-    consequences: tuple[str, ...] = ()
-    certain: bool = False
 
 
 class Prober:
@@ -102,6 +93,7 @@ class Prober:
         fallback: list[str] = []
         consequences: list[str] = []
         named: dict[str, frozenset[str]] = {}
+        silent: list[SilentName] = []
         probed = {probes.function for _, probes in self._select_probes(functions, alone)}
         certain = probed >= self.functions.intersection(functions)
         for index, answers, slip in self._probe(runner, functions, alone):
@@ -121,6 +113,7 @@ class Prober:
             with self._lock:
                 named[self.probes[index].function] = frozenset(names)
                 certain = certain and is_certain
+                silent += self._silent_names(index, sequence, [name for name in names if name not in mistakes])
                 mistakes += [mistake for mistake in names if mistake not in mistakes]
                 if not names:
                     fallback += self._fallback_names(index, sequence)
@@ -128,7 +121,8 @@ class Prober:
             if not names and may_keep_state(runner.source) and changes_results(runner, probes):
                 mistakes += [SHARED] if SHARED not in mistakes else []
                 certain = False
-        return RecognisedMistakes(tuple(mistakes), tuple(fallback), tuple(consequences), certain and bool(mistakes))
+        certain = certain and bool(mistakes)
+        return RecognisedMistakes(tuple(mistakes), tuple(fallback), tuple(consequences), certain, tuple(silent))
 
     def _name_borne_out(
         self, index: int, sequence: AnswerSequence, blamed: Collection[str], named: Mapping[str, AbstractSet[str]]
@@ -203,13 +197,26 @@ class Prober:
         with self._lock:
             return self._mutants.right_answers(index)
 
+    def _silent_names(self, index: int, sequence: AnswerSequence, names: Sequence[str]) -> Iterator[SilentName]:
+        """Yield those of the names that are of mutants, where the answers tell little: nothing, or opinions."""
+        probes, right = self.probes[index], self._right_answers(index, sequence) if names else None
+        shown = ProbeResults(probes.calls, sequence.answers, right or (), probes.same)
+        if right is None or not ((is_nothing := say_nothing(shown)) or are_opinions(shown)):
+            return
+        ruled = tuple(_apply_rules(probes.rules, shown))
+        for name in names:
+            alike = self._mutants.matching(index, self._mutants.mutants_making(index, [name]), sequence)
+            if alike and name not in ruled:
+                of_opinions = ("", ()) if is_nothing else (alike[0].mutant.text, ruled)
+                yield SilentName(name, index, *of_opinions)
+
     def _fallback_names(self, index: int, sequence: AnswerSequence) -> Sequence[str]:
         probes = self.probes[index]
         right = self._right_answers(index, sequence)
         if right is None:
             return ()
         shown = ProbeResults(probes.calls, sequence.answers, right, probes.same)
-        return () if _explain_themselves(shown) else _apply_rules(probes.last_rules, shown)
+        return () if explain_themselves(shown) else _apply_rules(probes.last_rules, shown)
 
     def _probe(
         self, runner: Runner, functions: Collection[str], alone: Collection[str]
@@ -279,12 +286,12 @@ class Prober:
             return (), True
         shown = ProbeResults(probes.calls, answers, right, probes.same)
         wrong = [k for k in shown.wrong_indices() if probes.compared is None or k < probes.compared]
-        if _explain_themselves(shown):
+        if explain_themselves(shown):
             return (), False
-        fails = all(isinstance(answer, ProbeFault | str | None) for answer in answers)
+        is_poor = are_too_poor_for_two(shown)
         for mistakes, rows in enumerate(self._candidates(index, answers) if wrong else (), 1):
-            if fails and mistakes > 1:
-                break  # exceptions and no value alone tell too little: some pair of mistakes always gives the same ones
+            if is_poor and mistakes > 1:
+                break
             fitting = (r for r in rows if r.mutant.applies_to(blamed) and disproved.isdisjoint(r.mutant.ids))
             fits = self._mutants.matching(index, fitting, sequence)
             if fits and (common := _common_mistakes(fits)):
@@ -322,12 +329,6 @@ class Prober:
         agreeing = [self._mutants.count_agreements(index, row, sequence) for row in rows]
         best = agreeing.index(max(agreeing))
         return None if agreeing[best] == len(sequence.answers) else rows[best].stored.answers
-
-
-def _explain_themselves(shown: ProbeResults) -> bool:
-    """Whether all wrong answers are exceptions that say what is wrong."""
-    wrong = [shown.got[k] for k in shown.wrong_indices()]
-    return bool(wrong) and all(isinstance(answer, ProbeFault) and answer.explains_itself for answer in wrong)
 
 
 def _apply_rules(rules: Sequence[Rule], shown: ProbeResults) -> Sequence[str]:

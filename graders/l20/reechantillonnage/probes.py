@@ -90,13 +90,14 @@ def left_alone(shown: ProbeResults) -> str | None:
 
 
 def not_rigid(shown: ProbeResults) -> str | None:
-    """With equal weights, the copies change from one call to another: more than one number is drawn."""
+    """With equal weights, the copies change from one call to another, and are not all of one particle."""
     equal, one = _counts(shown, "equal"), _counts(shown, "one")
     if equal is None or one is None or any(c[2] != 4.0 for c in one):
         return None
     uneven = [c for c in equal if np.any(c != 1.0)]
     different = {tuple(c) for c in equal}
-    return "plusieurs_tirages" if len(uneven) >= 2 and len(different) >= 3 else None
+    are_apart = any(np.count_nonzero(c) > 1 for c in uneven)
+    return "plusieurs_tirages" if len(uneven) >= 2 and len(different) >= 3 and are_apart else None
 
 
 def frozen(shown: ProbeResults) -> str | None:

@@ -10,11 +10,21 @@ import numpy as np
 import pytest
 
 from graders.core.code.call_graph import find_callers
+from graders.core.code.diagnosis import lowercase_title
+from graders.core.code.evidence import are_telling, are_too_poor_for_two, say_nothing
 from graders.core.code.explaining import MistakeExplainer
 from graders.core.code.mutations import Edit, Model
-from graders.core.code.pair_search import PairSearch, are_telling
+from graders.core.code.pair_search import PairSearch
 from graders.core.code.prober import Prober
-from graders.core.code.probes import MAX_ITEMS, TOO_LARGE, ProbeResults, Probes, read_answer, same_probe_answer
+from graders.core.code.probes import (
+    MAX_ITEMS,
+    TOO_LARGE,
+    ProbeFault,
+    ProbeResults,
+    Probes,
+    read_answer,
+    same_probe_answer,
+)
 from graders.core.code.reenacting import Reenactor
 from graders.core.code.runner import Runner
 from graders.core.code.running import run_checks
@@ -171,6 +181,66 @@ def test_no_pair_is_searched_for_wrong_answers_that_many_pairs_give() -> None:
     assert not are_telling(ProbeResults(CALLS, given, right))
     assert not are_telling(ProbeResults(CALLS, none, right))
     assert are_telling(ProbeResults(CALLS, own, right))
+
+
+FAULT = ProbeFault("IndexError")
+
+
+@pytest.mark.parametrize(
+    ("got", "silent", "poor"),
+    [
+        ([FAULT, FAULT, FAULT, FAULT], True, True),
+        ([0.0, 0.0, float("nan"), 0.0], True, False),
+        ([0.0, 0.0, 0.0, 0.0], True, True),
+        ([FAULT, 9.0, FAULT, 7.0], False, True),
+        ([1.0, 9.0, 0.0, 7.0], False, True),
+        ([5.0, 9.0, 5.0, 7.0], False, False),
+        ([5.0, 9.0, 6.0, 7.0], False, False),
+        (["illisible", "illisible", 2.0, 7.0], False, True),
+    ],
+)
+def test_answers_that_tell_little(got: list[Any], silent: bool, poor: bool) -> None:
+    shown = ProbeResults(CALLS, got, [4.0, 9.0, 2.0, 7.0])
+    assert (say_nothing(shown), are_too_poor_for_two(shown)) == (silent, poor)
+
+
+#: By exercise: a mistake that silences a function, and a part of the solution whose change silences it otherwise.
+SILENT = {
+    "l20/lidar": ("libres_a_l_envers", "def lancer_rayon", "    return 0.0\n"),
+    "l20/modele_faisceau": ("carte_de_la_trousse", "def champ_distance", "    [][0]\n"),
+}
+
+
+@pytest.mark.parametrize("exercise", SILENT)
+def test_a_mistake_named_on_answers_that_tell_nothing_is_undone_in_the_program(exercise: str) -> None:
+    grader = CODE[exercise]
+    name, function, silencing = SILENT[exercise]
+    (mistake,) = [each for each in grader.misconceptions if each.id == name]
+    named = grader.name_mistakes(mistake.source, LOCAL, 3)
+    assert named.ids == (name,)
+    head, tail = grader.solution.split(function)
+    first, rest = tail.split(":\n", 1)
+    other_named = grader.name_mistakes(f"{head}{function}{first}:\n{silencing}{rest}", LOCAL, 3)
+    assert not named.likely
+    assert grader.describe_mistakes(named).title == mistake.title
+    other = grader.describe_mistakes(other_named)
+    assert other.title == f"Peut-être : {lowercase_title(mistake.title)}"
+    assert other.explanation.startswith("Votre fonction répond comme avec cette erreur ; d'autres")
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "name"),
+    [
+        ("tous.mean() > haut", "tous.mean() <= haut", "avis_faux"),
+        ("bande(vraies.shape[1], tous.size)", "bande(vraies.shape[0], tous.size)", "avis_faux"),
+        ("bande(vraies.shape[1], tous.size)", "bande(tous.size, vraies.shape[1])", "n_et_nombre_echanges"),
+    ],
+)
+def test_a_mistake_named_on_opinions_alone_is_held_against_the_checks(old: str, new: str, name: str) -> None:
+    grader = CODE["l19/coherence"]
+    source = (grader.folder / "specimens/ok/np_matrix.py").read_text()
+    assert old in source
+    assert grader.name_mistakes(source.replace(old, new), LOCAL, 3).ids == (name,)
 
 
 def test_a_pair_holds_where_the_checks_judge_its_program_likewise() -> None:

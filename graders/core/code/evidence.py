@@ -1,0 +1,73 @@
+"""How much a program's answers to probes tell: several mistakes make a function fail everywhere, or answer nothing."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+
+from graders.core.code.probes import ProbeAnswer, ProbeFault, ProbeResults, same_probe_answer
+from graders.core.contract.values import Arguments
+
+
+def are_telling(shown: ProbeResults) -> bool:
+    """Whether some wrong answer is a value of its own: no argument that was given, nor none at all."""
+    return any(
+        not isinstance(shown.got[k], str) and _is_own(shown.got[k], shown.calls[k]) for k in shown.wrong_indices()
+    )
+
+
+def say_nothing(shown: ProbeResults) -> bool:
+    """Whether no answer, right or wrong, is a value of its own, nor anything but zeros."""
+    pairs = zip(shown.calls, shown.got, strict=False)
+    return len(shown.got) > 1 and not any(_is_own(answer, call) and not _is_empty(answer) for call, answer in pairs)
+
+
+def are_too_poor_for_two(shown: ProbeResults) -> bool:
+    """Whether the wrong answers tell too little for two mistakes: exceptions, no value, or opinions.
+
+    Of many pairs, some then answers alike.
+    """
+    wrong = [shown.got[k] for k in shown.wrong_indices()]
+    return all(isinstance(answer, ProbeFault | str | None) for answer in wrong) or are_opinions(shown)
+
+
+def are_opinions(shown: ProbeResults) -> bool:
+    """Whether each wrong answer is wrong in one place, which holds 0, 1 or −1: as a yes or a no."""
+    for k in shown.wrong_indices():
+        mine, wanted = list(_leaves(shown.got[k])), list(_leaves(shown.right[k]))
+        if len(mine) != len(wanted):
+            return False
+        differing = [a for a, b in zip(mine, wanted, strict=True) if not same_probe_answer(a, b)]
+        if len(differing) != 1 or differing[0] not in (0, 1, -1):
+            return False
+    return True
+
+
+def explain_themselves(shown: ProbeResults) -> bool:
+    """Whether all wrong answers are exceptions that say what is wrong."""
+    wrong = [shown.got[k] for k in shown.wrong_indices()]
+    return bool(wrong) and all(isinstance(answer, ProbeFault) and answer.explains_itself for answer in wrong)
+
+
+def _is_own(answer: ProbeAnswer, call: Arguments) -> bool:
+    if answer is None or isinstance(answer, ProbeFault):
+        return False
+    return not any(same_probe_answer(answer, argument) for argument in call)
+
+
+def _is_empty(answer: ProbeAnswer) -> bool:
+    """Whether an answer holds zeros, False and no number only."""
+    return all(isinstance(leaf, int | float) and (leaf == 0 or math.isnan(leaf)) for leaf in _leaves(answer))
+
+
+def _leaves(value: Any) -> Iterator[Any]:
+    if isinstance(value, np.ndarray):
+        yield from value.ravel().tolist()
+    elif isinstance(value, list | tuple):
+        for item in value:
+            yield from _leaves(item)
+    else:
+        yield value
