@@ -187,8 +187,14 @@ def test_a_point_is_placed_and_stands_beside_what_happens(visit: NewVisit, width
     if by == "mouse":
         box = canvas.bounding_box()
         assert box
-        canvas.click(position={"x": 0.7 * box["width"], "y": box["height"] / 2})
-        expect(x).to_have_value(re.compile(r"^\d"))
+
+        def place(share: float) -> float:
+            canvas.click(position={"x": share * box["width"], "y": box["height"] / 2})
+            expect(x).to_have_value(re.compile(r"^\d"))
+            return float(x.input_value())
+
+        left, right = place(0.6), place(0.7)
+        place(0.6 + 0.1 * (10.3 - left) / (right - left))
     else:
         for key, times in {"ArrowUp": 1, "Shift+ArrowUp": 3}.items():
             for _ in range(times):
