@@ -118,9 +118,8 @@ def describe_place(
     where = " ".join(f"Ligne {number} : « {_quoted(source, number)} »." for number in place.either)
     seen = f" {values[place.lines[0]]}" if place.lines[0] in values and len(place.either) == 1 else ""
     aspect = _aspect((*place.changes, *place.others))
-    look = f" {LOOK} {aspect.noun}." if aspect.noun and len(place.either) == 1 else ""
-    if len(place.either) == 1 and place.changes[0].unlikely:
-        look += _ELSEWHERE
+    look = _ELSEWHERE if len(place.either) == 1 and place.changes[0].unlikely else ""
+    look += f" {LOOK} {aspect.noun}." if aspect.noun and len(place.either) == 1 else ""
     return Slip(PLACE, title, f"{where}{seen} {_proof(place, titles, is_all)}{look}", aspect.question)
 
 
