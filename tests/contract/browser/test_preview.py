@@ -109,7 +109,10 @@ def test_axe_finds_nothing_on_what_the_preview_adds(place: Path, address: str, b
     page = browser.new_page(viewport={"width": 390, "height": 800})
     page.set_default_timeout(30_000)
     lesson = place / "curriculum" / "l21" / "seances" / "premiers-pas.md"
+    page.goto(f"{address}/l21/lire/premiers-pas")
+    expect(page.locator("#apercu")).to_contain_text("rien à corriger")
     replace(lesson, "## Une idée", "## Une idée\n\nVoyez [](page:nulle-part).")
+    expect(page.locator("#apercu"), "the page has come back by itself").to_contain_text("nulle-part")
     for path in ("/l21/lire/premiers-pas", "/apercu/l21/gain", "/apercu/l21/quiz"):
         page.goto(f"{address}{path}")
         expect(page.locator("#apercu")).to_contain_text("nulle-part")
