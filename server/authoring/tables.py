@@ -85,6 +85,7 @@ FIELD_MEANINGS: Mapping[type, Mapping[str, str]] = {
         "facet": "une partie de la réponse, sur laquelle certaines erreurs ne pèsent pas",
         "compared": "combien d’appels sont comparés aux erreurs ; tous, sans lui",
         "given": "des noms pour les erreurs seules",
+        "unique": "l’énoncé fixe la réponse ; `False` si d’autres que celle du corrigé sont justes",
         "faults": "les réponses qui remplacent une exception, par son nom, quand un arrondi décide des deux",
     },
 }
