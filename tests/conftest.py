@@ -20,7 +20,6 @@ from typing import TYPE_CHECKING, Any
 import pytest
 from _pytest.runner import runtestprotocol
 from hypothesis import HealthCheck, settings
-from hypothesis.internal.conjecture import providers
 
 if TYPE_CHECKING:
     from server.sandbox import Sandbox
@@ -41,9 +40,6 @@ gc.disable()  # until all is imported and collected
 # A busy machine is no failure.
 settings.register_profile("balise", deadline=None, max_examples=40, suppress_health_check=[HealthCheck.too_slow])
 settings.load_profile("balise")
-# It would read the constants of all 1,400 loaded files, in each process, which takes 3 s in a fresh checkout. What an
-# example must meet stands in its strategy.
-providers.is_local_module_file = lambda _path: False
 
 
 def pytest_configure(config: pytest.Config) -> None:

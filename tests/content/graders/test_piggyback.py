@@ -53,9 +53,10 @@ def test_a_mistake_has_the_same_verdict_whether_it_is_named_by_the_same_process_
 
 @pytest.mark.usefixtures("_any_pace")
 def test_a_mistake_that_is_named_by_the_same_process_costs_no_exchange_of_its_own() -> None:
-    source = POSES.misconceptions[0].source
+    grader = replace(POSES, budget=Budget(calls=20, seconds=math.inf))
+    source = grader.misconceptions[0].source
     calls, afresh = Watched(), Watched()
-    assert told(judged(source, calls)) == told(judged(KEEPS + source, afresh))
+    assert told(judged(source, calls, grader)) == told(judged(KEEPS + source, afresh, grader))
     assert (calls.launches, afresh.launches) == (1, 2)
     assert calls.exchanges == afresh.exchanges - 1
 
