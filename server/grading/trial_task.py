@@ -95,7 +95,6 @@ class TrialTask:
             "completed": asdict(completed),
             "faults": faults,
             "left": None if goes_on else left,
-            "published": work.publishes,
         }
         if not work.publishes or faults:
             return TrialOutcome(completed, stored, goes_on=goes_on)
@@ -111,9 +110,7 @@ class TrialTask:
         exercise = repository.lock_exercise(db, work.exercise_id)
         if exercise is None:
             return
-        before = exercise.trial or {}
-        is_published = before.get("published", False) and before.get("digest") == work.digest
-        exercise.trial = {**result.stored, "published": work.publishes or is_published}
+        exercise.trial = {**result.stored, "published_digest": (exercise.trial or {}).get("published_digest")}
         is_other = exercise.digest != work.digest or exercise.wants_publication != work.publishes
         if is_other or result.goes_on:
             db.flush()
@@ -122,6 +119,7 @@ class TrialTask:
         exercise.wants_publication = False
         if result.fingerprints is not None:
             _publish(db, exercise, result.completed, result.fingerprints)
+            exercise.trial = {**result.stored, "published_digest": work.digest}
         db.flush()
 
 
@@ -152,7 +150,8 @@ def give_up(db: Session, lease: Lease) -> None:
     log.error("trial of exercise %s: given up", lease.key)
     if exercise is not None:
         exercise.wants_publication = False
-        exercise.trial = {"digest": exercise.digest, "failed": GAVE_UP}
+        published_digest = (exercise.trial or {}).get("published_digest")
+        exercise.trial = {"digest": exercise.digest, "failed": GAVE_UP, "published_digest": published_digest}
 
 
 def give_up_handlers() -> Mapping[str, GiveUpHandler]:

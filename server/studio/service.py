@@ -192,6 +192,11 @@ def find_own(db: Session, account: Account, exercise_id: UUID | str, *, to_chang
     return exercise
 
 
+def is_published(exercise: AuthoredExercise) -> bool:
+    """Whether the current version is what the author has saved last."""
+    return exercise.number > 0 and (exercise.trial or {}).get("published_digest") == exercise.digest
+
+
 def read_draft(exercise: AuthoredExercise) -> ExerciseDraft:
     return ExerciseDraft.from_data(exercise.draft)
 

@@ -73,6 +73,11 @@ def test_a_class_finds_what_is_proposed_to_it(studio: Studio) -> None:
     assert who_finds_it() == [False, False, False]
     studio.save(f"/mes-exercices/{exercise.id}", action="classes")
     assert who_finds_it() == [True, False, False]
+    assert f"Proposé à votre classe {made.name} :" in studio.report(f"/mes-exercices/{exercise.id}")
+    assert "Publié, version 1." in studio.report(f"/mes-exercices/{exercise.id}")
+    assert "publié, version 1 ; proposé à vos classes" in studio.browser.get("/mes-exercices").text
+    studio.save(f"/mes-exercices/{exercise.id}", titre="Un autre titre")
+    assert "publié, version 1 ; modifié depuis" in studio.browser.get("/mes-exercices").text
     assert "Les exercices de votre classe" in browsers[0].get("/l20").text
     with studio.site.database.write() as db:
         db.get_one(SchoolClass, made.id).archived_at = func.now()

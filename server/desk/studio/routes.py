@@ -191,7 +191,8 @@ def save_exercise(
     try:
         draft = _with_proposals(action, typed, exercise, fields)
         publishes = action == "publier" or (action == "cas" and bool((exercise.trial or {}).get("faults")))
-        studio.save(reader.db, account, exercise, draft, publish=publishes)
+        if action not in service.LENDING or draft.digest != exercise.digest:
+            studio.save(reader.db, account, exercise, draft, publish=publishes)
     except Invalid as refused:
         roll_back_then_read(reader.db)
         exercise = service.find_own(reader.db, account, exercise_id)

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -12,17 +11,15 @@ from urllib.parse import urlencode
 from markupsafe import Markup
 
 from graders.core.contract.verdict import Verdict
-from graders.core.declared.declaration import DEFAULT_DRAWS
-from graders.core.declared.trial_report import TrialReport, TriedCase, TriedChange
+from graders.core.declared.trial_report import TrialReport
 from server.base.app_services import app_service
 from server.classes.repository import load_taught_classes
 from server.course import Course
 from server.course.functions import FunctionSpec
-from server.desk.studio.forms import REASON_FIELD
+from server.desk.studio.report_views import read_report
 from server.identity.models import Account
 from server.studio import repository, service
-from server.studio.completion import DRAWN_POINTS
-from server.studio.drafts import CaseDraft, CheckDraft, ExerciseDraft, MistakeDraft, program_digest
+from server.studio.drafts import CaseDraft, CheckDraft, ExerciseDraft, MistakeDraft
 from server.studio.importing import ImportedExercise
 from server.studio.models import AuthoredExercise
 from server.studio.service import StudioService
@@ -32,24 +29,12 @@ from server.web.verdicts import verdict_view
 from server.web.views import Reader
 
 PATH = "/mes-exercices"
-EXAMPLE_ROWS, OFFERED_MISTAKES = 3, 8
+EXAMPLE_ROWS = 3
 #: Exercises of a page of the list, and those below which nobody searches.
 ROWS, FEW_ROWS = 30, 8
 #: Characters and formulas of a statement that is drawn: one thread draws the formulas of all.
 MAX_STATEMENT, MAX_FORMULAS = 12_000, 60
 TOO_LONG = f"Cet énoncé dépasse {MAX_STATEMENT} caractères, ou {MAX_FORMULAS} formules : il n’est pas montré."
-_PLACE = re.compile(r"(verifications|erreurs)\[(\d+)\](?:\.(\w+)(?:\[(\d+)\])?)?")
-#: A decimal number among a value's digits, in which another right method may change the last ones.
-_DECIMAL = re.compile(r"\d\.\d|\de-\d")
-_DECIMAL_COMMA = re.compile(r"(?<![\w.,])-?\d+,\d+(?![\w,])")
-#: Exceptions of a solution that no statement asks for.
-_NEVER_ASKED = frozenset({"NameError", "UnboundLocalError", "ImportError", "ModuleNotFoundError", "SystemError"})
-_PART_WORDS = {"fonctions": "les fonctions", "solution": "la solution", "verifications": "les vérifications"}
-_FIELD_WORDS = {
-    "cas": "le cas", "attendus": "le résultat attendu du cas", "tirages": "les tirages", "appel": "l’appel tiré",
-    "points": "les points", "tolerance": "la tolérance", "combien": "le nombre de tirages", "ordre": "l’ordre",
-    "regarder": "ce qui est regardé", "programme": "le programme", "titre": "le titre",
-}  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -141,9 +126,15 @@ def _module_label(course: Course, slug: str) -> str:
 def _state(exercise: AuthoredExercise) -> str:
     if not exercise.number:
         return "brouillon"
-    trial = exercise.trial or {}
-    is_current = trial.get("published") is True and trial.get("digest") == exercise.digest
-    return f"publié, version {exercise.number}" + ("" if is_current else " ; modifié depuis")
+    state = f"publié, version {exercise.number}" + ("" if service.is_published(exercise) else " ; modifié depuis")
+    return state + (" ; proposé à vos classes" if exercise.for_classes else "")
+
+
+def _proposed_classes(reader: Reader, exercise: AuthoredExercise) -> list[str]:
+    """Return the names of the classes that find an exercise in their module."""
+    if not (exercise.for_classes and exercise.author_id):
+        return []
+    return [it.name for it in load_taught_classes(reader.db, exercise.author_id) if it.module == exercise.module]
 
 
 def build_edit_page(
@@ -241,99 +232,13 @@ def build_report(context: StudioReader, exercise: AuthoredExercise) -> dict[str,
         "public": public_href(exercise),
         "tried": "completed" in trial,
         "for_classes": exercise.for_classes,
-        "published_now": trial.get("published", False) and is_current and not trial.get("faults") and exercise.number,
+        "classes": _proposed_classes(context.reader, exercise),
+        "published_now": service.is_published(exercise),
         "report": None,
     }
     if "report" in trial:
-        view |= _read_report(TrialReport.from_data(trial["report"]), trial["completed"], draft)
+        view |= read_report(TrialReport.from_data(trial["report"]), trial["completed"], draft)
     return view
-
-
-def _read_report(report: TrialReport, completed: Mapping[str, Any], draft: ExerciseDraft) -> dict[str, Any]:
-    checks = completed["declaration"]["verifications"]
-    titles = {each["id"]: each["titre"] or "sans titre" for each in completed["declaration"]["erreurs"]}
-    changes = report.changes
-    holds = not (report.problem or report.solution) and all(case.agrees for case in report.cases)
-    return {
-        "report": report,
-        "place": describe_place(report.place),
-        "answers": [_answer(checks[case.check], case) for case in report.cases],
-        "right": sum(case.agrees for case in report.cases),
-        "mistakes": [
-            (titles.get(tried.id, tried.id), tried, titles.get(tried.instead, "")) for tried in report.mistakes
-        ],
-        "untried": len(titles) if not holds else 0,
-        "tolerances": _tolerances(report, draft),
-        "missing_cases": any(tried.case for tried in report.mistakes),
-        "offered": _offered_mistakes(changes, draft),
-        "alive": _survivors(report, draft),
-        "alive_count": len(report.survivors),
-        "unseen": sum(change.unseen for change in changes),
-        "refused": sum(bool(change.refusal) for change in changes),
-        "draws": {key: completed.get(key, "") for key in ("draws", "call", "conditions", "drawn")}
-        | {"count": DEFAULT_DRAWS, "points": DRAWN_POINTS},
-    }
-
-
-def _tolerances(report: TrialReport, draft: ExerciseDraft) -> list[tuple[int, str]]:
-    """Return the checks whose answers have decimal numbers, with the tolerance that their author has chosen."""
-    decimal = sorted({case.check for case in report.cases if not case.fault and _is_decimal(case.given)})
-    return [(at, draft.checks[at].tolerance) for at in decimal if at < len(draft.checks)]
-
-
-def _is_decimal(text: str) -> bool:
-    return not text.startswith(("'", '"')) and _DECIMAL.search(text) is not None
-
-
-def _answer(check: Mapping[str, Any], case: TriedCase) -> dict[str, Any]:
-    expected = check.get("attendus", ())
-    wanted = expected[case.case] if case.case < len(expected) else ""
-    call = check["cas"][case.case]
-    comma = "" if case.agrees else _decimal_comma(wanted) or (_decimal_comma(call) if case.fault else "")
-    may_expect = bool(case.raised) and case.raised not in _NEVER_ASKED
-    return {"call": call, "expected": wanted, "got": case, "comma": comma, "may_expect": may_expect}
-
-
-def _decimal_comma(text: str) -> str:
-    """Return a number that a text writes as in French, « 1,1 », which Python reads as two values; empty without one."""
-    found = _DECIMAL_COMMA.search(text)
-    return found[0] if found else ""
-
-
-def _offered_mistakes(changes: Sequence[TriedChange], draft: ExerciseDraft) -> list[tuple[str, TriedChange]]:
-    """Return refused changes that are no known mistakes yet, by the digests of their programs.
-
-    Wrong values come first, which teach more than exceptions, and changes of a line before whole functions; of changes
-    that are refused in the same words, one.
-    """
-    known = {mistake.program.strip() for mistake in draft.mistakes}
-    refused = [change for change in changes if change.refusal and change.program.strip() not in known]
-    refused.sort(key=lambda change: (not change.refusal.startswith(("Pour ", "Dans ")), bool(change.words)))
-    distinct = {change.refusal: change for change in reversed(refused)}
-    offered = [change for change in refused if distinct[change.refusal] is change][:OFFERED_MISTAKES]
-    return [(program_digest(change.program), change) for change in offered]
-
-
-def _survivors(report: TrialReport, draft: ExerciseDraft) -> list[tuple[list[TriedChange], str, str]]:
-    """Return the changes that survive, by the cases that would refuse them, with the field and the text of a reason."""
-    by_case: dict[str, list[TriedChange]] = {}
-    for change in report.survivors:
-        by_case.setdefault(change.case or change.program, []).append(change)
-    groups = [(group, [program_digest(change.program) for change in group]) for group in by_case.values()]
-    return [
-        (group, REASON_FIELD + "-".join(digests), next(filter(None, map(draft.reasons.get, digests)), ""))
-        for group, digests in groups
-    ]
-
-
-def describe_place(place: str) -> str:
-    """Return where something is wrong in the words of the form: « vérification 1, le cas 2 »."""
-    found = _PLACE.match(place)
-    if found is None:
-        return _PART_WORDS.get(place, place)
-    what = "vérification" if found[1] == "verifications" else "erreur"
-    field = f", {_FIELD_WORDS.get(found[3], found[3])}" if found[3] else ""
-    return f"{what} {int(found[2]) + 1}{field}" + (f" {int(found[4]) + 1}" if found[4] else "")
 
 
 def render_statement(course: Course, module: str, text: str) -> Markup:
