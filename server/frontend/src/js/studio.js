@@ -3,11 +3,15 @@
 
 import { headersFor } from "./send.js";
 import { keep, recall } from "./storage.js";
+import { fill, readDraft, setUpAside, writeDraft } from "./unsaved.js";
 
 const CALM_MS = 1200;
 const PREVIEW_MS = 350;
 const AGAIN_MS = 5000;
 const LOOK_MS = 700;
+const ELSEWHERE =
+  "Cet exercice a été enregistré ailleurs depuis (autre onglet, autre appareil). Ce que vous tapez ici n’est plus " +
+  "enregistré, mais gardé dans ce navigateur : « Enregistrer et essayer » montre les deux versions.";
 // Proposals that are ticked: they change nothing before their button is pressed.
 const PICKED = ["cas", "erreur"];
 
@@ -20,13 +24,20 @@ function setUp() {
   const told = form.querySelector("[data-saved]");
   const panel = document.querySelector("[data-report]");
   const { number } = panel.querySelector("[data-number]").dataset;
-  let [timer, look, changed, sending, over] = [null, null, false, false, false];
+  let [timer, look, changed, sending, over, elsewhere] = [null, null, false, false, false, false];
 
   const written = () => {
     const fields = new FormData(form);
     for (const name of ["version", ...PICKED]) fields.delete(name);
     return new URLSearchParams(fields).toString();
   };
+  const draft = () => ({ version: form.elements.version.value, fields: written() });
+  let held = null; // what this page holds under the key, where another tab may hold something too
+
+  function hold(what) {
+    held = what && JSON.stringify(what);
+    writeDraft(key, what);
+  }
 
   function show(html) {
     const typing = panel.contains(document.activeElement) && document.activeElement.matches("input:not([data-pick])");
@@ -50,9 +61,11 @@ function setUp() {
 
   async function save({ leaving = false } = {}) {
     clearTimeout(timer);
+    if (elsewhere && changed) hold(draft());
     if (over || !changed || (sending && !leaving)) return;
     sending = true;
     const before = written();
+    const sent = draft();
     const fields = new FormData(form);
     fields.set("action", "brouillon");
     const options = { method: "POST", body: fields, headers: headersFor(form.elements.pour.value), keepalive: leaving };
@@ -62,28 +75,39 @@ function setUp() {
     if (isPanel) {
       changed = written() !== before;
       form.elements.version.value = show(await response.text()) ?? form.elements.version.value;
-      keep(key, null);
+      if (recall(key) === held) hold(null);
       told.textContent = `Enregistré à ${clock.format(new Date())}.`;
     } else {
       const answer = await response?.json().catch(() => null);
-      over = response?.status === 409;
-      keep(key, before);
-      told.textContent = answer?.detail ?? "Le serveur ne répond pas. Votre saisie est gardée ici ; nouvel essai dans un instant.";
+      over = elsewhere = response?.status === 409;
+      hold(sent);
+      told.textContent = (elsewhere ? ELSEWHERE : answer?.detail) ?? "Le serveur ne répond pas. Votre saisie est gardée ici ; nouvel essai dans un instant.";
     }
     if (changed) timer = setTimeout(save, isPanel ? CALM_MS : AGAIN_MS);
   }
 
-  const kept = recall(key);
-  if (kept !== null && kept !== written()) {
-    for (const [name, value] of new URLSearchParams(kept)) {
-      for (const field of form.querySelectorAll(`[name="${CSS.escape(name)}"]`)) {
-        if (field.type === "checkbox") field.checked = true;
-        else if (field.type !== "hidden") field.value = value;
-      }
-    }
+  function take(fields) {
+    fill(form, fields, addField);
+    form.querySelectorAll(".studio-mistake:not([data-blank])").forEach(nameMistake);
     changed = true;
-    told.textContent = "Une saisie qui n’avait pas atteint le serveur est reprise ici.";
     timer = setTimeout(save, CALM_MS);
+  }
+
+  const setAside = setUpAside(form.querySelector("[data-aside]"), key, ({ fields }) => {
+    const shown = draft();
+    take(fields);
+    return shown;
+  });
+  const before = readDraft(key);
+  if (before !== null && before.fields !== written()) {
+    if (before.version === form.elements.version.value) {
+      held = recall(key);
+      take(before.fields);
+      told.textContent = "Une saisie qui n’avait pas atteint le serveur est reprise ici.";
+    } else {
+      setAside(before);
+      keep(key, null);
+    }
   }
 
   document.addEventListener("input", ({ target }) => {
@@ -96,7 +120,7 @@ function setUp() {
   form.addEventListener("submit", () => {
     over = true;
     clearTimeout(timer);
-    keep(key, null);
+    if (!elsewhere && recall(key) === held) hold(null); // else both versions are shown, and this page may be left
   });
   document.addEventListener("visibilitychange", () => document.hidden && save({ leaving: true }));
   if (panel.querySelector("[data-trying]")) look = setTimeout(lookAgain, LOOK_MS);
@@ -154,6 +178,14 @@ function addMistake(last) {
 
 function nameMistake(mistake) {
   mistake.querySelector("summary").textContent = mistake.querySelector("input").value.trim() || "Sans titre";
+}
+
+// A row of examples, or a mistake, for a field that the form has not yet.
+function addField(name) {
+  const [, part] = name.match(/^(v-\d+-c-)\d+-/) ?? [];
+  const rows = part ? form.querySelectorAll(`.case-table tbody tr:has([name^="${part}"])`) : [];
+  if (rows.length) addRow(rows[rows.length - 1]);
+  else if (name.startsWith("e-")) addMistake(form.querySelector("[data-blank]"));
 }
 
 // What is open stays so when the page comes back from the server.
