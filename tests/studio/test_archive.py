@@ -218,9 +218,10 @@ def test_colleagues_copy_by_a_code_and_from_the_bank(studio: Studio) -> None:
     assert copy.number == 0
     studio.save(path, **MISTAKE, action="ne-plus-partager")
     assert alan.post("/mes-exercices/copier", data={"code": code}).status_code == 404
-    studio.save(path, **MISTAKE, niveau="MPSI", themes="dictionnaires", action="banque")
+    studio.save(path, **MISTAKE, niveau="PCSI", themes="dictionnaires", action="banque")
     assert "modifié depuis" in studio.browser.get("/mes-exercices").text, "a level was saved, and not published"
-    studio.save(path, **MISTAKE, niveau="MPSI", themes="dictionnaires", action="publier")
+    studio.save(path, **MISTAKE, niveau="MPSI", themes="dictionnaires")
+    assert "modifié depuis" not in studio.browser.get("/mes-exercices").text, "what was published is back"
     studio.save(path, **MISTAKE, niveau="MPSI", themes="dictionnaires", action="banque")
     assert "modifié depuis" not in studio.browser.get("/mes-exercices").text, "lending changes nothing"
     for query, found in (("", True), ("mpsi dictionnaire", True), ("chaque mot", True), ("piles", False)):
