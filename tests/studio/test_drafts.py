@@ -184,6 +184,9 @@ def test_the_tolerance_is_said_beside_decimal_answers_and_changed_there(studio: 
     assert read_draft(studio.stored(path)).checks[0].tolerance == "1e-4", "the other field is changed"
     page = studio.browser.get(path).text
     assert "écart permis : 1e-4" in page, "the fold says what it holds"
+    studio.save(path, **{**form, "v-0-c-0-attendu": "0.3333"}, **{"v-0-tolerance": "1e-4"})
+    trial = studio.stored(path).trial or {}
+    assert ">>> f(1)\n0.3333\n>>> f(2)\n0.6666" in trial["completed"]["statement"], "students see what was typed"
     studio.save(path, **{**form, "solution": "def f(x):\n    return x\n"})
     assert "ecart-0" not in studio.browser.get(path).text
 

@@ -11,6 +11,7 @@ from graders.core.contract.outcomes import Outcome
 from graders.core.contract.values import Value
 from graders.core.declared.declaration import DeclaredCheck, DrawnCase
 from graders.core.declared.playing import Played, is_exception
+from graders.core.declared.references import reference_of
 from graders.core.declared.scenarios import Scenario
 
 
@@ -34,10 +35,11 @@ class Failure:
 
 
 def judge(check: DeclaredCheck, case: Case, right: Played, got: Played) -> Failure | None:
-    """Return why a program's answer to a case is not the solution's; None where they agree."""
+    """Return why a program's answer to a case is not the reference (`reference_of`); None where they agree."""
     check, last = check.for_case(case.scenario), len(case.scenario.statements) - 1
     if right.raised is not None:
         return _judge_exception(check, case, right, got)
+    right = reference_of(check, case.scenario, right)
     if got.fault is not None:
         return Failure(case, right, got, None, last)
     if got.raised is not None:

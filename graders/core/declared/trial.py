@@ -25,6 +25,7 @@ from graders.core.declared.list_ends import swap_list_ends
 from graders.core.declared.malformed import MalformedDeclaration
 from graders.core.declared.playing import Played, Player
 from graders.core.declared.probe_answers import probe_answer
+from graders.core.declared.references import reference_of
 from graders.core.declared.scenarios import PROGRAM, Scenario
 from graders.core.declared.trial_report import TrialReport, TriedCase, TriedChange, TriedMistake
 from graders.core.declared.tried_inputs import (
@@ -105,12 +106,13 @@ class ExerciseTrial:
         return {each.id: grader.fingerprint(each.program.encode(), self._start()) for each in declaration.mistakes}
 
     def answers(self, data: Mapping[str, Any]) -> list[list[str]] | None:
-        """Return what the solution gives in each written case, by check; None where it fails in one."""
+        """Return what must be given in each written case, by check; None where the solution fails in one."""
         declaration = read_declaration(data)
         cases, fault = self._try_cases(DeclaredGrader(self._exercise, declaration))
         if fault or any(case.fault for case in cases):
             return None
-        return [[case.given for case in cases if case.check == at] for at in range(len(declaration.checks))]
+        checks = range(len(declaration.checks))
+        return [[case.typed or case.given for case in cases if case.check == at] for at in checks]
 
     def answer_draws(self, data: Mapping[str, Any]) -> list[tuple[str, str]]:
         """Return the inputs that a declaration draws, with what the solution gives; none where it fails in one."""
@@ -271,10 +273,12 @@ def _tried_case(check: DeclaredCheck, at: int, number: int, case: Scenario, got:
         return TriedCase(at, number, "", agrees=False, fault=_message(got.fault) if got.fault else "")
     if got.fault is not None and not case.expected:
         return TriedCase(at, number, "", agrees=False, fault=_message(got.fault), raised=got.fault.exception or "")
-    check = check.for_case(case)
-    given: Value = observed(check, got, len(case.statements) - 1)
-    as_expected = not case.expected or expected_is_given(check, case.expected[0], got, len(case.statements) - 1)
-    return TriedCase(at, number, text_of(given), agrees=as_expected)
+    check, last = check.for_case(case), len(case.statements) - 1
+    given: Value = observed(check, got, last)
+    if case.expected and not expected_is_given(check, case.expected[0], got, last):
+        return TriedCase(at, number, text_of(given), agrees=False)
+    typed = text_of(observed(check, reference_of(check, case, got), last))
+    return TriedCase(at, number, text_of(given), agrees=True, typed=typed if typed != text_of(given) else "")
 
 
 def _message(fault: StudentFault) -> str:

@@ -12,7 +12,8 @@ class TriedCase:
     """A written case: what the solution answers, as Python writes it, or why it does not; whether that is expected.
 
     `raised` is the exception of Python with which the solution ends though its author says no result: a fault of the
-    solution, until it is said that this exception is expected.
+    solution, until it is said that this exception is expected. `typed` is what students see in place of `given`, where
+    the expected result has other digits.
     """
 
     check: int
@@ -21,6 +22,7 @@ class TriedCase:
     agrees: bool
     fault: str = ""
     raised: str = ""
+    typed: str = ""
 
 
 @dataclass(frozen=True)

@@ -200,6 +200,36 @@ def test_a_tolerance_may_be_a_parameter_of_the_case(sandbox: Sandbox, program: s
         read_declaration({**declared, "verifications": [{**declared["verifications"][0], "tolerance": "delta"}]})
 
 
+NEAR = "0.9999999403953552"
+
+
+@pytest.mark.parametrize(
+    ("solution", "typed", "answer", "passes"),
+    [
+        (NEAR, "1", "1 + 9.5e-7", True),
+        (NEAR, "1", "1 - 9.5e-7", True),
+        (NEAR, "1", "1 - 1.02e-6", False),
+        (NEAR, "", "1 + 9.5e-7", False),
+        (f"[{NEAR}, 'a', True]", "[1, 'a', True]", "[1 + 9.5e-7, 'a', True]", True),
+        (f"{{'x': ({NEAR},)}}", "{'x': (1,)}", "{'x': (1 + 9.5e-7,)}", True),
+        (f"np.array([{NEAR}, 0.0])", "[1, 0]", "np.array([1 + 9.5e-7, 0.0])", True),
+        (f"np.array([{NEAR}, 0.0])", "[1, 0]", "np.array([1 + 9.5e-7, 0.1])", False),
+    ],
+)
+def test_the_number_that_the_author_typed_is_the_reference(
+    sandbox: Sandbox, solution: str, typed: str, answer: str, passes: bool
+) -> None:
+    def program(text: str) -> str:
+        return f"import numpy as np\ndef f(x):\n    return {text}\n"
+
+    declared = declare("f", program(solution), "f(1)", attendus=[typed], tolerance=1e-6)
+    assert graded(sandbox, declared, program(solution)).points == 20, "the solution itself"
+    verdict = graded(sandbox, declared, program(answer))
+    assert (verdict.points == 20) is passes
+    if typed == "1" and not passes:
+        assert verdict.checks[0].message == "Pour f(1), on attend 1 et f renvoie 0.999999."
+
+
 def test_drawn_words_are_those_of_the_examples_mixed() -> None:
     rng = np.random.default_rng(2)
     for text in ("x = mots('le chat dort', 2, 6)", "x = mots('kayak', 1, 1)", "x = mots('a b', 0, 4, espaces=True)"):
