@@ -29,6 +29,7 @@ from server.classes.slips import PasswordSlip
 from server.comments import repository as comments
 from server.comments.service import load_unread_threads
 from server.course import Course
+from server.course.editions import edition_of
 from server.database import utc_now
 from server.desk.guide.chapters import chapter_href
 from server.desk.schemas import ClassHead, JoinCodeView
@@ -70,7 +71,8 @@ def module_name(course: Course, slug: str) -> str:
     return f"Module {module.label}" if module else slug
 
 
-def build_classes_page(db: Session, course: Course, account: Account | None) -> dict[str, Any]:
+def build_classes_page(db: Session, course: Course, account: Account | None, module: str = "") -> dict[str, Any]:
+    """Build the page of somebody's classes; `module`: the slug chosen in the form of a new class, if any."""
     seats = [] if account is None else repository.load_visible_classes(db, account)
     counts = repository.count_students(db, [school_class.id for school_class, _ in seats])
     taught = [school_class.id for school_class, seat in seats if _is_staff(seat)]
@@ -101,7 +103,20 @@ def build_classes_page(db: Session, course: Course, account: Account | None) -> 
         "may_create": account is not None and Right.create_class in rights.server_rights(account),
         "may_write": account is not None and Right.write_exercises in rights.server_rights(account),
         "modules": course.latest,
+        "chosen_module": module
+        or _propose_module(course, [school_class for school_class, seat in seats if _is_staff(seat)]),
     }
+
+
+def _propose_module(course: Course, taught: Sequence[SchoolClass]) -> str:
+    """Return the slug of the module to propose for a new class: that of most of the classes taught, archived or not
+    (its last edition), else the one with the most exercises."""
+    latest = {edition_of(module.slug).family: module for module in course.latest}
+    families = Counter(edition_of(school_class.module).family for school_class in taught)
+    known = [family for family, _ in families.most_common() if family in latest]
+    if known:
+        return latest[known[0]].slug
+    return max(course.latest, key=lambda module: len(module.exercises)).slug if course.latest else ""
 
 
 def _is_staff(seat: Membership | None) -> bool:

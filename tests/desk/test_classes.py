@@ -65,6 +65,16 @@ def test_a_class_is_made_by_a_teacher_alone(site: Site, martin: TestClient, href
     assert "un nom de 1 à 100" in martin.post("/classes", data={"name": " ", "module": "l20"}).text
 
 
+def test_a_new_class_is_proposed_the_module_of_the_teachers_others(site: Site, martin: TestClient) -> None:
+    def proposed(text: str) -> list[str]:
+        return re.findall(r'<option value="(\w+)" selected>', text)
+
+    assert proposed(text_of(martin, "/classes")) == ["l20"], "else the one with the most exercises"
+    martin.post("/classes", data={"name": "PSI", "module": "l19"})
+    assert proposed(text_of(martin, "/classes")) == ["l19"]
+    assert proposed(martin.post("/classes", data={"name": " ", "module": "l20"}).text) == ["l20"], "as was chosen"
+
+
 def test_a_visitor_joins_under_a_name_and_the_work_follows(site: Site, martin: TestClient, href: str) -> None:
     site.client.post("/l20/exercices/poses/soumissions", data={"code": "x = 1"})
     (guest,) = [one for one in stored(site, Account) if one.role == Role.guest]
