@@ -101,6 +101,13 @@ def test_students_are_sorted_filtered_and_paged(site: Site, martin: Person, made
     everyone = names_of(text_of(browser, href)) + names_of(text_of(browser, f"{href}?page=2"))
     assert (len(everyone), len(set(everyone))) == (70, 70)
     assert names_of(text_of(browser, f"{href}?tri=-nom")) == everyone[::-1][:60]
+    found = text_of(browser, f"{href}/tableau?q=GERMAIN+kurt&tri=bloques&erreurs=toutes")
+    assert set(names_of(found)) == {name for name in everyone if name.startswith("Kurt Germain")}, (
+        "accents and case aside"
+    )
+    assert '<input type="hidden" name="tri" value="bloques">' in found, "the order outlasts a search"
+    assert "q=GERMAIN+kurt" in found.split('aria-label="Ordre des élèves"')[1].split("</nav>")[0]
+    assert "Aucun élève ne correspond" in text_of(browser, f"{href}/tableau?q=personne")
     solved, stuck = "Hypatie Germain", "Kurt Germain"
     assert names_of(text_of(browser, f"{href}?tri=reussis"))[0] == solved
     assert names_of(text_of(browser, f"{href}?tri=bloques"))[0] == stuck

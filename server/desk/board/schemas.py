@@ -132,6 +132,12 @@ class BoardBody:
     rows: tuple[BoardRow, ...]
     student_count: int
     pages: tuple[BoardLink, ...]
+    #: What names contain; the rest of the address; the board without a search; whether a search is worth its place.
+    search: str
+    search_href: str
+    search_fields: tuple[tuple[str, str | int], ...]
+    unsearched: str
+    is_long: bool
     #: Whether some exercise is given to other groups than that of some student.
     leaves_out: bool
 

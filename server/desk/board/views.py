@@ -13,6 +13,7 @@ from server.board import insights, service
 from server.board.schemas import Board, BoardStudent, MisconceptionStats, ProgressCell, ProgressState
 from server.board.stuck import RULE
 from server.classes import repository as classes
+from server.classes.folding import normalise_name
 from server.database import utc_now
 from server.desk.board.links import BoardLinks, misconception_href, work_href
 from server.desk.board.schemas import (
@@ -36,6 +37,8 @@ from server.web.words import format_mark, iso_moment, plural, short_moment
 
 STUDENTS_PER_PAGE = 60
 FIRST_MISCONCEPTIONS = 12
+#: Up to so many, a list needs no search.
+FEW_STUDENTS = 12
 BY_NAME, BY_SUCCESS, BY_TROUBLE = "nom", "reussis", "bloques"
 SIGNS = {
     ProgressState.none: "·",
@@ -56,16 +59,25 @@ TROUBLE_ORDER = {ProgressState.stuck: 0, ProgressState.trying: 1, ProgressState.
 
 @dataclass(frozen=True)
 class BoardQuery:
-    """The query of the address: a group, a sort key ("-" before it: backwards), a page, all misconceptions or some."""
+    """The query of the address: a group, a sort key ("-" before it: backwards), a page, all misconceptions or some, and
+    what names contain."""
 
     group: str = ""
     sort: str = BY_NAME
     page: int = 1
     everything: bool = False
+    search: str = ""
 
     @property
     def backwards(self) -> bool:
         return self.sort.startswith("-")
+
+    def matches(self, student: BoardStudent) -> bool:
+        """Whether a student is in the group, and has all words of the search; accents and case aside."""
+        if self.group and self.group not in student.groups:
+            return False
+        name = normalise_name(student.name) if self.search else ""
+        return all(word in name for word in normalise_name(self.search).split())
 
     @property
     def column(self) -> str:
@@ -126,7 +138,7 @@ def render_misconceptions(links: BoardLinks, board: Board, *, everything: bool) 
 
 
 def _board_body(board: Board, links: BoardLinks, query: BoardQuery) -> BoardBody:
-    chosen = [student for student in board.students if not query.group or query.group in student.groups]
+    chosen = list(filter(query.matches, board.students))
     ordered = _ordered(board, chosen, query)
     first = (query.page - 1) * STUDENTS_PER_PAGE
     page_count = -(-len(ordered) // STUDENTS_PER_PAGE)
@@ -147,19 +159,28 @@ def _board_body(board: Board, links: BoardLinks, query: BoardQuery) -> BoardBody
             BoardLink(str(number), _href(links, query, page=number), number == query.page)
             for number in range(1, page_count + 1)
         ),
+        search=query.search,
+        search_href=f"{links.href}/tableau#avancement",
+        search_fields=tuple(_fields(query, q="", page=1).items()),
+        unsearched=_href(links, query, q="", page=1),
+        is_long=len(board.students) > FEW_STUDENTS,
         leaves_out=not all(cell.is_concerned for cell in board.cells.values()),
     )
 
 
 def _href(links: BoardLinks, query: BoardQuery, **changes: str | int) -> str:
     """Return the address of the board with this query, but for `changes`."""
-    fields = {"groupe": query.group, "tri": query.sort, "page": query.page}
-    fields |= {{"sort": "tri", "group": "groupe"}.get(name, name): value for name, value in changes.items()}
-    defaults = {"groupe": "", "tri": BY_NAME, "page": 1}
-    fields = {name: value for name, value in fields.items() if value != defaults[name]}
-    fields |= {"erreurs": "toutes"} if query.everything else {}
-    address = f"{links.href}/tableau"
+    fields, address = _fields(query, **changes), f"{links.href}/tableau"
     return f"{address}?{urlencode(fields)}#avancement" if fields else f"{address}#avancement"
+
+
+def _fields(query: BoardQuery, **changes: str | int) -> dict[str, str | int]:
+    """Return the fields of the address that are not the usual ones, but for `changes`."""
+    fields: dict[str, str | int] = {"groupe": query.group, "tri": query.sort, "page": query.page, "q": query.search}
+    fields |= {{"sort": "tri", "group": "groupe"}.get(name, name): value for name, value in changes.items()}
+    defaults = {"groupe": "", "tri": BY_NAME, "page": 1, "q": ""}
+    fields = {name: value for name, value in fields.items() if value != defaults[name]}
+    return fields | ({"erreurs": "toutes"} if query.everything else {})
 
 
 def _sort_link(links: BoardLinks, query: BoardQuery, column: str, label: str) -> SortLink:

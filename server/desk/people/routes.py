@@ -42,9 +42,15 @@ def list_classes(request: Request, reader: CurrentReader) -> HTMLResponse:
 
 
 def _render_classes(
-    request: Request, db: Db, course: CourseOf, account: OptionalAccount, name: str = "", problem: str = ""
+    request: Request,
+    db: Db,
+    course: CourseOf,
+    account: OptionalAccount,
+    name: str = "",
+    module: str = "",
+    problem: str = "",
 ) -> HTMLResponse:
-    view = views.build_classes_page(db, course, account)
+    view = views.build_classes_page(db, course, account, module)
     status = 422 if problem else 200
     return render_page(request, "classes/mine.html", account, status=status, page=view, name=name, problem=problem)
 
@@ -58,7 +64,7 @@ def create_class(
         made = service.create_class(db, account, name, find_module(course, module).slug)
     except Invalid as refused:
         roll_back_then_read(db)
-        return _render_classes(request, db, course, account, name, refused.detail)
+        return _render_classes(request, db, course, account, name, module, refused.detail)
     return redirect(views.class_href(made))
 
 
@@ -128,6 +134,7 @@ def show_class(
     tri: GroupQuery = BY_NAME,
     number: PageNumber = 1,
     erreurs: GroupQuery = "",
+    q: GroupQuery = "",
 ) -> Response:
     """The lesson that goes on, else the board, for who teaches or helps; else one's own page."""
     if reader.account is None:
@@ -136,7 +143,9 @@ def show_class(
     if access.has(Right.read_work):
         if not request.url.query and lessons.find_current_lesson(reader.db, access.school_class.id, utc_now()):
             return redirect(f"{views.class_href(access.school_class)}/seance")
-        return _render_board(request, reader, access, BoardQuery(groupe, tri, number, everything=bool(erreurs)))
+        return _render_board(
+            request, reader, access, BoardQuery(groupe, tri, number, everything=bool(erreurs), search=q)
+        )
     view = own_views.build_own_page(reader.db, reader.course, access, reader.account)
     return render_page(request, "classes/own.html", reader.account, page=view)
 
@@ -150,11 +159,12 @@ def show_board(
     tri: GroupQuery = BY_NAME,
     number: PageNumber = 1,
     erreurs: GroupQuery = "",
+    q: GroupQuery = "",
 ) -> Response:
     if reader.account is None:
         return redirect_to_login(request)
     access = rights.require_right(reader.db, reader.account, Right.read_work, class_id)
-    return _render_board(request, reader, access, BoardQuery(groupe, tri, number, everything=bool(erreurs)))
+    return _render_board(request, reader, access, BoardQuery(groupe, tri, number, everything=bool(erreurs), search=q))
 
 
 def _render_board(request: Request, reader: Reader, access: ClassAccess, query: BoardQuery) -> HTMLResponse:
