@@ -96,7 +96,7 @@ def may_keep_state(source: bytes) -> bool:
     """Whether the text of a program shows where it may keep something from one call to the next.
 
     That is a global variable that a function sets, a mutable value at the top level that is read somewhere, or as a
-    default, an attribute of a function, a decorator.
+    default or an attribute of a class, an attribute of a function or of a class that is set, a decorator.
     """
     try:
         tree = parse_source(source[:MAX_SOURCE])
@@ -104,13 +104,16 @@ def may_keep_state(source: bytes) -> bool:
         return False
     nodes = list(ast.walk(tree))  # once: a right program waits for this too
     functions = [node for node in nodes if isinstance(node, ast.FunctionDef)]
-    names = {function.name for function in functions}
+    classes = [node for node in nodes if isinstance(node, ast.ClassDef)]
+    names = {function.name for function in functions} | {node.name for node in classes}
     read = {node.id for node in nodes if isinstance(node, ast.Name) and isinstance(node.ctx, ast.Load)}
     kept = [
         statement.value
         for statement in tree.body
         if isinstance(statement, ast.Assign | ast.AnnAssign) and _may_be_read(statement, read)
     ]
+    own = [part for node in classes for part in node.body if isinstance(part, ast.Assign | ast.AnnAssign)]
+    kept += [statement.value for statement in own]
     defaults = [default for function in functions for default in function.args.defaults]
     return (
         any(isinstance(node, ast.Global | ast.Nonlocal) for node in nodes)

@@ -34,7 +34,8 @@ from graders.core.declared.playing import Played, Player
 from graders.core.declared.probe_answers import find_mistake, probe_answer
 from graders.core.declared.scenario_values import Reference
 from graders.core.declared.scenarios import Scenario
-from graders.core.declared.wording import describe_case, failed_finding, fault_finding, slip_diagnosis
+from graders.core.declared.shared_state import fail_alone
+from graders.core.declared.wording import failed_finding, failure_message, fault_finding, slip_diagnosis
 from graders.core.syntax_trees import parse_source
 
 #: Bounds of the search for a simpler counterexample: scenarios in one exchange, in all, and seconds.
@@ -144,7 +145,7 @@ class DeclaredGrader:
                 findings.append(Finding(CheckResult(check.id, check.title, True, check.points, check.points)))
                 continue
             simplest = self.simplest(check, failure, student, solution, clock, clock() + SIMPLER_SECONDS)
-            findings.append(self.describe_failure(check, simplest))
+            findings.append(self.describe_failure(check, *fail_alone(check, simplest, source, student)))
         return findings
 
     def _right_answers(self, solution: Player, cases: Mapping[str, Sequence[Case]]) -> list[Played]:
@@ -192,35 +193,22 @@ class DeclaredGrader:
             failure = better
         return failure
 
-    def describe_failure(self, check: DeclaredCheck, failure: Failure) -> Finding:
-        """Return the finding of a failing case."""
+    def describe_failure(self, check: DeclaredCheck, failure: Failure, note: str = "") -> Finding:
+        """Return the finding of a failing case; `note` ends its words."""
         scenario, fault = failure.case.scenario, failure.got.fault
         statement = scenario.statements[min(failure.step, len(scenario.statements) - 1)]
         inputs = self._inputs(scenario)
         expected = observed(check, failure.right, failure.step)
         if failure.mismatch is None:
             assert fault is not None
-            return fault_finding(check, fault, inputs=inputs, expected=expected, case=scenario)
+            found = fault_finding(check, fault, inputs=inputs, expected=expected, case=scenario)
+            message = "\n".join(filter(None, (found.result.message, note)))
+            return replace(found, result=replace(found.result, message=message))
         got = observed(check, failure.got, failure.step)
-        texts = python_pair(expected, got)
-        if check.watched != "value":
-            what = "l’affichage " if check.watched == "printed" else "les fichiers "
-            verb = "c’est" if check.watched == "printed" else "ce sont"
-            if failure.got.raised or failure.right.raised:
-                what, verb = "", "c’est"
-            message = f"{describe_case(scenario)}, on attend {what}{texts[0]}, et {verb} {texts[1]}."
-        elif len(scenario.statements) == 1:
-            verb = "lève" if failure.got.raised else "renvoie"
-            message = f"Pour {scenario.text()}, on attend {texts[0]} et {scenario.function} {verb} {texts[1]}."
-        elif failure.right.raised:  # a fault does not say which of the statements raised it
-            returned = statement.is_shown and not failure.got.raised
-            obtained = f" et {statement.text()} renvoie {texts[1]}" if returned else ""
-            message = f"Dans « {scenario.text()} », on attend {texts[0]}{obtained}."
-        else:
-            message = f"Dans « {scenario.text()} », {statement.text()} doit donner {texts[0]} et donne {texts[1]}."
+        message = failure_message(check, failure, statement, python_pair(expected, got))
         return failed_finding(
             check,
-            f"{message} {failure.mismatch.message}".strip(),
+            " ".join(filter(None, (message, failure.mismatch.message, note))),
             inputs=inputs,
             expected=expected,
             got=got,

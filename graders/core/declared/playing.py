@@ -59,6 +59,10 @@ class Player:
         self._answered: dict[int, tuple[Scenario, Played]] = {}
         self._printed: list[str] = []
 
+    def fresh(self) -> Player:
+        """Return a player of the same file that has played nothing."""
+        return Player(self._programs, self._source, self._kit)
+
     def start(self, scenarios: Sequence[Scenario]) -> list[Played]:
         """Load the file and play the first scenarios, which travel with it. Raises StudentFault where it does not
         load."""

@@ -60,6 +60,12 @@ class Statement:
         return next((value.function for value in inside if isinstance(value, NestedCall) and value.function), "")
 
     @property
+    def called(self) -> str:
+        """The name of the function or method that is called last; empty where none is."""
+        call = self.value.callee if isinstance(self.value, NestedCall) else self.callee
+        return call.rpartition(".")[2]
+
+    @property
     def typed(self) -> tuple[str, ...]:
         """The arguments as lines of text, as they are typed."""
         return tuple(value if isinstance(value, str) else value_text(value) for value in self.arguments)

@@ -15,8 +15,9 @@ from graders.core.contract.program import StudentFault
 from graders.core.contract.values import Value
 from graders.core.contract.verdict import CheckResult, Counterexample, Diagnosis
 from graders.core.declared.declaration import DeclaredCheck
+from graders.core.declared.judging import Failure
 from graders.core.declared.scenario_values import FunctionSource, Reference, value_text
-from graders.core.declared.scenarios import Scenario
+from graders.core.declared.scenarios import Scenario, Statement
 
 
 def _shown(value: Value) -> Value:
@@ -43,6 +44,27 @@ def describe_case(scenario: Scenario) -> str:
     arguments = [f"« {text} »" for step in scenario.statements if step.kind == "argv" for text in step.typed]
     with_files += f" avec les arguments {', '.join(arguments)}" if arguments else ""
     return f"Quand on tape {typed}{with_files}" if lines else f"Quand on lance le programme{with_files}"
+
+
+def failure_message(check: DeclaredCheck, failure: Failure, statement: Statement, texts: tuple[str, str]) -> str:
+    """Return what a failing case says: `texts` are what is expected and what is obtained in this statement."""
+    scenario, (expected, obtained) = failure.case.scenario, texts
+    if check.watched != "value":
+        what = "l’affichage " if check.watched == "printed" else "les fichiers "
+        verb = "c’est" if check.watched == "printed" else "ce sont"
+        if failure.got.raised or failure.right.raised:
+            what, verb = "", "c’est"
+        return f"{describe_case(scenario)}, on attend {what}{expected}, et {verb} {obtained}."
+    if len(scenario.statements) == 1:
+        verb = "lève" if failure.got.raised else "renvoie"
+        name = statement.called or scenario.function
+        return f"Pour {scenario.text()}, on attend {expected} et {name} {verb} {obtained}."
+    if failure.right.raised:  # a fault does not say which of the statements raised it
+        returned = statement.is_shown and not failure.got.raised
+        return f"Dans « {scenario.text()} », on attend {expected}" + (
+            f" et {statement.text()} renvoie {obtained}." if returned else "."
+        )
+    return f"Dans « {scenario.text()} », {statement.text()} doit donner {expected} et donne {obtained}."
 
 
 def failed_finding(

@@ -135,6 +135,9 @@ def _answers(source: bytes, calls: list[tuple[str, tuple[object, ...]]]) -> list
         ("a = b = []\ndef f(x):\n    b.append(x)\n    return x\n", True),
         ("def f(x, seen=[]):\n    return x\n", True),
         ("def f(x):\n    return x\nf.seen = {}\n", True),
+        ("class C:\n    seen = []\n    def f(self, x):\n        return x\n", True),
+        ("class C:\n    count = 0\n    def f(self, x):\n        C.count += 1\n        return x\n", True),
+        ("class C:\n    least = 0\n    def f(self, x):\n        self.x = x\n        return x\n", False),
     ],
 )
 def test_a_value_that_nobody_reads_keeps_nothing(source: str, keeps: bool) -> None:

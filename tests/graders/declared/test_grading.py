@@ -200,6 +200,40 @@ def test_a_tolerance_may_be_a_parameter_of_the_case(sandbox: Sandbox, program: s
         read_declaration({**declared, "verifications": [{**declared["verifications"][0], "tolerance": "delta"}]})
 
 
+STACK = """class Pile:
+    def __init__(self):
+        self.t = []
+    def empiler(self, x):
+        self.t.append(x)
+    def depiler(self):
+        return self.t.pop()
+    def est_vide(self):
+        return not self.t
+"""
+
+
+@pytest.mark.parametrize(
+    ("program", "words", "passes_alone"),
+    [
+        (STACK.replace("def __init__(self):\n        self.t = []", "t = []"), "IndexError et depiler renvoie 3.", True),
+        (STACK.replace("self.t.pop()", "self.t[-1] if self.t else 0"), "IndexError et depiler renvoie 0.", False),
+        (STACK.replace("class Pile:", "class Pile:\n    vues = []").replace("t.pop()", "t.pop() if self.t else 0"),
+         "IndexError et depiler renvoie 0.", False),
+    ],
+)  # fmt: skip
+def test_a_case_that_passes_alone_is_told(sandbox: Sandbox, program: str, words: str, passes_alone: bool) -> None:
+    declared = declare("Pile", STACK, "p = Pile(); p.empiler(3); p.est_vide()", "Pile().depiler()")
+    message = graded(sandbox, declared, program).checks[0].message
+    assert words in message
+    assert ("Appelé seul, dans un programme neuf, c’est juste" in message) is passes_alone
+
+
+def test_a_method_is_named_in_its_verdict(sandbox: Sandbox) -> None:
+    declared = declare("Pile", STACK, "Pile().est_vide()")
+    message = graded(sandbox, declared, STACK.replace("not self.t", "False")).checks[0].message
+    assert message == "Pour Pile().est_vide(), on attend True et est_vide renvoie False."
+
+
 NEAR = "0.9999999403953552"
 
 
