@@ -42,7 +42,7 @@ FORM: dict[str, Any] = {
     "v-0-c-0-attendu": "{}",
     "v-0-c-1-appel": 'compter_mots("a b a")',
     "v-0-c-1-attendu": '{"a": 2, "b": 1}',
-    "v-0-c-2-appel": 'compter_mots("le  chat")',
+    "v-0-c-2-appel": 'compter_mots("le  Chat")',
 }
 MISTAKE = {
     "e-0-titre": "Chaque mot compte une fois",

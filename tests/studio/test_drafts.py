@@ -26,9 +26,9 @@ def test_a_draft_is_tried_as_it_is_saved(studio: Studio) -> None:
     assert "Essai en cours" in answer.text
     studio.work()
     told = studio.report(path)
-    assert "compter_mots(&#34;le chat&#34;) → {&#39;le&#39;: 1, &#39;chat&#39;: 1}" in re.sub(r" +", " ", told)
+    assert "compter_mots(&#34;le Chat&#34;) → {&#39;le&#39;: 1, &#39;Chat&#39;: 1}" in re.sub(r" +", " ", told)
     assert "0 acceptée à tort" in told
-    assert "x1 = mots(&#39;a b le chat&#39;, 0, 3, espaces=True)" in told
+    assert "x1 = mots(&#39;a b le Chat&#39;, 0, 3, espaces=True)" in told
     page = studio.browser.get(path).text
     assert SOLUTION.replace('"', "&#34;") in page
 

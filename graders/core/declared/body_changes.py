@@ -1,4 +1,4 @@
-"""Changes of whole functions: a body that always returns the same, a parameter that is not read.
+"""Changes of whole functions: a body that always returns the same, a parameter that is not read, or not as given.
 
 A student's program that does so is right wherever the cases show nothing else: a test of emptiness that always says
 True, a bisection that never looks at its precision. What a case shows already is not tried.
@@ -21,9 +21,9 @@ from graders.core.declared.playing import Played
 from graders.core.declared.scenario_values import NestedCall, Reference, value_text
 from graders.core.syntax_trees import evaluate_literal, parse_source
 
-CONSTANT, UNREAD = "résultat constant", "paramètre non lu"
+CONSTANT, UNREAD, PREPARED = "résultat constant", "paramètre non lu", "paramètre modifié"
 #: The operators of this module.
-WHOLE_BODY = frozenset({CONSTANT, UNREAD})
+WHOLE_BODY = frozenset({CONSTANT, UNREAD, PREPARED})
 #: Values that a body may always return, besides those of the examples; values of the examples of one function;
 #: characters of a value; changes in all.
 USUAL_CONSTANTS, MAX_VALUES, MAX_VALUE, MAX_BODY_CHANGES = ("None", "True", "False", "0"), 3, 200, 40
@@ -103,12 +103,17 @@ def change_bodies(
     names = Counter(method.name for method in methods)
     for method in methods:
         seen = [call for call in calls if call.name == method.called]
-        changes = [*_constants(text, method, seen, names[method.name] == 1), *_unread(text, method, seen)]
+        changes = [
+            *_constants(text, method, seen, names[method.name] == 1),
+            *_unread(text, method, seen),
+            *_prepared(text, method, seen),
+        ]
         for change, words in changes:
             altered = text.apply(change)
             if _differs(altered, same):
                 alteration = Alteration(solution, altered, change.operator, False, method.node.lineno, method.name)
-                found.setdefault(altered, BodyChange(alteration, words, method.is_asked))
+                is_asked = method.is_asked and change.operator != PREPARED
+                found.setdefault(altered, BodyChange(alteration, words, is_asked))
     return list(found.values())[:MAX_BODY_CHANGES]
 
 
@@ -190,21 +195,66 @@ def _body(text: ProgramText, node: ast.FunctionDef, statement: str) -> Change:
 
 def _unread(text: ProgramText, method: _Method, seen: Sequence[SeenCall]) -> Iterator[tuple[Change, str]]:
     """Yield bodies in which a parameter has its usual value, whatever is given: its default, or the most frequent."""
-    body, defaults = method.node.body, method.node.args.defaults
-    read = {part.id for part in ast.walk(method.node) if isinstance(part, ast.Name)}
-    has_docstring = len(body) > 1 and ast.get_docstring(method.node, clean=False) is not None
-    start = text.span(body[1] if has_docstring else body[0])[0]
-    indent = text.slice(text.raw.rfind(b"\n", 0, start) + 1, start)
-    between = "; " if indent.strip() else f"\n{indent}"
+    defaults = method.node.args.defaults
     by_default = dict(zip([each.arg for each in reversed(method.parameters)], reversed(defaults), strict=False))
     for position, parameter in enumerate(method.parameters):
         values = [argument for call in seen for argument in call.argument(position, parameter.arg)]
         usual = Counter(filter(_can_be_written, (value_text(value, None) for value in values))).most_common(1)
         default = text.source_of(by_default[parameter.arg]) if parameter.arg in by_default else ""
         value = default or (usual[0][0] if usual else "")
-        if parameter.arg in read and value:
-            change = Change(start, start, f"{parameter.arg} = {value}{between}", UNREAD)
+        if value and _is_read(method, parameter):
+            change = _first(text, method.node, f"{parameter.arg} = {value}", UNREAD)
             yield change, f"`{parameter.arg}` de `{method.called}` vaut toujours `{_short(value)}`"
+
+
+def _prepared(text: ProgramText, method: _Method, seen: Sequence[SeenCall]) -> Iterator[tuple[Change, str]]:
+    """Yield bodies that first change what is given: a text in lower case, a list in order or without repetitions."""
+    for position, parameter in enumerate(method.parameters):
+        values = [argument for call in seen for argument in call.argument(position, parameter.arg)]
+        name = parameter.arg
+        if not values or not _is_read(method, parameter):
+            continue
+        for does_apply, expression, words in _PREPARATIONS:
+            if does_apply(values):
+                change = _first(text, method.node, f"{name} = {expression.format(name)}", PREPARED)
+                yield change, f"`{method.called}` {words.format(f'`{name}`')}"
+
+
+def _are_texts(values: Sequence[Value]) -> bool:
+    return all(isinstance(value, str) for value in values)
+
+
+def _are_sortable(values: Sequence[Value]) -> bool:
+    """Whether values are lists of numbers or of texts, some with several items."""
+    items = [item for value in values if isinstance(value, list) for item in value]
+    is_list = all(isinstance(value, list) for value in values) and any(len(value) > 1 for value in values)
+    return is_list and (_are_texts(items) or all(isinstance(item, int | float) for item in items))
+
+
+#: When a parameter is changed first, how, and in which words.
+_PREPARATIONS: tuple[tuple[Callable[[Sequence[Value]], bool], str, str], ...] = (
+    (
+        lambda values: _are_texts(values) and any(map(str.isalpha, "".join(values))),
+        "{}.lower()",
+        "lit {} en minuscules",
+    ),
+    (lambda values: _are_texts(values) and " " in "".join(values), "{}.strip()", "ôte les espaces aux bouts de {}"),
+    (_are_sortable, "sorted({})", "trie d’abord {}"),
+    (_are_sortable, "list(dict.fromkeys({}))", "ôte d’abord les répétitions de {}"),
+)
+
+
+def _is_read(method: _Method, parameter: ast.arg) -> bool:
+    return any(isinstance(part, ast.Name) and part.id == parameter.arg for part in ast.walk(method.node))
+
+
+def _first(text: ProgramText, node: ast.FunctionDef, statement: str, operator: str) -> Change:
+    """Return the change that puts a statement before the others of a function."""
+    has_docstring = len(node.body) > 1 and ast.get_docstring(node, clean=False) is not None
+    start = text.span(node.body[1] if has_docstring else node.body[0])[0]
+    indent = text.slice(text.raw.rfind(b"\n", 0, start) + 1, start)
+    between = "; " if indent.strip() else f"\n{indent}"
+    return Change(start, start, f"{statement}{between}", operator)
 
 
 def _can_be_written(text: str) -> bool:

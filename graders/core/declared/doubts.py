@@ -56,6 +56,7 @@ def _kind(call: Statement, columns: Sequence[Sequence[Value]], names: Sequence[s
         (_is_number, lambda value: value >= 0, "n’est jamais négatif"),
         (_is_number, lambda value: value != 0, "n’est jamais nul"),
         (_has_length, lambda value: len(value) > 0, "n’est jamais vide"),
+        (_is_text, lambda value: value.lower() == value, "n’a jamais de majuscule"),
         (_is_plain_list, lambda value: sorted(value) == value, "est toujours dans l’ordre croissant"),
     )
     for value, column, name in zip(call.arguments, columns, names, strict=True):
@@ -70,6 +71,10 @@ def _is_number(value: Value) -> bool:
 
 def _has_length(value: Value) -> bool:
     return isinstance(value, str | list | tuple | dict | set)
+
+
+def _is_text(value: Value) -> bool:
+    return isinstance(value, str)
 
 
 def _is_plain_list(value: Value) -> bool:

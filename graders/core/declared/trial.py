@@ -18,10 +18,10 @@ from graders.core.contract.program import KitSettings, Programs, StudentFault
 from graders.core.contract.values import Value
 from graders.core.contract.verdict import MAX_POINTS
 from graders.core.declared.body_changes import change_bodies
+from graders.core.declared.call_changes import change_calls
 from graders.core.declared.declaration import Declaration, DeclaredCheck, read_declaration
 from graders.core.declared.grading import DeclaredGrader, Fingerprint, SolutionFault
 from graders.core.declared.judging import expected_is_given, is_answered, judge, observed
-from graders.core.declared.list_ends import swap_list_ends
 from graders.core.declared.malformed import MalformedDeclaration
 from graders.core.declared.playing import Played, Player
 from graders.core.declared.probe_answers import probe_answer
@@ -263,8 +263,8 @@ class ExerciseTrial:
 
 def _alterations(solution: str) -> list[Alteration]:
     """Return the changes of a solution that are tried, each program once."""
-    ends = swap_list_ends(solution)[: MAX_CHANGES // 4]
-    changes = [*sample_alterations(solution, MAX_CHANGES - len(ends)), *ends]
+    calls = change_calls(solution)[: MAX_CHANGES // 4]
+    changes = [*sample_alterations(solution, MAX_CHANGES - len(calls)), *calls]
     return sorted({change.altered: change for change in changes}.values(), key=lambda change: change.line)
 
 

@@ -32,6 +32,7 @@ PUSHED = "p = Pile(); p.empiler(3); p.empiler(4); p.depiler()"
 STEPS = "def arrondi(x, pas):\n    return pas * round(x / pas)\n"
 COUNT = "def f(n):\n    k = 0\n    while k < n:\n        k += 1\n    return k\n"
 BRIEF = Policy(cpu_seconds=0.1, wall_seconds=POLICY.wall_seconds)
+WORDS = "def f(s):\n    return s.split()\n"
 EULER = "def pas(f, t, y, h):\n    return y + h * f(t, y)\n"
 
 
@@ -59,6 +60,16 @@ def tried(sandbox: Sandbox, functions: str, solution: str, *cases: str) -> Trial
             "lambda t, y: t + 2 * y",
         ),
         ("`pas` de `arrondi` vaut toujours `1e-06`", ("arrondi", STEPS, "arrondi(0.12345678, 1e-6)"), "0.001"),
+        ("`f` lit `s` en minuscules", ("f", WORDS, 'f("b a b")', 'f("")'), "A"),
+        ("`f` ôte les espaces aux bouts de `s`", ("f", "def f(s):\n    return len(s)\n", 'f("a b")', 'f("")'), "' "),
+        ("`f` ôte les espaces aux bouts de `s`", ("f", WORDS, 'f("b a b")', 'f("")'), ""),
+        ("`f` trie d’abord `t`", ("f", "def f(t):\n    return t[0]\n", "f([1, 3, 3])", "f([2])"), "[3, 3, 1]"),
+        ("`f` trie d’abord `t`", ("f", "def f(t):\n    return max(t)\n", "f([1, 3, 3])", "f([2])"), ""),
+        (
+            "`f` ôte d’abord les répétitions de `t`",
+            ("f", "def f(t):\n    return sum(t)\n", "f([1, 3])", "f([2])"),
+            "[2, 2]",
+        ),
         ("le programme affiche toujours `7`", ("programme", "print(int(input()) + 4)\n", 'programme("3")'), "4"),
     ],
 )
@@ -69,7 +80,7 @@ def test_a_case_shows_a_function_that_looks_at_nothing(
     report = tried(sandbox, functions, solution, *cases)
     found = {change.words: change for change in report.changes if change.words}
     if not changed:
-        assert words not in found or found[words].refusal, "the cases show it"
+        assert words not in found or not found[words].survives, "the cases show it, or nothing does"
         return
     assert found[words].survives, found
     assert changed in found[words].case
@@ -78,6 +89,26 @@ def test_a_case_shows_a_function_that_looks_at_nothing(
     assert shown.text() not in {case.text() for check in grader.declaration.checks for case in check.cases}
     more = tried(sandbox, functions, solution, *cases, found[words].case)
     assert words not in {change.words for change in more.survivors}, "the proposed case refuses it"
+
+
+@pytest.mark.parametrize(
+    ("after", "declared", "changed"),
+    [
+        ("return self.t[-1]", ("Pile", STACK, PUSHED, "p = Pile(); p.est_vide()"), "p.depiler(); p.depiler()"),
+        ("return t[0] + t[0]", ("f", "def f(t):\n    return t.pop(0) + t[0]\n", "f([1, 1])", "f([2, 2])"), "f("),
+        ("return s.split()", ("f", "def f(s):\n    return s.upper().split()\n", "f('A')", "f('B B')"), ""),
+    ],
+)
+def test_a_case_shows_a_call_whose_effect_is_lost(
+    sandbox: Sandbox, after: str, declared: tuple[str, ...], changed: str
+) -> None:
+    """A stack that shows its last element without removing it."""
+    functions, solution, *cases = declared
+    (change,) = (each for each in tried(sandbox, functions, solution, *cases).changes if each.after.strip() == after)
+    assert change.survives
+    assert changed in change.case
+    more = tried(sandbox, functions, solution, *cases, change.case)
+    assert change.program not in {each.program for each in more.survivors}
 
 
 def test_what_no_input_shows_is_said_of_what_students_write_alone(sandbox: Sandbox) -> None:
