@@ -84,7 +84,7 @@ def _faults_of_changes(draft: ExerciseDraft, report: TrialReport) -> Iterator[st
     lines = len(alive) - len(whole)
     shown = whole[:SHOWN_CHANGES] + [f"{len(whole) - SHOWN_CHANGES} autres"] * (len(whole) > SHOWN_CHANGES)
     if lines > MAX_ALIVE * len(small):
-        shown.append(f"{lines} {'modification' if lines == 1 else 'modifications'} d’une ligne, sur {len(small)}")
+        shown.append(f"{lines} {'modification' if lines == 1 else 'modifications'} d’une ligne")
     if shown:
         yield (
             f"Des programmes faux auraient 20/20 : {' ; '.join(shown)}. Ajoutez les cas proposés plus bas, ou dites "

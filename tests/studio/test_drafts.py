@@ -153,6 +153,10 @@ def test_a_proposed_case_tells_what_the_examples_have_and_it_has_not(studio: Stu
     form = {**PLAIN, "solution": "def f(a, b):\n    return max(a, b) - a\n"}
     studio.save(path, **{**form, "v-0-c-0-appel": "f(1, 2)", "v-0-c-1-appel": "f(0, 7)"})
     assert "Dans vos exemples, a est toujours inférieur à b" in studio.report(path)
+    studio.save(path, **{**form, "v-0-c-0-appel": "f(0, 2)", "v-0-c-1-appel": "f(0, 7)"})
+    assert "Dans vos exemples, a vaut toujours 0" in studio.report(path), (
+        "a relation with what is the same says nothing"
+    )
 
 
 @pytest.mark.parametrize(("call", "expected"), [("f(2)", "3,5"), ("f(1,5)", "")])

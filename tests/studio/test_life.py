@@ -54,6 +54,12 @@ def test_a_surviving_change_may_be_accepted_with_a_reason(studio: Studio) -> Non
     assert fields
     studio.save(path, **form, **dict.fromkeys(fields, "0 n’est pas demandé"), action="publier")
     assert studio.stored(path).number == 1
+    report = studio.report(path)
+    assert f"{sum(name.count('-') for name in fields)} acceptée" in report
+    assert "avec une raison" in report
+    assert "0 acceptée à tort" in report
+    assert "aurait 20/20" not in report
+    assert "vingt tirages" not in report
     assert set(read_draft(studio.stored(path)).reasons.values()) == {"0 n’est pas demandé"}
 
 

@@ -14,6 +14,7 @@ from graders.core.contract.values import Value
 from graders.core.declared.imports import ALWAYS, Imports, import_advice
 from graders.core.declared.malformed import MalformedDeclaration
 from graders.core.declared.notation import parse_python, refusal
+from graders.core.declared.powers import TOO_LARGE, small_power
 from graders.core.declared.scenario_values import FunctionSource, NestedCall, Reference
 from graders.core.declared.scenarios import PREPARATIONS, PRINT, PROGRAM, Statement
 
@@ -170,6 +171,9 @@ class _CaseReader:
             ast.Call: self._made,
         }
         reader = readers.get(type(node))
+        if isinstance(node, ast.Compare) and len(node.ops) == 1 and isinstance(node.ops[0], ast.Eq):
+            sides = (ast.unparse(side)[:80] for side in (node.left, node.comparators[0]))
+            raise refusal(node, "écrivez {} comme appel, et {} comme résultat attendu".format(*sides))
         if reader is None:
             raise refusal(node, "ce n’est ni un nombre, ni un texte, ni une liste, ni une fonction « lambda »")
         return reader(node)
@@ -220,7 +224,12 @@ class _CaseReader:
             return left * right
         if isinstance(node.op, ast.Div) and right != 0:
             return left / right
-        raise refusal(node, "de calcul, seuls +, -, * et / se lisent ici")
+        if isinstance(node.op, ast.Pow):
+            power = small_power(left, right)
+            if _is_number(power):
+                return power
+            raise refusal(node, TOO_LARGE)
+        raise refusal(node, "ce calcul ne se lit pas ici : écrivez-le avec +, -, *, / et **")
 
     def _name(self, node: ast.Name | ast.Attribute) -> Value:
         text = ast.unparse(node)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import itertools
 from collections.abc import Callable, Iterator, Sequence
 
+from graders.core.compare.python_values import python_text
 from graders.core.contract.values import Value
 from graders.core.declared.scenarios import Scenario, Statement
 
@@ -45,7 +46,13 @@ def _width(call: Statement) -> int:
 
 
 def _order(call: Statement, columns: Sequence[Sequence[Value]], names: Sequence[str]) -> Iterator[str]:
+    constant = [len({value for value in column if _is_number(value)}) == 1 for column in columns]
+    for at, column in enumerate(columns):
+        if constant[at] and all(map(_is_number, column)) and call.arguments[at] != column[0]:
+            yield f"Dans vos exemples, {names[at]} vaut toujours {python_text(column[0])}."
     for first, second in ordered_pairs(columns):
+        if constant[first] or constant[second]:
+            continue
         low, high = call.arguments[first], call.arguments[second]
         if _is_number(low) and _is_number(high) and not low < high:
             yield f"Dans vos exemples, {names[first]} est toujours inférieur à {names[second]}."

@@ -32,6 +32,7 @@ def read_report(report: TrialReport, completed: Mapping[str, Any], draft: Exerci
     checks = completed["declaration"]["verifications"]
     titles = {each["id"]: each["titre"] or "sans titre" for each in completed["declaration"]["erreurs"]}
     changes = report.changes
+    justified = sum(bool(draft.reasons.get(program_digest(each.program), "").strip()) for each in report.survivors)
     holds = not (report.problem or report.solution) and all(case.agrees for case in report.cases)
     return {
         "report": report,
@@ -46,7 +47,9 @@ def read_report(report: TrialReport, completed: Mapping[str, Any], draft: Exerci
         "missing_cases": any(tried.case for tried in report.mistakes),
         "offered": _offered_mistakes(changes, draft),
         "alive": _survivors(report, draft),
-        "alive_count": len(report.survivors),
+        "alive_count": len(report.survivors) - justified,
+        "justified": justified,
+        "has_draws": any("tirages" in check for check in checks),
         "unseen": sum(change.unseen for change in changes),
         "refused": sum(bool(change.refusal) for change in changes),
         "draws": {key: completed.get(key, "") for key in ("draws", "call", "conditions", "drawn")}

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from typing import Any
 
 import numpy as np
@@ -9,6 +10,7 @@ import pytest
 
 from graders.core.contract.outcomes import Outcome
 from graders.core.contract.verdict import Verdict
+from graders.core.declared.case_reading import parse_expected, parse_scenario
 from graders.core.declared.declaration import read_declaration
 from graders.core.declared.draws_reading import parse_draws
 from graders.core.declared.grading import DeclaredGrader, SolutionFault
@@ -145,7 +147,7 @@ def test_a_solution_that_fails_is_our_own_fault(sandbox: Sandbox) -> None:
         ({"cas": ["f(math.__loader__)"]}, "verifications[0].cas[0]", "deux soulignés"),
         ({"cas": ["f((1"]}, "verifications[0].cas[0]", "n’est pas du Python"),
         ({"cas": ["f(" + "[" * 60 + "]" * 60 + ")"]}, "verifications[0].cas[0]", "imbriquées"),
-        ({"cas": ["f(9 ** 9 ** 9)"]}, "verifications[0].cas[0]", "seuls +, -, * et /"),
+        ({"cas": ["f(9 ** 9 ** 9)"]}, "verifications[0].cas[0]", "un million à la puissance 64"),
         ({"cas": ["p = f(1); p.__class__()"]}, "verifications[0].cas[0]", "deux soulignés"),
         ({"cas": ["import os"]}, "verifications[0].cas[0]", "écrivez des appels"),
         ({"points": 12}, "verifications", "les points font 12"),
@@ -198,6 +200,36 @@ def test_a_tolerance_may_be_a_parameter_of_the_case(sandbox: Sandbox, program: s
     assert (graded(sandbox, declared, program).points == 20) is passes
     with pytest.raises(MalformedDeclaration, match="un nombre, ou un calcul sur les paramètres, comme eps"):
         read_declaration({**declared, "verifications": [{**declared["verifications"][0], "tolerance": "delta"}]})
+
+
+@pytest.mark.parametrize(
+    ("text", "value"),
+    [("2 ** 0.5", 2**0.5), ("-2 ** 3", -8), ("10 ** -3", 1e-3), ("[2 ** 10]", [1024]), ("1e3 ** 2", 1e6)],
+)
+def test_a_power_of_small_numbers_is_read(text: str, value: Any) -> None:
+    assert parse_expected(text) == value
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("2 ** 65", "un million à la puissance 64"),
+        ("9 ** 9 ** 9", "un million à la puissance 64"),
+        ("(9 ** 9) ** 9", "un million à la puissance 64"),
+        ("1e6 ** 64", "un million à la puissance 64"),
+        ("0 ** -1", "un million à la puissance 64"),
+        ("2 ** 1j", "un million à la puissance 64"),
+        ("7 // 2", "écrivez-le avec +, -, *, / et **"),
+    ],
+)
+def test_a_power_has_bounds(text: str, words: str) -> None:
+    with pytest.raises(MalformedDeclaration, match=re.escape(words)):
+        parse_expected(text)
+
+
+def test_a_comparison_is_sent_to_both_fields() -> None:
+    with pytest.raises(MalformedDeclaration, match=re.escape("écrivez f(2.5) comme appel, et 2.5 comme résultat")):
+        parse_scenario("f(2.5) == 2.5", ["f"])
 
 
 STACK = """class Pile:
