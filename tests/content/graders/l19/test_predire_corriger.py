@@ -108,5 +108,5 @@ def test_figures_draw(theme: str) -> None:
     for change in (("K = v / (v + r)", "K = v / r"), ("v1 = v + q", "v1 = v")):
         figures = json.loads(json.dumps(checked(EXERCISE, edited(*change), 1).figures))
         assert len(figures) >= 2
-        for data in figures.values():
+        for data in [*figures.values()][: 1 if theme == "light" else None]:  # all have one kind
             assert counterexample(EXERCISE, data, theme=theme).startswith(b"<?xml")

@@ -369,7 +369,8 @@ def test_rows_are_recognised_up_to_the_tolerance(n: int, d: int) -> None:
 def test_figures_draw(theme: str, name: str) -> None:
     figures = GRADER.grade(mistake(name).source.encode(), LOCAL, seed=1, version="v").figures
     assert figures
-    for data in json.loads(json.dumps(figures, allow_nan=False)).values():
+    drawn = [*json.loads(json.dumps(figures, allow_nan=False)).values()]
+    for data in drawn[: 1 if theme == "light" else None]:  # all have one kind
         assert counterexample(GRADER.exercise, data, theme=theme).startswith(b"<?xml")
 
 

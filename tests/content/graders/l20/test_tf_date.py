@@ -89,5 +89,5 @@ def test_an_exception_that_is_none_of_the_two_is_told() -> None:
 def test_figures_draw(theme: str) -> None:
     wrong = edited("theta = a[2] + part * ecart", "theta = a[2]", "x = a[0] + c * b[0] - s * b[1]", "x = a[0] + b[0]")
     figures = json.loads(json.dumps(checked(EXERCISE, wrong, 1).figures))
-    for check in ("entre_deux", "date_connue", "chaine"):
+    for check in ("entre_deux", "date_connue", "chaine")[theme == "light" :]:  # the first two have one kind
         assert counterexample(EXERCISE, figures[check], theme=theme).startswith(b"<?xml")
