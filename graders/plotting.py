@@ -149,9 +149,15 @@ def to_bytes(figure: Figure, extension: str) -> bytes:
 
 
 def counterexample(exercise: str, data: dict[str, Any], *, theme: str = "light", extension: str = "svg") -> bytes:
-    """The figure whose data a verdict of this exercise left, as a "svg" or "png" file."""
+    """The figure whose data a verdict of this exercise left, as a "svg" or "png" file.
+
+    `FIGURES` of its module names what draws each "kind" of data, and what that shows in words, which `server.course`
+    reads; the figures of older courses come without words.
+    """
     own = f"graders.{exercise.replace('/', '.')}.figures"
     module = importlib.import_module(DECLARED if data["kind"].startswith("declared_") else own)
+    entry = module.FIGURES[data["kind"]]
+    draw = entry if callable(entry) else entry[0]
     with drawing(theme) as figure:
-        module.FIGURES[data["kind"]](figure, data)
+        draw(figure, data)
         return to_bytes(figure, extension)

@@ -1,17 +1,27 @@
-"""What `figures/*.py` and `manipulations/*/figure.py` announce: read, not run, since drawing loads matplotlib."""
+"""What `figures/*.py` and `manipulations/*/figure.py` announce, and what the `figures.py` of a grader says that its
+drawings show: read, not run, since drawing loads matplotlib."""
 
 from __future__ import annotations
 
 import ast
+import importlib
+import logging
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
+from functools import cache
 from pathlib import Path
+from types import MappingProxyType
 
+from graders import courses
+from graders.core.declared import figure_data
 from server.course import toml_file
 from server.course.code import MANIPULATIONS, parse_python
 from server.course.models import CourseFault, Drawing, Problem
 from server.text.markup.text import SLUG
 
+logger = logging.getLogger(__name__)
+
+VERDICT_FIGURES = "figures.py"
 SIZE = (6.4, 4.0)
 SHAPE = 'FIGURES = {"nom": (fonction, "Texte de remplacement.")} ou (fonction, "Texte.", (largeur, hauteur))'
 
@@ -30,6 +40,57 @@ def read(folder: Path, problems: list[Problem]) -> dict[str, Drawing]:
         except CourseFault as fault:
             problems.append(fault.problem)
     return drawings
+
+
+@cache
+def describe_verdict_figures(exercise: str) -> Mapping[str, str]:
+    """What each kind of figure of an exercise's verdicts shows, in words, by the "kind" of its data.
+
+    Figures of declared exercises are among them. A drawing that is announced without words is not, nor what a file
+    that does not compile draws: its pages are served all the same, and the drawing tells of the fault.
+    """
+    rooms = courses.room_folders(courses.GRADERS)
+    own = [path for room in rooms if (path := room / exercise / VERDICT_FIGURES).is_file()]
+    described: dict[str, str] = {}
+    for path in (Path(figure_data.__file__).with_name(VERDICT_FIGURES), *own[:1]):
+        try:
+            described.update(_descriptions(parse_python(toml_file.read_text(path), path)))
+        except CourseFault as fault:
+            logger.warning("no words for the figures of %s: %s", exercise, fault.problem.message)
+    return MappingProxyType(described)
+
+
+def _descriptions(tree: ast.Module) -> Iterator[tuple[str, str]]:
+    table = next((value for node in tree.body if (value := _figures_value(node)) is not None), None)
+    entries = zip(table.keys, table.values, strict=True) if isinstance(table, ast.Dict) else ()
+    for key, value in entries:
+        match value:
+            case ast.Tuple(elts=[_, ast.Constant(value=str(words))]):
+                kind = _kind(key, tree)
+                if kind is not None and words.strip():
+                    yield kind, words.strip()
+
+
+def _kind(key: ast.expr | None, tree: ast.Module) -> str | None:
+    """The text of a key: written there, or a constant imported from a module that the grader imports too."""
+    if isinstance(key, ast.Constant):
+        return key.value if isinstance(key.value, str) else None
+    if not isinstance(key, ast.Name):
+        return None
+    for node in tree.body:
+        if isinstance(node, ast.ImportFrom) and key.id in [alias.name for alias in node.names]:
+            kind = _constant("." * node.level + (node.module or ""), key.id)
+            return kind if isinstance(kind, str) else None
+    return None
+
+
+def _constant(module: str, name: str) -> object:
+    """What a module calls so; None where it cannot be imported, of which the drawing tells."""
+    try:
+        return getattr(importlib.import_module(module), name, None)
+    except (ImportError, TypeError) as error:  # TypeError: it is relative, which courses do not use
+        logger.warning("no words for a figure: %s", error)
+        return None
 
 
 def _fault(path: Path, line: int | None, message: str) -> CourseFault:

@@ -1,11 +1,13 @@
-"""Load the data of a verdict's figures and films; `server.figures` draws them."""
+"""Load the data of a verdict's figures and films, which `server.figures` draws, and what the figures show in words."""
 
 from typing import Any
 from uuid import UUID
 
 from sqlalchemy.orm import Session
 
+from graders.core.contract.verdict import Verdict
 from server.base.errors import NotFound
+from server.course import drawings
 from server.gradebook import repository
 from server.gradebook.schemas import Attempt
 
@@ -23,6 +25,16 @@ def load_figure_data(db: Session, attempt: Attempt, name: str, grading_id: UUID 
     if not isinstance(data, dict):
         raise NotFound(NO_FIGURE)
     return data
+
+
+def describe_figures(db: Session, grading_id: UUID, verdict: Verdict) -> dict[str, str]:
+    """Return what the figures of a grading's verdict show, in words, by their names; those without words left out."""
+    names = [check.figure for check in verdict.checks if check.figure]
+    if not names:
+        return {}
+    kinds = repository.load_figure_kinds(db, grading_id, names)
+    described = drawings.describe_verdict_figures(verdict.exercise)
+    return {name: described[kind] for name, kind in kinds.items() if kind is not None and kind in described}
 
 
 def load_film_data(

@@ -234,6 +234,12 @@ def load_figures(db: Session, grading_id: UUID) -> dict[str, Any]:
     return db.execute(query.execution_options(populate_existing=True)).scalar_one().figures
 
 
+def load_figure_kinds(db: Session, grading_id: UUID, names: Sequence[str]) -> dict[str, str | None]:
+    """Load the "kind" of each figure, by its name: their data stay in the database."""
+    kinds = [Grading.figures[(name, "kind")].as_string() for name in names]
+    return dict(zip(names, db.execute(select(*kinds).where(Grading.id == grading_id)).one(), strict=True))
+
+
 def load_film(db: Session, grading_id: UUID, check: str) -> tuple[Any, dict[str, Any]] | None:
     """Load the film of one check of a grading, where it has one, and the verdict."""
     row = db.execute(select(Grading.films, Grading.verdict).where(Grading.id == grading_id)).one_or_none()

@@ -24,6 +24,7 @@ from server.course.reuse import offers_course_functions
 from server.database import utc_now
 from server.gradebook import early_verdicts, importable_files, solutions, team_work
 from server.gradebook import service as gradebook
+from server.gradebook.figures import describe_figures
 from server.gradebook.schemas import NOTHING_YET, Attempt, AttemptLine, AttemptList
 from server.pages import kits, marks, notebook, onward, opening, talk, withheld
 from server.pages.policy import policy_lines
@@ -274,6 +275,7 @@ def _work(
         None if exercise.answers is None else exercise,
         exercise.functions,
         grading=attempt.grading.id,
+        described=describe_figures(reader.db, attempt.grading.id, verdict),
         films=(f"{href}/rejeux", attempt.grading.filmed or ()),
         replayed=(f"{href}/pas", [check.id for check in verdict.checks if can_replay(exercise, check)]),
         world=_world(exercise, verdict),

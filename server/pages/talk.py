@@ -15,6 +15,7 @@ from server.comments.models import Thread
 from server.comments.schemas import Conversation, ReceivedNote, UnreadThread
 from server.course import Exercise
 from server.gradebook import service as gradebook
+from server.gradebook.figures import describe_figures
 from server.gradebook.schemas import Attempt
 from server.identity.models import Account
 from server.rights import service as rights
@@ -236,7 +237,7 @@ def thread_page(reader: Reader, thread: Thread, draft: Draft) -> ThreadPage:
         href_text="Voir l’exercice" if number is None else f"Voir l’essai n° {number} en entier",
         student=student,
         code=() if attempt is None or exercise.answers is not None else _around(attempt.submission.code, found.lines),
-        check=_check_view(exercise, attempt, thread.check_id),
+        check=_check_view(reader, exercise, attempt, thread.check_id),
         texts=None if exercise.answers is None else exercise,
         writer=writer_view(
             reader.db, account, thread.exercise, f"/fils/{thread.id}", staff=not own, diagnosis=_diagnosis(attempt)
@@ -246,14 +247,16 @@ def thread_page(reader: Reader, thread: Thread, draft: Draft) -> ThreadPage:
     )
 
 
-def _check_view(exercise: Exercise, attempt: Attempt | None, check_id: str | None) -> CheckView | None:
+def _check_view(reader: Reader, exercise: Exercise, attempt: Attempt | None, check_id: str | None) -> CheckView | None:
     """The check as the current verdict has it; None where that does not have it any more."""
     verdict = None if attempt is None else attempt.verdict
     if attempt is None or attempt.grading is None or verdict is None or check_id is None:
         return None
     texts = None if exercise.answers is None else exercise
     figures = f"/soumissions/{attempt.submission.id}/figures"
-    view = verdicts.verdict_view(verdict, figures, texts, exercise.functions, grading=attempt.grading.id)
+    grading = attempt.grading.id
+    described = describe_figures(reader.db, grading, verdict)
+    view = verdicts.verdict_view(verdict, figures, texts, exercise.functions, grading=grading, described=described)
     return next((check for check in view.checks if check.id == check_id), None)
 
 

@@ -5,12 +5,14 @@ from __future__ import annotations
 import re
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import replace
+from types import MappingProxyType
 from uuid import UUID
 
 from graders.core.contract.headline import headline
 from graders.core.contract.outcomes import Blame, Kind, Outcome
 from graders.core.contract.program import KitSettings
 from graders.core.contract.verdict import TEACHER, CheckResult, Counterexample, Diagnosis, Verdict
+from graders.typography import french
 from server.course import FunctionSpec
 from server.web import values
 from server.web.replay_code import replay_code
@@ -26,8 +28,11 @@ from server.web.schemas import (
 )
 from server.web.words import format_mark, format_points
 
-#: The address under which figures are drawn, and the grading that they are of.
-Figures = tuple[str, UUID | None]
+#: What figures show in words, by their names.
+Described = Mapping[str, str]
+NOT_DESCRIBED: Described = MappingProxyType({})
+#: The address under which figures are drawn, the grading that they are of, and what they show.
+Figures = tuple[str, UUID | None, Described]
 #: The address under which films are made replays, and the checks that have one.
 Films = tuple[str, Collection[str]]
 NO_FILMS: Films = ("", ())
@@ -53,6 +58,7 @@ def verdict_view(
     functions: Sequence[FunctionSpec] = (),
     *,
     grading: UUID | None = None,
+    described: Described = NOT_DESCRIBED,
     films: Films = NO_FILMS,
     replayed: Replayed = NOT_REPLAYED,
     world: World = NO_WORLD,
@@ -60,7 +66,7 @@ def verdict_view(
     """Lay out a verdict. `figures` is the address under which its figures are drawn.
 
     Those addresses name the `grading`: browsers keep a figure for ever, and another grading may come to count. So do
-    those of `films`.
+    those of `films`. `described` is what they show, for whoever does not see them.
 
     `texts` is the exercise, where it is answered without code: the verdict's texts are then its Markdown. `functions`
     are those that it asks for: they name the parts of what they return. `world` are the kit's settings of its checks.
@@ -74,7 +80,8 @@ def verdict_view(
         points=format_mark(verdict.points) if verdict.outcome.counts else "",
         common=common_message(verdict.checks),
         checks=tuple(
-            _check(check, (figures, grading), marked, functions, films[1], replayed, world) for check in verdict.checks
+            _check(check, (figures, grading, described), marked, functions, films[1], replayed, world)
+            for check in verdict.checks
         ),
         diagnosis=_diagnosis(verdict.diagnosis) if verdict.diagnosis else None,
         stdout=verdict.stdout,
@@ -176,10 +183,11 @@ def _parts(given: Mapping[str, object], functions: Sequence[FunctionSpec]) -> tu
 
 
 def _figure(check: CheckResult, figures: Figures) -> FigureView:
-    folder, grading = figures
+    folder, grading, described = figures
     address = f"{folder}/{check.figure}.svg?{f'correction={grading}&' if grading else ''}theme="
-    alt = f"Figure de la vérification « {check.title} » : votre résultat superposé à la référence."
-    return FigureView(address + "light", address + "dark", alt)
+    shown = described.get(check.figure or "", "Votre résultat superposé à la référence.")
+    alt = f"Figure de la vérification « {check.title} ». {shown}"
+    return FigureView(address + "light", address + "dark", french(alt))
 
 
 def _diagnosis(diagnosis: Diagnosis) -> DiagnosisView:

@@ -91,6 +91,22 @@ def test_from_submission_to_verdict(small_site: SmallSite) -> None:
     assert "x = np.array([2, 0.5])" in page
 
 
+@pytest.mark.parametrize(
+    ("kind", "words"),
+    [
+        ("declared_curve", "en bleu, trait plein, les valeurs attendues"),
+        ("declared_grid", "un carré orange entoure chaque case qui diffère."),
+        ("of an older version", "Votre résultat superposé à la référence."),
+    ],
+)
+def test_a_figure_says_what_it_shows_to_who_does_not_see_it(small_site: SmallSite, kind: str, words: str) -> None:
+    href = small_site.submit()
+    small_site.grade(verdict(), {"simple": {"kind": kind, "title": "", "expected": [[0.0], [1.0]], "got": None}})
+    (alt,) = re.findall(r'alt="(Figure de[^"]*)"', small_site.get(f"{href}/verdict"))
+    assert alt.startswith("Figure de la vérification «\u00a0Des nombres simples\u00a0». ")
+    assert words in alt
+
+
 def test_what_an_attempt_mended_is_told_though_the_mark_has_not_moved(small_site: SmallSite) -> None:
     centre = "Le lidar est placé au coin de la case"
     sum_ = "La croyance corrigée ne somme pas à 1"

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
-from graders.core.contract.findings import Judgement
+from graders.core.contract.findings import FigureData, Judgement
 from graders.core.contract.outcomes import Outcome
 from graders.core.contract.verdict import CheckResult, Verdict
 from server.base.app_services import get_service
@@ -60,9 +60,10 @@ class SmallSite:
         assert answer.status_code == 202, answer.text
         return str(answer.json()["page"])
 
-    def grade(self, result: dict[str, Any]) -> None:
+    def grade(self, result: dict[str, Any], figures: dict[str, FigureData] | None = None) -> None:
         app: Any = self.client.app
-        task = GradingTask(get_service(app, Course), lambda _sent: Judgement(Verdict.from_json(result)))
+        judgement = Judgement(Verdict.from_json(result), figures or {})
+        task = GradingTask(get_service(app, Course), lambda _sent: judgement)
         queue = TableQueue(NullNotifier())
         assert Worker(self.database, queue, get_service(app, Settings), {GRADE: task}).run_one()
 

@@ -65,4 +65,21 @@ def draw_grid(figure: Figure, data: dict[str, Any]) -> None:
             axes.title.set_color(ink_of(axes))
 
 
-FIGURES = {CURVE: draw_curve, POINTS: draw_points, GRID: draw_grid}
+FIGURES = {
+    CURVE: (
+        draw_curve,
+        "Courbe des nombres de la réponse : en bleu, trait plein, les valeurs attendues ; en orange, en tirets, "
+        "celles de votre programme, si elles se dessinent. Les deux courbes devraient se superposer.",
+    ),
+    POINTS: (
+        draw_points,
+        "Points du plan, à la même échelle en x et en y : des ronds bleus aux places attendues, des croix orange à "
+        "celles que donne votre programme. Chaque croix devrait tomber sur un rond.",
+    ),
+    GRID: (
+        draw_grid,
+        "Deux tableaux côte à côte, lignes de haut en bas et colonnes de gauche à droite : la réponse attendue, "
+        "puis celle de votre programme. Plus une case est claire, plus son nombre est grand ; un carré orange "
+        "entoure chaque case qui diffère.",
+    ),
+}

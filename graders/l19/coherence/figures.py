@@ -67,4 +67,22 @@ def _runs(count: int) -> str:
     return f"{count} essais" if count > 1 else "1 essai"
 
 
-FIGURES = {ERROR: draw_error, BAND: draw_band, RUNS: draw_runs}
+FIGURES = {
+    ERROR: (
+        draw_error,
+        "Plan des deux composantes de l’état : la vraie position (étoile verte) et les ellipses à 1, 2 et 3 "
+        "écarts-types de l’estimation (tirets). L’ellipse bleue, de NEES attendu, passe par l’étoile ; l’ellipse "
+        "orange est celle du NEES que donne votre programme.",
+    ),
+    BAND: (
+        draw_band,
+        "Densité de probabilité du NEES moyen, en abscisse. La zone bleue sous la courbe est la bande attendue ; "
+        "les deux traits verticaux orange sont les bornes que donne votre programme : ils devraient limiter cette "
+        "zone.",
+    ),
+    RUNS: (
+        draw_runs,
+        "NEES de chaque essai, un point par essai, avec la bande de la moyenne en bleu pâle. Le trait bleu est la "
+        "moyenne attendue, le trait orange en tirets celle de votre programme : les deux devraient se confondre.",
+    ),
+}

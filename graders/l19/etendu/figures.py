@@ -56,4 +56,17 @@ def _finish(figure: Figure, axes: Axes, title: str) -> None:
     figure.legend(loc="outside lower center", ncols=3)
 
 
-FIGURES = {MEASURED: draw_range, CORRECTED: draw_correction}
+FIGURES = {
+    MEASURED: (
+        draw_range,
+        "Vue de dessus en mètres : le robot (rond), la balise (carré vert) et, en pointillés, la distance qui les "
+        "sépare. Du robot part la jacobienne attendue, flèche bleue épaisse qui s’éloigne de la balise ; la flèche "
+        "orange est la vôtre.",
+    ),
+    CORRECTED: (
+        draw_correction,
+        "Vue de dessus en mètres : la balise (carré vert), le cercle vert des places à la distance mesurée, et "
+        "l’ellipse de la croyance avant la correction, en tirets. L’ellipse bleue est la croyance attendue après la "
+        "correction, l’ellipse orange la vôtre.",
+    ),
+}

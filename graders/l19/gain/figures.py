@@ -41,4 +41,16 @@ def _draw_band(axes: Axes, start: Any, rows: Any, colour: str, name: str, opacit
     axes.fill_between(steps, means - sigma, means + sigma, color=colour, alpha=opacity, lw=0)
 
 
-FIGURES = {FUSION: draw_fusion, CHAIN: draw_chain}
+FIGURES = {
+    FUSION: (
+        draw_fusion,
+        "Densités de probabilité en fonction de la position, en mètres. Les courbes en tirets sont les mesures ; en "
+        "bleu, leur fusion attendue, plus étroite que chacune ; en orange, la fusion de votre programme.",
+    ),
+    CHAIN: (
+        draw_chain,
+        "Position en mètres au fil des mesures, qui sont des carrés verts avec leur écart-type. La ligne et la "
+        "bande bleues sont la moyenne attendue et son écart-type, qui se resserre à chaque mesure ; celles de votre "
+        "programme sont en orange.",
+    ),
+}

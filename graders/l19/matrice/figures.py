@@ -51,4 +51,17 @@ def _finish(figure: Figure, axes: Axes, title: str) -> None:
     figure.legend(loc="outside lower center", ncols=3)
 
 
-FIGURES = {MOVED: draw_move, MEASURED: draw_reading}
+FIGURES = {
+    MOVED: (
+        draw_move,
+        "Plan des deux composantes de l’état. L’ellipse en tirets est la croyance avant la prédiction ; l’ellipse "
+        "bleue, transportée par F et agrandie par Q, est celle que l’on attend ; l’ellipse orange est celle de "
+        "votre programme.",
+    ),
+    MEASURED: (
+        draw_reading,
+        "Plan des deux composantes de l’état, avec la mesure en vert : une bande si elle porte sur un nombre, une "
+        "ellipse sur deux. L’ellipse bleue est la croyance attendue après la correction, resserrée autour de la "
+        "mesure ; l’ellipse orange est la vôtre.",
+    ),
+}

@@ -20,4 +20,15 @@ def draw_reading(figure: Figure, data: dict[str, Any]) -> None:
     draw_beliefs(figure, {**data, "title": "Corriger : la cloche va vers la mesure et se resserre"})
 
 
-FIGURES = {MOVED: draw_move, MEASURED: draw_reading}
+FIGURES = {
+    MOVED: (
+        draw_move,
+        "Densités de probabilité en fonction de la position, en mètres. En tirets, ce qui est donné ; en bleu, la "
+        "croyance attendue après le déplacement, décalée et élargie ; en orange, celle de votre programme.",
+    ),
+    MEASURED: (
+        draw_reading,
+        "Densités de probabilité en fonction de la position, en mètres. En tirets, la croyance donnée et la mesure "
+        "; en bleu, la croyance attendue, entre les deux et plus étroite ; en orange, celle de votre programme.",
+    ),
+}

@@ -34,4 +34,11 @@ def draw_scan(figure: Figure, data: dict[str, Any]) -> None:
     figure.legend(loc="outside lower center", ncols=3)
 
 
-FIGURES = {SCAN: draw_scan}
+FIGURES = {
+    SCAN: (
+        draw_scan,
+        "Vue de dessus en mètres : les amers (carrés numérotés), leurs portes en tirets et les mesures (croix "
+        "vertes numérotées). Un trait bleu épais joint chaque mesure à l’amer attendu ; un trait orange plus fin, à "
+        "celui que votre programme a choisi.",
+    ),
+}

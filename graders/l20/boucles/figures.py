@@ -92,4 +92,16 @@ def _legend(figure: Figure, scans: list[dict[str, Any]], colours: tuple[str, ...
     figure.legend(lines, [item["name"] for item in scans], loc="outside lower center", ncols=3)
 
 
-FIGURES = {"rotation": draw_rotation, "places": draw_places}
+FIGURES = {
+    "rotation": (
+        draw_rotation,
+        "À gauche, un scan et le même tourné, vus du robot, en bleu et en orange. À droite, la signature de chacun, "
+        "composante par composante : les deux courbes devraient se superposer, puisque le lieu est le même.",
+    ),
+    "places": (
+        draw_places,
+        "En haut, des scans vus du robot et leurs signatures : le scan étudié, un scan du même lieu (bleu) et, s’il "
+        "y en a un, celui d’un autre lieu trouvé à tort (orange). En bas, le trajet scan par scan : des cercles "
+        "bleus autour de ceux qu’il faut trouver, des points orange sur ceux que vos signatures trouvent.",
+    ),
+}

@@ -50,4 +50,17 @@ def draw_paths(figure: Figure, data: dict[str, Any]) -> None:
     figure.legend(loc="outside lower center", ncols=2)
 
 
-FIGURES = {STEPS: draw_steps, PATHS: draw_paths}
+FIGURES = {
+    STEPS: (
+        draw_steps,
+        "Vue de dessus en mètres, départ à l’origine et cap vers la droite : chaque trait mène au bout d’un pas, sa "
+        "flèche est le cap d’arrivée. En pointillés, les pas comptés ; en bleu épais, les pas corrigés attendus ; "
+        "en orange, les vôtres.",
+    ),
+    PATHS: (
+        draw_paths,
+        "Vue de dessus en mètres de cent vingt poses dans le laboratoire d’Intel : en bleu, les poses du journal ; "
+        "en vert, l’odométrie telle quelle ; en orange, la trajectoire avec vos pas corrigés, qui devrait suivre la "
+        "bleue.",
+    ),
+}

@@ -134,4 +134,17 @@ def _draw_matrix(axes: Axes, H: Any, wrong: Any, limit: float, cut: int) -> None
     axes.grid(visible=False)
 
 
-FIGURES = {"carte": draw_map, "systeme": draw_system}
+FIGURES = {
+    "carte": (
+        draw_map,
+        "À gauche, la carte vue de dessus, poses en ronds et balises en croix : au départ (gris), à l’optimum "
+        "attendu (bleu) et selon votre programme (orange, tirets). À droite, une barre par mesure : l’erreur "
+        "pondérée qui reste, attendue en bleu, obtenue en orange.",
+    ),
+    "systeme": (
+        draw_system,
+        "Matrice H attendue et matrice H de votre programme, côte à côte, en couleurs selon le signe et la grandeur "
+        "; un cadre orange entoure ce qui diffère. Si H est juste, des barres comparent le vecteur b attendu (bleu) "
+        "au vôtre (orange).",
+    ),
+}

@@ -79,4 +79,16 @@ def draw_pieces(figure: Figure, data: dict[str, Any]) -> None:
     axes.margins(0.2)
 
 
-FIGURES = {"robuste": draw_robust, "pieces": draw_pieces}
+FIGURES = {
+    "robuste": (
+        draw_robust,
+        "À gauche, la carte vue de dessus : la vérité en bleu, les moindres carrés en gris, votre résultat en "
+        "tirets orange, les fausses arêtes en pointillés rouges. À droite, le poids que vous donnez à chaque "
+        "fermeture : proche de 1 si elle est vraie (bleu), sous le trait à 0,1 si elle est fausse (rouge).",
+    ),
+    "pieces": (
+        draw_pieces,
+        "Le graphe vu de dessus, une couleur par morceau relié : les poses sont des ronds numérotés, les arêtes des "
+        "traits. Le titre dit combien de morceaux on attend et ce que votre programme a renvoyé.",
+    ),
+}

@@ -42,4 +42,17 @@ def draw_gate(figure: Figure, data: dict[str, Any]) -> None:
     figure.legend(loc="outside lower center", ncols=2)
 
 
-FIGURES = {RELATIVE: draw_relative, GATE: draw_gate}
+FIGURES = {
+    RELATIVE: (
+        draw_relative,
+        "Vue de dessus en mètres, dans le repère du robot i : l’ellipse à un écart-type de la place de j. L’ellipse "
+        "bleue épaisse est celle que l’on attend, l’ellipse orange celle de votre programme : elles devraient se "
+        "superposer.",
+    ),
+    GATE: (
+        draw_gate,
+        "Vue de dessus en mètres, dans le repère du robot i : la place de j selon les poses (rond bleu), la porte "
+        "autour d’elle (ellipse bleue) et la place de j selon la mesure (croix verte). Le titre donne la distance "
+        "d², le seuil et la réponse attendue, acceptée ou refusée.",
+    ),
+}

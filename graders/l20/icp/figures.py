@@ -30,4 +30,11 @@ def draw_clouds(figure: Figure, data: dict[str, Any]) -> None:
     figure.legend(loc="outside lower center", ncols=4)
 
 
-FIGURES = {"clouds": draw_clouds}
+FIGURES = {
+    "clouds": (
+        draw_clouds,
+        "Plan x, y : le nuage Q en carrés vides et le nuage P au départ en ronds vides. En ronds bleus, P là où on "
+        "l’attend, avec des pointillés vers ses partenaires de Q ; en ronds orange, P là où votre programme le "
+        "place.",
+    ),
+}

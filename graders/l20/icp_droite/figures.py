@@ -52,4 +52,17 @@ def draw_pairs(figure: Figure, data: dict[str, Any]) -> None:
     figure.legend(loc="outside lower center", ncols=4)
 
 
-FIGURES = {NORMALS: draw_normals, PAIRS: draw_pairs}
+FIGURES = {
+    NORMALS: (
+        draw_normals,
+        "Vue de dessus en mètres : les points du mur, reliés dans l’ordre, et la normale en chacun. Les traits "
+        "bleus épais sont les normales attendues, les traits orange celles de votre programme ; leur sens n’est pas "
+        "montré.",
+    ),
+    PAIRS: (
+        draw_pairs,
+        "Vue de dessus en mètres : les points P (ronds bleus), leur centre (croix bleue), et les points Q (carrés) "
+        "avec la droite du mur où est chacun. Les traits verts sont les écarts attendus, de P à la droite, en "
+        "travers du mur.",
+    ),
+}

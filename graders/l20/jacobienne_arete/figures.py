@@ -59,4 +59,17 @@ def _draw_arrows(axes: Axes, start: Any, columns: Any, colour: str, width: float
             tips.append(tip)
 
 
-FIGURES = {EDGE: draw_edge, COLUMNS: draw_columns}
+FIGURES = {
+    EDGE: (
+        draw_edge,
+        "À gauche, les repères des poses i et j, et en vert j selon la mesure ; une flèche bleue en tirets va de "
+        "l’une à l’autre. À droite, des barres comparent l’erreur attendue (bleu) à la vôtre (orange), selon x, y "
+        "et θ.",
+    ),
+    COLUMNS: (
+        draw_columns,
+        "La pose j vue de i, en deux dessins : quand i bouge, les colonnes de A ; quand j bouge, celles de B. De j "
+        "partent en bleu les dérivées attendues selon x, y et θ, et en orange celles de votre programme, qui "
+        "devraient s’y superposer.",
+    ),
+}

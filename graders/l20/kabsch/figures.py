@@ -79,4 +79,11 @@ def _number(axes: Axes, cloud: Floats, colour: str, alpha: float, offset: tuple[
         axes.annotate(" et ".join(names), (place[0], place[1]), **style)
 
 
-FIGURES = {"clouds": draw_clouds}
+FIGURES = {
+    "clouds": (
+        draw_clouds,
+        "Les nuages P (ronds vides) et Q (carrés vides), dans le plan ou vus de dessus et de face. En bleu, P "
+        "déplacé par la meilleure transformation ; en orange, P déplacé par la vôtre ; les pointillés sont les "
+        "écarts de chacun à Q.",
+    ),
+}

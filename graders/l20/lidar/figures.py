@@ -72,4 +72,11 @@ def _segment(
               zorder=5, label=name)  # fmt: skip
 
 
-FIGURES = {"ray": draw_ray}
+FIGURES = {
+    "ray": (
+        draw_ray,
+        "Carte vue de dessus, en cases, ligne 0 en haut et murs en gris : un rayon part du rond. Le trait bleu "
+        "plein s’arrête où on l’attend, le trait orange en tirets où l’arrête votre programme ; une croix marque "
+        "chaque bout.",
+    ),
+}

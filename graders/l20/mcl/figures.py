@@ -98,4 +98,16 @@ def _pose(axes: Axes, pose: Floats, colour: str, label: str) -> None:
     axes.plot([x, x + np.cos(heading)], [y, y + np.sin(heading)], color=colour, lw=1.8, zorder=7)
 
 
-FIGURES = {"cloud": draw_cloud, "run": draw_run}
+FIGURES = {
+    "cloud": (
+        draw_cloud,
+        "Carte vue de dessus, ligne 0 en haut et murs en gris ; un trait donne le cap de chaque particule. Les "
+        "points orange sont le nuage jugé, les points verts celui d’avant, s’il y en a un ; un cercle bleu est le "
+        "robot, un cercle orange votre estimation.",
+    ),
+    "run": (
+        draw_run,
+        "Carte vue de dessus, ligne 0 en haut et murs en gris : en bleu, le trajet du robot ; en tirets orange, vos "
+        "estimations, qui devraient le suivre ; en points orange, vos particules à la fin.",
+    ),
+}

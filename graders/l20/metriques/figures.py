@@ -61,4 +61,17 @@ def _finish(figure: Figure, axes: Axes, name: str, data: dict[str, Any]) -> None
     figure.legend(loc="outside lower center", ncols=2)
 
 
-FIGURES = {"alignment": draw_alignment, "motions": draw_motions}
+FIGURES = {
+    "alignment": (
+        draw_alignment,
+        "Vue de dessus en mètres : la trajectoire vraie (bleu), l’estimée telle quelle (gris) et l’estimée une fois "
+        "alignée (vert). Les pointillés orange sont les écarts que mesure l’ATE ; le titre donne la valeur attendue "
+        "et la vôtre.",
+    ),
+    "motions": (
+        draw_motions,
+        "Vue de dessus en mètres, robot à l’origine, tourné vers la droite : les vrais déplacements (carrés bleus) "
+        "et les déplacements estimés (ronds verts). Les pointillés orange sont les écarts que mesure la RPE ; le "
+        "titre donne la valeur attendue et la vôtre.",
+    ),
+}

@@ -99,4 +99,22 @@ def _panel(
             axes.text(x, y, text or "0", ha="center", va="center", fontsize=7.5 if width < 6 else 5.4, zorder=3)
 
 
-FIGURES = {"beam": draw_beam, "beams": draw_beams, "field": draw_field}
+FIGURES = {
+    "beam": (
+        draw_beam,
+        "Logarithme de la probabilité d’une lecture, selon la lecture z en cases ; un trait vertical vert marque la "
+        "distance attendue. Le rond bleu est la valeur attendue en z, la croix orange celle de votre programme.",
+    ),
+    "beams": (
+        draw_beams,
+        "En haut, un trait bleu par rayon : ce que sa lecture ajoute au logarithme de la probabilité. En bas, deux "
+        "barres : la somme attendue en bleu et celle de votre programme en orange, qui devraient être de même "
+        "longueur.",
+    ),
+    "field": (
+        draw_field,
+        "Trois cartes vues de dessus, ligne 0 en haut et murs en gris : les distances attendues (bleu), celles de "
+        "votre programme (orange), plus vives quand elles sont grandes, et la différence, orange où vous donnez "
+        "trop, bleue où trop peu.",
+    ),
+}

@@ -41,4 +41,11 @@ def draw_scan(figure: Figure, data: dict[str, Any]) -> None:
     figure.legend(loc="outside lower center", ncols=3)
 
 
-FIGURES = {"scan": draw_scan}
+FIGURES = {
+    "scan": (
+        draw_scan,
+        "Distance en mètres selon le numéro du rayon ; la bande bleue couvre les vingt rayons du milieu, le trait "
+        "orange en tirets est distance_min. Les points orange sont trop près, les croix sont des lectures à ignorer "
+        "; le titre dit ce que l’on attend du nœud et ce qu’il a fait.",
+    ),
+}

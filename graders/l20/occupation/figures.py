@@ -92,4 +92,11 @@ def _robot(axes: Axes, pose: list[float]) -> None:
     )
 
 
-FIGURES = {"scan": draw_scan}
+FIGURES = {
+    "scan": (
+        draw_scan,
+        "Deux grilles vues de dessus, ligne 0 en haut : ce qui est attendu à gauche, la vôtre à droite. Une case "
+        "bleue baisse, une case orange monte, une case hachurée n’est pas jugée ; en vert, les rayons du robot ; un "
+        "cadre entoure la première case fausse.",
+    ),
+}

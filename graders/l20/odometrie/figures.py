@@ -75,4 +75,17 @@ def _finish(axes: Axes, title: str) -> None:
     axes.set(xlabel="x (m)", ylabel="y (m)", title=title)
 
 
-FIGURES = {"step": draw_step, "journey": draw_journey}
+FIGURES = {
+    "step": (
+        draw_step,
+        "Vue de dessus en mètres : l’essieu du robot, ses deux roues et la flèche de son cap. Au départ, il a la "
+        "couleur du texte ; après le pas, il est en bleu là où on l’attend, en orange là où votre programme le "
+        "place.",
+    ),
+    "journey": (
+        draw_journey,
+        "Vue de dessus en mètres : le trajet attendu en bleu, un point par pas, avec le repère du départ et celui "
+        "d’arrivée. Le repère orange est la pose que donne votre programme au dernier pas : il devrait couvrir le "
+        "bleu.",
+    ),
+}

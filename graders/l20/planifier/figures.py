@@ -71,4 +71,17 @@ def _finish(figure: Figure, axes: Axes, shape: tuple[int, ...], title: str) -> N
         figure.legend(loc="outside lower center", ncols=2)
 
 
-FIGURES = {CELLS: draw_cells, PATH: draw_path}
+FIGURES = {
+    CELLS: (
+        draw_cells,
+        "Carte vue de dessus, ligne 0 en haut : les murs en cases pleines, entourés de cercles bleus d’un rayon de "
+        "robot ; en bleu pâle, les cases interdites attendues. Une croix orange marque chaque case où votre réponse "
+        "est fausse.",
+    ),
+    PATH: (
+        draw_path,
+        "Carte vue de dessus, ligne 0 en haut : les cases interdites pleines, les cases chères en vert, d’autant "
+        "plus vif qu’elles coûtent. La ligne bleue épaisse est un des meilleurs chemins du départ au but, la ligne "
+        "orange le vôtre.",
+    ),
+}

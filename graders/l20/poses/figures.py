@@ -42,4 +42,11 @@ def _label(axes: Axes, name: str, pose: list[float], colour: str, *, rank: int) 
     axes.annotate(name, (pose[0], pose[1]), textcoords="offset points", xytext=offset, color=colour)
 
 
-FIGURES = {"frames": draw_frames}
+FIGURES = {
+    "frames": (
+        draw_frames,
+        "Plan x, y, à la même échelle : chaque pose est un repère, avec son nom. Les poses données ont la couleur "
+        "du texte, le résultat attendu en bleu, celui de votre programme en orange : ces deux repères devraient se "
+        "superposer.",
+    ),
+}

@@ -125,4 +125,17 @@ def _path(axes: Axes, path: list[list[int]], belief: Floats, colour: str) -> Non
     axes.plot([column], [row], "X", color=colour, mec=ink, mew=0.8, ms=8, zorder=5, label="maximum de la croyance")
 
 
-FIGURES = {"beliefs": draw_beliefs, "localisation": draw_localisation}
+FIGURES = {
+    "beliefs": (
+        draw_beliefs,
+        "Quatre cartes vues de dessus, ligne 0 en haut et murs en gris, plus vives où la probabilité est grande : "
+        "la croyance donnée (vert), celle que l’on attend (bleu), la vôtre (orange), et la différence, orange où il "
+        "y a trop, bleue où trop peu.",
+    ),
+    "localisation": (
+        draw_localisation,
+        "Deux cartes vues de dessus, murs en gris : la croyance attendue (bleu) et la vôtre (orange) après huit "
+        "pas, avec le chemin réel du robot. Une croix marque le maximum de chaque croyance, qui devrait être à "
+        "l’arrivée du robot.",
+    ),
+}

@@ -55,4 +55,11 @@ def _copies(axes: Axes, data: dict[str, Any]) -> None:
     axes.yaxis.set_major_locator(MaxNLocator(integer=True, nbins=6))
 
 
-FIGURES = {"comb": draw_comb}
+FIGURES = {
+    "comb": (
+        draw_comb,
+        "En haut, le segment des poids cumulés, découpé par particule, sous les dents bleues d’un peigne régulier. "
+        "En bas, par particule, le nombre de copies : la bande bleue est ce qui est permis autour de N·w, le rond "
+        "orange ce que donne votre programme.",
+    ),
+}

@@ -116,4 +116,17 @@ def _draw_components(axes: Axes, data: dict[str, Any]) -> None:
     axes.legend(loc="best")
 
 
-FIGURES = {"graph": draw_graph, "edge": draw_edge}
+FIGURES = {
+    "graph": (
+        draw_graph,
+        "À gauche, le graphe vu de dessus : les poses au départ (gris), à l’optimum attendu (bleu) et selon votre "
+        "programme (orange, tirets). À droite, une barre par arête : l’erreur pondérée qui reste, attendue en bleu, "
+        "obtenue en orange.",
+    ),
+    "edge": (
+        draw_edge,
+        "À gauche, les repères des poses i et j, et en vert j selon la mesure ; une flèche bleue en tirets va de j "
+        "selon la mesure à j. À droite, des barres comparent l’erreur attendue (bleu) à la vôtre (orange), selon x, "
+        "y et θ.",
+    ),
+}

@@ -60,4 +60,16 @@ def _finish(figure: Figure, axes: Axes, title: str) -> None:
     figure.legend(loc="outside lower center", ncols=3)
 
 
-FIGURES = {BETWEEN: draw_between, CHAIN: draw_chain}
+FIGURES = {
+    BETWEEN: (
+        draw_between,
+        "Vue de dessus en mètres : les poses connues, de la couleur du texte, reliées par des pointillés. Le repère "
+        "bleu est la pose attendue à la date demandée, le repère orange celle de votre programme ; la flèche longue "
+        "de chacun est le cap.",
+    ),
+    CHAIN: (
+        draw_chain,
+        "Vue de dessus en mètres : les repères de la chaîne, nommés, vus du repère cible et reliés par des "
+        "pointillés. Le dernier est en bleu là où on l’attend, en orange là où votre programme le place.",
+    ),
+}

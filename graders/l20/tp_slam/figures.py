@@ -76,4 +76,29 @@ def draw_small_map(figure: Figure, data: dict[str, Any]) -> None:
     figure.supxlabel("noir : occupée ; blanc : libre ; gris : on n'en sait rien ; vert : les rayons", fontsize=8)
 
 
-FIGURES = {MATCH: draw_match, MAP: draw_map, SMALL_MAP: draw_small_map, GRAPH: draw_graph}
+FIGURES = {
+    MATCH: (
+        draw_match,
+        "Deux dessins vus de dessus : le nuage points_a, de la couleur du texte, et points_b posé dessus, en bleu "
+        "selon la pose attendue à gauche, en orange selon la vôtre à droite. Les deux nuages devraient dessiner les "
+        "mêmes murs.",
+    ),
+    MAP: (
+        draw_map,
+        "Votre carte vue de dessus en mètres, de log-odds en niveaux de gris : noir où la case est occupée, blanc "
+        "où elle est libre. La ligne orange est la trajectoire d’où elle est tracée ; les murs devraient être nets "
+        "et fins.",
+    ),
+    SMALL_MAP: (
+        draw_small_map,
+        "Deux petites cartes vues de dessus en mètres : celle que l’on attend en haut, la vôtre en bas. Noir : "
+        "occupée ; blanc : libre ; gris : on n’en sait rien ; en vert, les rayons. La première case fausse est "
+        "encadrée de bleu en haut, d’orange en bas.",
+    ),
+    GRAPH: (
+        draw_graph,
+        "À gauche, le graphe de la trajectoire vu de dessus : au départ (gris), à l’optimum attendu (bleu) et selon "
+        "votre programme (orange, tirets). À droite, une barre par arête : l’erreur pondérée qui reste, attendue en "
+        "bleu, obtenue en orange.",
+    ),
+}

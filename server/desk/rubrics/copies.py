@@ -16,6 +16,7 @@ from server.comments import service as comments
 from server.course import Course
 from server.database import utc_now
 from server.gradebook import service as gradebook
+from server.gradebook.figures import describe_figures
 from server.gradebook.schemas import Attempt
 from server.identity.models import Account
 from server.marks import rubrics_repository
@@ -152,7 +153,7 @@ def _part(
         sent_at=attempt.submission.created_at,
         late=f"{plural(mark.days_late, 'jour')} de retard" if mark.days_late else "",
         code=code,
-        verdict=_verdict(reader.course, attempt),
+        verdict=_verdict(reader, attempt),
         threads=thread_views([talk for talk in talks if talk.thread.id not in on_lines], talker),
         held=attempt.held_text,
         partner=find_teammate_name(reader.db, student, attempt.submission.account_id)
@@ -166,13 +167,16 @@ def _title(course: Course, exercise: str) -> str:
     return exercise if known is None else known.title
 
 
-def _verdict(course: Course, attempt: Attempt) -> VerdictView | None:
-    if attempt.verdict is None or attempt.grading is None:
+def _verdict(reader: Reader, attempt: Attempt) -> VerdictView | None:
+    verdict = attempt.verdict
+    if verdict is None or attempt.grading is None:
         return None
-    exercise = course.exercises[attempt.submission.exercise]
+    exercise = reader.course.exercises[attempt.submission.exercise]
     texts = None if exercise.answers is None else exercise
     figures = f"/soumissions/{attempt.submission.id}/figures"
-    return verdict_view(attempt.verdict, figures, texts, exercise.functions, grading=attempt.grading.id)
+    grading = attempt.grading.id
+    described = describe_figures(reader.db, grading, verdict)
+    return verdict_view(verdict, figures, texts, exercise.functions, grading=grading, described=described)
 
 
 def load_marked_rubric(db: Session, assignment: Assignment, student: UUID) -> MarkedRubric | None:

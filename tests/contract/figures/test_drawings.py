@@ -8,9 +8,11 @@ from pathlib import Path
 
 import pytest
 
+from graders import courses
 from graders.plotting import THEMES, palette
 from server.base.files import ROOT
 from server.course import Course
+from server.course.drawings import describe_verdict_figures
 from server.figures import drawing_requests, lessons
 from tests.support.quick import the_course
 from tests.support.small_course import CourseFolder
@@ -48,6 +50,32 @@ def test_what_is_announced_is_known_without_running_it(course_folder: CourseFold
         "trace": ("Une ligne qui monte & l'axe.", (6.4, 4.0)),
         "bande": ("Une bande.", (6.4, 2.0)),
     }
+
+
+@pytest.mark.parametrize(
+    ("source", "described"),
+    [
+        ('FIGURES = {"way": (draw, "Le chemin, " "en bleu.")}\n', {"way": "Le chemin, en bleu."}),
+        ('FIGURES = {"way": draw}\n', {}),
+        ('FIGURES = {"way": (draw, f"{1}")}\n', {}),
+        ("from graders.core.declared.figure_data import FEWEST\nFIGURES = {FEWEST: (draw, 'Le chemin.')}\n", {}),
+        ("from graders.m9.nowhere import WAY\nFIGURES = {WAY: (draw, 'Le chemin.')}\n", {}),
+        ("from .pictures import WAY\nFIGURES = {WAY: (draw, 'Le chemin.')}\n", {}),
+        ("x = (\n", {}),
+    ],
+    ids=["with words", "bare function", "computed words", "no text as a key", "no module", "relative", "no Python"],
+)
+def test_a_verdicts_figure_that_says_nothing_keeps_no_page_from_being_served(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, source: str, described: dict[str, str]
+) -> None:
+    path = tmp_path / "m9" / "a" / "figures.py"
+    path.parent.mkdir(parents=True)
+    path.write_text(source, encoding="utf-8")
+    monkeypatch.setattr(courses, "room_folders", lambda _room: [tmp_path])
+    describe_verdict_figures.cache_clear()
+    shown = describe_verdict_figures("m9/a")
+    describe_verdict_figures.cache_clear()
+    assert {kind: words for kind, words in shown.items() if not kind.startswith("declared_")} == described
 
 
 def catalogue_of(course_folder: CourseFolder, text: str) -> Course:

@@ -17,4 +17,9 @@ def draw_path(figure, data):
     axes.legend()
 
 
-FIGURES = {"chemin": draw_path}
+FIGURES = {
+    "chemin": (
+        draw_path,
+        "Un segment de a à b, avec en bleu le point attendu et en orange celui de votre programme.",
+    ),
+}
