@@ -8,18 +8,22 @@ from __future__ import annotations
 from collections import defaultdict
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
-from datetime import datetime
+from datetime import date, datetime, timedelta
 from types import MappingProxyType
 from uuid import UUID
 
 from graders.core.contract.outcomes import Outcome
-from server.board.attempts import Pair, is_unexplained
+from server.base import school_time
+from server.board.attempts import FAILURES, Pair, is_unexplained
 from server.board.progress import ClassProgress
 from server.board.stuck import PRESENCE, failures_without_progress
 from server.gradebook.histories import Attempts, AttemptsByPair
 
 #: Different failures without progress at the end of the period, from which a student is to be seen.
 MIN_FAILURES = 3
+#: The same of a week, where a student is to be seen for what they worked at last; and the days of it on which the same
+#: mistake makes a student to be seen at any exercise.
+MIN_FAILURES_OF_WEEK, MIN_DAYS = 4, 2
 MAX_TO_SEE, MAX_TO_EXPLAIN, MAX_OVERCOME = 8, 5, 8
 #: Students who still make a mistake, from which it is to be explained to the class.
 MIN_STILL = 3
@@ -31,12 +35,16 @@ UNEXPLAINED_SHARE, UNSOLVED_SHARE = 1 / 3, 3 / 4
 
 @dataclass(frozen=True)
 class StudentToSee:
-    """A student who ended the period without progress: `failures` different ones; `mistake` is that of the last."""
+    """A student who ended the period without progress: `failures` different ones; `mistake` is that of the last.
+
+    `days`: those of a week on which they made it, on the school's clock; empty of a lesson.
+    """
 
     account: UUID
     exercise: str
     failures: int
     mistake: str | None
+    days: tuple[date, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -95,9 +103,11 @@ def build_review(
     since: datetime,
     until: datetime,
     partners: Mapping[UUID, Collection[UUID]] = MappingProxyType({}),
+    *,
+    is_week: bool = False,
 ) -> LessonReview:
     """Review what was sent to these exercises in a period. `progress` is as of `until` or later; `partners`: those who
-    hand in with a student, whose attempts are the student's work too."""
+    hand in with a student, whose attempts are the student's work too. `is_week`: the period holds several lessons."""
     period = _attempts_in(progress.attempts, exercises, since, until)
     senders = {account for account, _ in period}
     active = senders | {student for student, others in partners.items() if not senders.isdisjoint(others)}
@@ -110,7 +120,8 @@ def build_review(
     silent = [student for student in quiet if student.id not in elsewhere]
     seen = {student.id: student.seen_at for student in silent if student.seen_at and student.seen_at >= since}
     present = {account for account, at in seen.items() if at <= until + PRESENCE}
-    to_see, to_explain = _students_to_see(period), _mistakes_to_explain(period)
+    to_see = _students_to_see_of_week(period, since) if is_week else _students_to_see(period)
+    to_explain = _mistakes_to_explain(period)
     return LessonReview(
         to_see=to_see[:MAX_TO_SEE],
         more_to_see=to_see[MAX_TO_SEE:],
@@ -155,6 +166,39 @@ def _students_to_see(period: Mapping[Pair, Attempts]) -> tuple[StudentToSee, ...
         if failures >= MIN_FAILURES and (known is None or failures > known.failures):
             worst[account] = StudentToSee(account, exercise, failures, series[-1].diagnosis)
     return tuple(sorted(worst.values(), key=lambda row: (-row.failures, str(row.account))))
+
+
+def _students_to_see_of_week(period: Mapping[Pair, Attempts], since: datetime) -> tuple[StudentToSee, ...]:
+    """Return the students who make the same mistake on several days, and those who ended the week without progress at
+    what they worked at last; each at the exercise of most days, then of most failures."""
+    ended_at: dict[UUID, datetime] = {}
+    for (account, _), series in period.items():
+        ended_at[account] = max(series[-1].sent_at, ended_at.get(account, since))
+    worst: dict[UUID, StudentToSee] = {}
+    for (account, exercise), series in period.items():
+        last = series[-1]
+        if _is_solved(series) or last.outcome not in FAILURES:
+            continue
+        same = [attempt for attempt in series if attempt.sent_at >= since and attempt.diagnosis == last.diagnosis]
+        days = {school_time.to_local(attempt.sent_at).date() for attempt in same if attempt.diagnosis is not None}
+        failures = len({attempt.digest for attempt in failures_without_progress(series, timedelta.max)})
+        is_stuck = failures >= MIN_FAILURES_OF_WEEK and last.sent_at == ended_at[account]
+        if is_stuck or len(days) >= MIN_DAYS:
+            row = StudentToSee(account, exercise, failures, last.diagnosis, tuple(sorted(days)))
+            worst[account] = min(row, worst.get(account, row), key=_urgency)
+    return tuple(sorted(worst.values(), key=_urgency))
+
+
+def _urgency(row: StudentToSee) -> tuple[int, int, str]:
+    """Return what orders the students to see in a week, the most urgent first."""
+    return -len(row.days) if len(row.days) >= MIN_DAYS else 0, -row.failures, str(row.account)
+
+
+def list_to_see(
+    progress: ClassProgress, exercises: Collection[str], since: datetime, until: datetime
+) -> frozenset[UUID]:
+    """Return all students whom the review of this lesson says to see."""
+    return frozenset(row.account for row in _students_to_see(_attempts_in(progress.attempts, exercises, since, until)))
 
 
 def _mistakes_to_explain(period: Mapping[Pair, Attempts]) -> tuple[MistakeToExplain, ...]:

@@ -152,11 +152,14 @@ def _is_solved(attempts: Attempts) -> bool:
     return any(attempt.outcome == Outcome.OK for attempt in attempts)
 
 
-def failures_without_progress(attempts: Attempts) -> Attempts:
-    """Return the failures at the end of a series since its last progress; none where the last attempt is no failure."""
+def failures_without_progress(attempts: Attempts, pause: timedelta = BREAK) -> Attempts:
+    """Return the failures at the end of a series since its last progress, or the last gap longer than `pause`.
+
+    None where one of them is no failure.
+    """
     start, best = 0, None
     for index, attempt in enumerate(attempts):
-        if index and attempt.sent_at - attempts[index - 1].sent_at > BREAK:
+        if index and attempt.sent_at - attempts[index - 1].sent_at > pause:
             start = index
         elif best is not None and attempt.score > best:
             start = index + 1

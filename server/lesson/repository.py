@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Mapping, Sequence
-from datetime import datetime
+from datetime import datetime, timedelta
 from uuid import UUID
 
 from sqlalchemy import and_, or_, select, update
@@ -32,6 +32,13 @@ def load_lessons(db: Session, class_id: UUID) -> Sequence[LiveLesson]:
     """Load the latest lessons of a class, newest first."""
     query = select(LiveLesson).where(LiveLesson.class_id == class_id)
     return db.execute(query.order_by(LiveLesson.started_at.desc(), LiveLesson.id).limit(MAX_LESSONS)).scalars().all()
+
+
+def load_before(db: Session, lesson: LiveLesson, memory: timedelta) -> Sequence[LiveLesson]:
+    """Load the lessons of the class that began before this one, but not longer before, the newest first."""
+    query = select(LiveLesson).where(LiveLesson.class_id == lesson.class_id, LiveLesson.started_at < lesson.started_at)
+    recent = query.where(LiveLesson.started_at >= lesson.started_at - memory)
+    return db.execute(recent.order_by(LiveLesson.started_at.desc(), LiveLesson.id).limit(MAX_LESSONS)).scalars().all()
 
 
 def load_ended(db: Session, class_ids: Collection[UUID], since: datetime, now: datetime) -> Sequence[LiveLesson]:

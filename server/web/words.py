@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
-from datetime import UTC, datetime
+from collections.abc import Iterable, Sequence
+from datetime import UTC, date, datetime
 from functools import lru_cache
 from zoneinfo import ZoneInfo
 
@@ -51,6 +51,12 @@ def list_names(names: Sequence[str], limit: int = 6) -> str:
     return f"{listed} et {others} autres" if others else listed
 
 
+def join_words(words: Iterable[str]) -> str:
+    """Join the items of a list: « lundi 23, mardi 24 et jeudi 26 »."""
+    *before, last = words
+    return f"{', '.join(before)} et {last}" if before else last
+
+
 def iso_moment(when: datetime) -> str:
     """A date as ISO text for a `<time>` element."""
     return _instant(when).isoformat(timespec="seconds")
@@ -78,8 +84,12 @@ def long_moment(when: datetime) -> str:
 def long_day(when: datetime) -> str:
     """« lundi 23 mars 2026 », « dimanche 1er mars 2026 »."""
     here = school_time.to_local(when)
-    day = "1er" if here.day == 1 else str(here.day)
-    return f"{DAYS[here.weekday()]} {day} {MONTHS[here.month - 1]} {here.year}"
+    return f"{short_day(here)} {MONTHS[here.month - 1]} {here.year}"
+
+
+def short_day(day: date) -> str:
+    """A day, or a moment on the school's clock, near to today: « lundi 23 », « dimanche 1er »."""
+    return f"{DAYS[day.weekday()]} {'1er' if day.day == 1 else day.day}"
 
 
 def _which(when: datetime) -> str:

@@ -6,12 +6,20 @@ from datetime import timedelta
 
 from sqlalchemy import update
 
-from server.board.lesson_review import MAX_TO_SEE, MIN_TRIED, ExerciseAtFault, build_review
+from server.board.lesson_review import (
+    MAX_TO_SEE,
+    MIN_FAILURES,
+    MIN_FAILURES_OF_WEEK,
+    MIN_TRIED,
+    ExerciseAtFault,
+    build_review,
+    list_to_see,
+)
 from server.board.service import load_progress
 from server.classes.models import Membership
 from server.course import Course
 from server.database import Database
-from tests.support.marks import AFTER, ODOMETRY, OPENS, POSES, Term
+from tests.support.marks import AFTER, DAY, ODOMETRY, OPENS, POSES, Term
 
 
 def test_who_has_solved_an_exercise_does_not_fail_it(database: Database, course: Course) -> None:
@@ -60,3 +68,29 @@ def test_those_for_whom_there_is_no_room_are_named_too(sqlite: Database, course:
     with sqlite.read() as db:
         review = build_review(load_progress(db, course, term.made, AFTER), [POSES], OPENS, AFTER)
     assert (len(review.to_see), len(review.more_to_see)) == (MAX_TO_SEE, 2)
+
+
+def test_a_week_says_to_see_fewer_students_than_its_lessons(sqlite: Database, course: Course) -> None:
+    term, end = Term.begin(sqlite), OPENS + 6 * DAY
+    names = ("Ada", "Kurt", "Emmy", "Grace", "Alan", "Sophie")
+    repeating, many, few, moved_on, overcame, solved = (term.student(name, "Petit") for name in names)
+    for student in (repeating, solved):
+        for day in (1, 3):
+            term.send(student, POSES, 4 - day, OPENS + day * DAY, diagnosis="degres")
+    for student, failures in ((many, MIN_FAILURES_OF_WEEK), (few, MIN_FAILURES), (moved_on, MIN_FAILURES_OF_WEEK)):
+        for number in range(failures):
+            term.send(student, POSES, (failures - number) / 2, OPENS + 2 * DAY + timedelta(minutes=20 * number))
+    term.send(moved_on, ODOMETRY, 20, end)
+    for day, mistake in ((1, "degres"), (2, "degres"), (3, None)):
+        term.send(overcame, POSES, 4 - day, OPENS + day * DAY, diagnosis=mistake)
+    term.send(solved, POSES, 20, end)
+    with sqlite.read() as db:
+        progress = load_progress(db, course, term.made, end)
+    review = build_review(progress, [POSES, ODOMETRY], OPENS, end, is_week=True)
+    assert [(row.account, row.failures) for row in review.to_see] == [
+        (repeating.id, 2),
+        (many.id, MIN_FAILURES_OF_WEEK),
+    ]
+    assert [[day.isoformat() for day in row.days] for row in review.to_see] == [["2026-03-03", "2026-03-05"], []]
+    lesson = [POSES], OPENS + 2 * DAY, OPENS + 2 * DAY + timedelta(hours=1)
+    assert list_to_see(progress, *lesson) == {many.id, few.id, moved_on.id}, "the rule of a lesson is not as strict"

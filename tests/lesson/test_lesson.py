@@ -13,6 +13,7 @@ import pytest
 from sqlalchemy import select, update
 
 from server.assignments.models import Mode, Visibility
+from server.base import school_time
 from server.base.app_services import get_service
 from server.base.errors import Conflict, Invalid
 from server.board.lesson_loading import propose_exercises
@@ -28,6 +29,7 @@ from server.identity.models import Account, Role
 from server.lesson import repository, service
 from server.lesson.models import Afterwards
 from server.lesson.service import LONGEST_LESSON, LessonPlan
+from server.web.words import DAYS
 from tests.desk.test_classes import text_of
 from tests.support.classes import Person, assign, new_class, person, seat
 from tests.support.counting import Counted
@@ -310,10 +312,18 @@ def test_the_review_of_a_lesson_says_whom_to_see_and_what_to_explain(
     assert parts["progres"].count("<li>") == 1
     week = text_of(browser, f"{href}/semaine")
     assert 'id="expliquer"' in week
+    assert 'id="voir"' not in week, "three failures in a lesson are too few for a week"
+    assert "déjà signalé" not in text
     assert f"{href}/seance/{lesson.id}" in text_of(browser, f"{href}/seance")
     other = new_class(site.database, martin.account)
     assert text_of(browser, f"/classes/{other.id}/seance/{lesson.id}", 404)
     assert text_of(browser, f"/classes/{other.id}/semaine", 200)
+    with site.database.write() as db:
+        begun = now - timedelta(minutes=20)
+        again = service.start_lesson(db, course, made, martin.account.id, plan, begun)
+    day = school_time.to_local(lesson.started_at)
+    told = text_of(browser, f"{href}/seance/{again.id}").split('id="voir"')[1].split("</section>")[0]
+    assert told.count(f"déjà signalé {DAYS[day.weekday()]} ") == 6
 
 
 def test_a_function_that_is_right_is_not_projected_as_wrong(site: Site, martin: Person, made: SchoolClass) -> None:

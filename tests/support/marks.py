@@ -61,7 +61,9 @@ class Term:
         with self.database.write() as db:
             db.add(Sitting(assignment_id=test.id, account_id=student.id, **row))
 
-    def send(self, student: Account, exercise: str, points: float, at: datetime = OPENS + DAY) -> UUID:
+    def send(
+        self, student: Account, exercise: str, points: float, at: datetime = OPENS + DAY, diagnosis: str | None = None
+    ) -> UUID:
         """An attempt that got so many points out of 20; its name."""
         with self.database.write() as db:
             source = f"# {points}\n".encode()
@@ -71,16 +73,17 @@ class Term:
             db.add(one)
             db.flush()
             name = one.id
-        self.grade(name, points)
+        self.grade(name, points, diagnosis)
         return name
 
-    def grade(self, submission: UUID, points: float) -> UUID:
+    def grade(self, submission: UUID, points: float, diagnosis: str | None = None) -> UUID:
         """Another grading of an attempt, that counts from now on; its name."""
         outcome = "ok" if points == 20 else "wrong_answer"
         with self.database.write() as db:
             made = Grading(
                 submission_id=submission, exercise_version="v1", outcome=outcome, score=points / 20, seed=1,
                 started_at=OPENS, finished_at=OPENS, verdict={}, figures={},
+                diagnosis=diagnosis,
             )  # fmt: skip
             db.add(made)
             db.flush()

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Callable, Collection, Mapping
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass
 from datetime import datetime, timedelta
 from urllib.parse import urlencode
@@ -14,7 +14,9 @@ from sqlalchemy.orm import Session
 from server.assignments.repository import load_class_assignments
 from server.assignments.team_repository import load_teams_of
 from server.assignments.team_rules import list_partners
-from server.board.lesson_review import LessonReview, build_review
+from server.base import school_time
+from server.board.lesson_review import MIN_DAYS, LessonReview, build_review, list_to_see
+from server.board.progress import ClassProgress
 from server.board.service import load_progress
 from server.classes.models import SchoolClass
 from server.course import Course
@@ -23,20 +25,28 @@ from server.desk.lesson.remedial import remedial_href
 from server.desk.lesson.views import mistake_title
 from server.desk.schemas import ClassHead
 from server.desk.views import class_head, class_href
+from server.lesson import repository as lessons
 from server.lesson.models import LiveLesson
 from server.lesson.service import end_of
 from server.rights.models import Right
 from server.rights.service import ClassAccess
 from server.web.views import lesson_href
+from server.web.words import join_words, short_day
 
 WEEK = timedelta(days=7)
+#: How long before a lesson others count as earlier ones: of a class with one a week, the last.
+MEMORY = timedelta(days=8)
 
 Link = tuple[str, str]
 
 
 @dataclass(frozen=True)
 class SeeRow:
-    """A student to see; `mistake` is empty where none is known."""
+    """A student to see; `mistake` is empty where none is known.
+
+    `days`: those of a week on which they made it, in words, empty for fewer than two; `named_before`: the day of the
+    latest lesson of the week before whose page says to see them already, in words, or empty.
+    """
 
     name: str
     href: str
@@ -45,6 +55,8 @@ class SeeRow:
     mistake: str
     objectives: str
     remedial: str
+    days: str
+    named_before: str
 
 
 @dataclass(frozen=True)
@@ -118,11 +130,14 @@ def review_page(
 ) -> ReviewPage:
     """Build the review of a lesson, or of the last seven days."""
     school_class = access.school_class
-    progress = load_progress(db, course, school_class, now, besides=lesson.exercises if lesson else ())
+    earlier = () if lesson is None else lessons.load_before(db, lesson, MEMORY)
+    besides = {name for each in (lesson, *earlier) if each is not None for name in each.exercises}
+    progress = load_progress(db, course, school_class, now, besides=sorted(besides))
     exercises = progress.scope.exercises if lesson is None else tuple(lesson.exercises)
     since = now - WEEK if lesson is None else lesson.started_at
     until = now if lesson is None else min(now, end_of(lesson))
-    review = build_review(progress, exercises, since, until, _load_partners(db, school_class))
+    review = build_review(progress, exercises, since, until, _load_partners(db, school_class), is_week=lesson is None)
+    named_before = _days_named_before(progress, earlier)
     links = BoardLinks(course, class_href(school_class), progress.students)
     names = {student.id: student.name for student in progress.students}
 
@@ -149,6 +164,8 @@ def review_page(
                 "" if row.mistake is None else mistake_title(course, row.exercise, row.mistake),
                 f"{links.href}/eleves/{row.account}/objectifs",
                 remedy(row.exercise, [row.account]),
+                join_words(map(short_day, row.days)) if len(row.days) >= MIN_DAYS else "",
+                named_before.get(row.account, ""),
             )
             for row in review.to_see
         ),
@@ -177,6 +194,15 @@ def review_page(
         ),
         idle_remedial=remedy(exercises[0] if exercises else "", [*review.idle, *review.absent, *review.unknown]),
     )
+
+
+def _days_named_before(progress: ClassProgress, earlier: Sequence[LiveLesson]) -> Mapping[UUID, str]:
+    """Return on which day the page of an earlier lesson said to see a student, the latest of them."""
+    days: dict[UUID, str] = {}
+    for lesson in earlier:
+        for account in list_to_see(progress, lesson.exercises, lesson.started_at, end_of(lesson)):
+            days.setdefault(account, short_day(school_time.to_local(lesson.started_at)))
+    return days
 
 
 def _load_partners(db: Session, school_class: SchoolClass) -> Mapping[UUID, Collection[UUID]]:
