@@ -154,6 +154,16 @@ function grow(area) {
   area.style.height = `${area.scrollHeight + 2}px`;
 }
 
+// A new line of a program begins below the line before it, four spaces further after a colon.
+function indentLine(event) {
+  const { target: area, key, isComposing, shiftKey, ctrlKey, altKey, metaKey } = event;
+  const isProgram = area.matches?.("textarea.code-area") && !area.closest(".case-table");
+  if (key !== "Enter" || !isProgram || isComposing || shiftKey || ctrlKey || altKey || metaKey) return;
+  const line = area.value.slice(0, area.selectionStart).split("\n").at(-1);
+  const indent = line.match(/^ */)[0] + (/:\s*$/.test(line) ? "    " : "");
+  if (indent && document.execCommand("insertText", false, `\n${indent}`)) event.preventDefault(); // it can be undone
+}
+
 // A row is always free below the examples.
 function addRow(last) {
   const row = last.cloneNode(true);
@@ -216,6 +226,7 @@ if (form) {
     if (blank && target.value) addMistake(blank);
     else if (target.matches(".studio-mistake input[name$='-titre']")) nameMistake(target.closest(".studio-mistake"));
   });
+  form.addEventListener("keydown", indentLine);
   form.addEventListener("toggle", ({ target }) => target.querySelectorAll?.("textarea.code-area").forEach(grow), true);
 }
 
