@@ -18,7 +18,7 @@ from reference.filters.resampling import effective_sample_size
 from reference.se2 import compose
 
 HALF = 200
-SURVIVES, FORGETS, UNEVEN = 0.03, 0.15, 0.3
+SURVIVES, FORGETS, UNEVEN, WINS = 0.03, 0.15, 0.3, 0.5
 #: Between two clouds of the hall; and the weight of the left one beyond which its seven tenths have counted twice.
 MIDDLE, TWICE = 18.5, 0.94
 
@@ -125,7 +125,18 @@ def _nothing_forgotten(bench: Bench) -> None:
 def _nothing_twice(bench: Bench) -> None:
     scene = few()
     particles, weights = stepped(bench, scene.inputs)
-    there = float(np.mean(particles[:, 0] > 9.0))
+    is_near = particles[:, 0] > 9.0
+    there, share = float(np.mean(is_near)), float(weights[is_near].sum())
+    if share < WINS:
+        raise Rejection(
+            "Le scan n'est possible que pour 40 particules sur 400. Après un pas, elles et leurs copies n'ont que "
+            f"{number(100 * share)} % du poids. Une particule que le scan rend impossible ne pèse plus rien ; si l'on "
+            "rééchantillonne, chacune est copiée à proportion de son poids, autant de fois qu'il le faut.",
+            inputs=scene.inputs,
+            expected="presque tout le poids",
+            got=f"{number(100 * share)} %",
+            figure=cloud_figure(HALL, scene, particles, "Le nuage que le scan désigne", weights=weights),
+        )
     useful = effective_sample_size(weights) / len(weights)
     if there > 0.5 and useful < UNEVEN:
         raise Rejection(

@@ -249,3 +249,9 @@ def test_a_fault_of_the_sandbox_in_a_step_stays_a_fault() -> None:
     with pytest.raises(StudentFault):
         steps.well_formed(Bench("forme", Runner(LOCAL, b"def pas_mcl(*a):\n    return 1 / 0\n", world.STILL),
                                 np.random.default_rng(0), world.STILL))  # fmt: skip
+
+
+def test_the_heavier_half_copied_twice_is_no_resampling() -> None:
+    """Between two clouds of equal size it does what a comb does; forty particles in 400 keep a fifth of the weight."""
+    source = (GRADER.folder / "specimens/wrong_answer/moitie_la_plus_lourde_doublee.py").read_text()
+    assert failed(verdict(source, 3)) == {"memoire"}
