@@ -122,9 +122,14 @@ class SandboxPrograms:
         self.remarks: tuple[str, ...] = ()
         self.load_error = ""
         self._asked, self._has_started = tuple(asked), False
-        self._sessions = list[Session]()
+        self._sessions, self._opened = list[Session](), list[Session]()
         #: The seat's: while its programs are stopped, no limit of theirs passes.
         self.clock = seat_clock()
+
+    @property
+    def cpu_seconds(self) -> float:
+        """The processor time of the programs that were loaded, which this closes. Raises SandboxFault."""
+        return sum(session.usage.cpu_seconds for session in self._opened)
 
     def prepare(self, source: bytes, kit: KitSettings, launches: int) -> None:
         self._sandbox.prepare(source, launches, kit=self._kit(kit), policy=self._policy)
@@ -149,6 +154,7 @@ class SandboxPrograms:
         if is_first:
             self.remarks, self.load_error = session.remarks, session.describe_missing(self._asked)
         self._sessions.append(session)
+        self._opened.append(session)
         return SandboxProgram(session, self._budget, ahead)
 
     def _shorten_after_timeout(self) -> None:

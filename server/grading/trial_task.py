@@ -11,9 +11,9 @@ from uuid import UUID
 
 from sqlalchemy.orm import Session
 
-from graders.core.contract.program import Programs
 from graders.core.declared.declaration import read_declaration
-from graders.core.declared.trial import SEEDS, ExerciseTrial
+from graders.core.declared.trial import SEEDS, ExerciseTrial, MeasuredPrograms
+from graders.core.declared.trial_report import TrialReport
 from server.base import logs
 from server.queue.interfaces import GiveUpHandler, Lease, Queue
 from server.sandbox.policy import Policy
@@ -28,7 +28,7 @@ log = logging.getLogger(__name__)
 
 #: What one program of a trial may use: less than a student's, as many are run.
 TRIAL_POLICY = Policy(cpu_seconds=1.0, wall_seconds=2.0)
-#: The time that a program of a few processor seconds may wait, of which it uses none.
+#: How many times its processor seconds a program may wait: others may keep the machine busy.
 WAITING_FACTOR = 2.0
 GAVE_UP = "L’essai n’a pas abouti, de notre côté : enregistrez de nouveau pour le relancer."
 
@@ -37,7 +37,8 @@ GAVE_UP = "L’essai n’a pas abouti, de notre côté : enregistrez de nouveau 
 class TrialInput:
     """A draft to try; `publishes`: it is to be published if it holds.
 
-    `is_first`: nothing is known of this draft, so that its author first learns what takes no time.
+    `is_first`: nothing is known of this draft, so that its author first learns what takes no time. `ready` is a trial
+    of the same draft that left nothing to do: its author was told so, and its changes need not be tried again.
     """
 
     exercise_id: UUID
@@ -46,6 +47,7 @@ class TrialInput:
     draft: ExerciseDraft
     publishes: bool
     is_first: bool
+    ready: TrialReport | None = None
 
 
 @dataclass(frozen=True)
@@ -61,7 +63,7 @@ class TrialOutcome:
 class TrialTask:
     """Implements `server.queue.interfaces.Task`. `start` starts the programs of one file under a policy."""
 
-    def __init__(self, queue: Queue, start: Callable[[Policy], Programs]) -> None:
+    def __init__(self, queue: Queue, start: Callable[[Policy], MeasuredPrograms]) -> None:
         self._queue, self._start = queue, start
         self.give_up = give_up
 
@@ -73,17 +75,21 @@ class TrialTask:
         name = f"{exercise.module}/{exercise.slug or 'essai'}"
         draft = ExerciseDraft.from_data(exercise.draft)
         is_first = not exercise.wants_publication and (exercise.trial or {}).get("digest") != exercise.digest
-        return TrialInput(exercise.id, name, exercise.digest, draft, exercise.wants_publication, is_first)
+        ready = _ready_trial(exercise)
+        return TrialInput(exercise.id, name, exercise.digest, draft, exercise.wants_publication, is_first, ready)
 
     def run(self, work: TrialInput) -> TrialOutcome:
         trial = ExerciseTrial(work.name, partial(self._start, TRIAL_POLICY), self._start_briefly)
         completed = complete_draft(work.draft, trial)
+        known = work.ready if work.publishes else None
         report = trial.run(
             completed.declaration,
             completed.starter,
             seeds=SEEDS if work.publishes else 0,
-            with_changes=not work.is_first,
+            with_changes=not work.is_first and known is None,
         )
+        if known is not None:
+            report = replace(report, changes=known.changes)
         needed = SEEDS if work.publishes else 0
         left = list(publication_faults(work.draft, completed, report, seeds=needed))
         faults = left if work.publishes else []
@@ -101,8 +107,9 @@ class TrialTask:
         fingerprints = trial.fingerprints(read_declaration(completed.declaration))
         return TrialOutcome(completed, stored, {key: list(answers) for key, answers in fingerprints.items()})
 
-    def _start_briefly(self, seconds: float) -> Programs:
-        limits = replace(TRIAL_POLICY, cpu_seconds=seconds, wall_seconds=WAITING_FACTOR * seconds)
+    def _start_briefly(self, seconds: float) -> MeasuredPrograms:
+        waiting = max(TRIAL_POLICY.wall_seconds, WAITING_FACTOR * seconds)
+        limits = replace(TRIAL_POLICY, cpu_seconds=min(seconds, TRIAL_POLICY.cpu_seconds), wall_seconds=waiting)
         return self._start(limits)
 
     def record(self, db: Session, work: TrialInput, result: TrialOutcome) -> None:
@@ -121,6 +128,15 @@ class TrialTask:
             _publish(db, exercise, result.completed, result.fingerprints)
             exercise.trial = {**result.stored, "published_digest": work.digest}
         db.flush()
+
+
+def _ready_trial(exercise: AuthoredExercise) -> TrialReport | None:
+    """Return the stored trial of an exercise's present draft where it was whole and left nothing to do."""
+    trial = exercise.trial or {}
+    if trial.get("digest") != exercise.digest or trial.get("left") != []:
+        return None
+    report = TrialReport.from_data(trial["report"])
+    return report if report.is_whole and report.changes else None
 
 
 def _publish(

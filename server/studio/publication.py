@@ -58,7 +58,7 @@ def publication_faults(
         return
     if report.starter:
         yield f"{report.starter} Videz le corps des fonctions du fichier de départ."
-    if report.seeds < seeds:
+    if report.seeds < seeds and report.is_whole:
         yield f"La solution n’a été notée que sur {report.seeds} tirages ; il en faut {seeds}."
     titles = {each["id"]: each for each in completed.declaration["erreurs"]}
     for tried in report.mistakes:
@@ -72,7 +72,9 @@ def publication_faults(
         if not (titles[tried.id]["titre"] and titles[tried.id]["explication"]):
             yield f"Dites en mots l’erreur « {title} » : un titre et une explication."
     yield from _faults_of_changes(draft, report)
-    if not report.is_whole:
+    if report.is_busy:
+        yield "Le serveur est très chargé et l’essai n’a pas pu tout essayer : réessayez dans quelques minutes."
+    elif not report.is_whole:
         yield "L’essai a pris trop de temps et n’a pas tout essayé : donnez des entrées plus petites."
 
 

@@ -6,10 +6,12 @@ from typing import Any
 
 import pytest
 
+from graders.core.declared.trial_report import TrialReport
 from server.base.app_services import get_service
 from server.classes.models import ClassRole
 from server.database import utc_now
 from server.gradebook.models import Grading
+from server.grading import trial_task
 from server.identity.models import Role
 from server.regrades.service import RegradeService
 from server.studio.authored import build_exercise
@@ -129,3 +131,26 @@ def test_an_unpublished_name_is_no_exercise(studio: Studio) -> None:
     other = exercise.slug[:-1] + ("2" if exercise.slug[-1] != "2" else "3")
     assert studio.browser.get(f"/l20/exercices/{other}").status_code == 404
     assert studio.browser.get(f"/l19/exercices/{exercise.slug}").status_code == 404
+
+
+def test_what_is_ready_is_published_without_trying_its_changes_again(
+    studio: Studio, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A busy machine does not take back « Prêt à publier »."""
+    tried: list[bool] = []
+
+    class Watched(trial_task.ExerciseTrial):
+        def run(self, *args: Any, with_changes: bool = True, **named: Any) -> TrialReport:
+            tried.append(with_changes)
+            return super().run(*args, with_changes=with_changes, **named)
+
+    monkeypatch.setattr(trial_task, "ExerciseTrial", Watched)
+    path = studio.create()
+    studio.save(path)
+    assert "Prêt à publier" in studio.report(path)
+    studio.save(path, action="publier")
+    assert studio.stored(path).number == 1
+    assert tried == [False, True, False]
+    studio.save(path, action="publier", solution=SOLUTION.replace("d.get(m, 0) + 1", "1 + d.get(m, 0)"))
+    assert studio.stored(path).number == 2
+    assert tried[-1], "another solution is tried whole"

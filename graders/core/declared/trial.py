@@ -10,7 +10,7 @@ import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import closing
 from dataclasses import replace
-from typing import Any
+from typing import Any, Protocol
 
 from graders.core.alterations.alterations import Alteration, sample_alterations
 from graders.core.contract.kits import SCENARIOS
@@ -41,32 +41,43 @@ from graders.core.declared.tried_inputs import (
 
 #: Changes of a solution that are tried; the share of them that may survive; seeds of the solution before publication.
 MAX_CHANGES, MAX_ALIVE, SEEDS = 48, 0.03, 20
-#: Seconds after which a trial ends, and says that it did not try everything.
-TRIAL_SECONDS = 40.0
-#: A changed solution that takes so many times as long as the solution loops: in seconds, from least to most.
+#: Seconds of the processor after which a trial ends, and says that it did not try everything; seconds in all.
+TRIAL_SECONDS, MAX_TRIAL_SECONDS = 40.0, 120.0
+#: A changed solution that takes so many times as long as the solution loops: in seconds of the processor.
 BRIEF_FACTOR, MIN_BRIEF_SECONDS, MAX_BRIEF_SECONDS = 10.0, 0.1, 1.0
+
+
+class MeasuredPrograms(Programs, Protocol):
+    """Programs of one file whose processor time is known."""
+
+    @property
+    def cpu_seconds(self) -> float:
+        """The processor time of the programs that were started, which are closed."""
+        ...
 
 
 class ExerciseTrial:
     """Tries one declaration. `start` gives a starter of programs, a new one for each program.
 
-    `start_briefly` does so for programs that may loop, of which many are tried: each has so many seconds.
+    `start_briefly` does so for programs that may loop, of which many are tried: each has so many seconds of the
+    processor.
     """
 
     def __init__(
         self,
         exercise: str,
-        start: Callable[[], Programs],
-        start_briefly: Callable[[float], Programs],
+        start: Callable[[], MeasuredPrograms],
+        start_briefly: Callable[[float], MeasuredPrograms],
         *,
         clock: Callable[[], float] = time.monotonic,
     ) -> None:
-        self._exercise, self._start, self._start_briefly, self._clock = exercise, start, start_briefly, clock
+        self._exercise, self._make, self._make_briefly, self._clock = exercise, start, start_briefly, clock
         self._brief_seconds = MAX_BRIEF_SECONDS
+        self._began, self._started = clock(), list[MeasuredPrograms]()
 
     def run(self, data: Mapping[str, Any], starter: str, *, seeds: int = 0, with_changes: bool = True) -> TrialReport:
         """Return the report; the solution is graded on so many `seeds`, and changed where `with_changes`."""
-        until = self._clock() + TRIAL_SECONDS
+        self._began, self._started = self._clock(), []
         try:
             declaration = read_declaration(data)
         except MalformedDeclaration as error:
@@ -80,16 +91,37 @@ class ExerciseTrial:
         graded = 0
         for seed in range(seeds):
             fault = self._grade_solution(grader, seed)
-            if fault or self._clock() > until:
-                return TrialReport(cases=cases, solution=fault, starter=starter_fault, seeds=graded, is_whole=not fault)
+            if fault or self._is_over():
+                return self._ended(TrialReport(cases=cases, solution=fault, starter=starter_fault, seeds=graded))
             graded += 1
         inputs = TriedInputs(grader, self._play_known, self._play_near)
         mistakes = tuple(self._try_mistakes(grader, inputs))
-        changes = tuple(self._try_changes(grader, until, inputs)) if with_changes else ()
-        return TrialReport(
-            cases=cases, starter=starter_fault, mistakes=mistakes, changes=changes, seeds=graded,
-            is_whole=self._clock() <= until, raising=inputs.raising,
-        )  # fmt: skip
+        changes = tuple(self._try_changes(grader, inputs)) if with_changes else ()
+        report = TrialReport(
+            cases=cases, starter=starter_fault, mistakes=mistakes, changes=changes, seeds=graded, raising=inputs.raising
+        )
+        return self._ended(report)
+
+    def _start(self) -> Programs:
+        self._started.append(self._make())
+        return self._started[-1]
+
+    def _seconds(self) -> float:
+        """Return the time since the trial began, in seconds."""
+        return self._clock() - self._began
+
+    def _cpu_seconds(self) -> float:
+        """Return the processor time of the programs, all closed, in seconds."""
+        return sum(programs.cpu_seconds for programs in self._started)
+
+    def _is_over(self) -> bool:
+        seconds = self._seconds()
+        return seconds > TRIAL_SECONDS and (seconds > MAX_TRIAL_SECONDS or self._cpu_seconds() > TRIAL_SECONDS)
+
+    def _ended(self, report: TrialReport) -> TrialReport:
+        """Return the report, with whether everything was tried in time, and whether others had the processor."""
+        is_over = self._is_over()
+        return replace(report, is_whole=not is_over, is_busy=is_over and self._cpu_seconds() <= TRIAL_SECONDS)
 
     def _load_fault(self, solution: str, functions: object) -> str:
         """Return why a solution does not load; empty where it does."""
@@ -139,9 +171,8 @@ class ExerciseTrial:
 
     def _play_known(self, grader: DeclaredGrader, scenarios: Sequence[Scenario]) -> list[Played]:
         """Return what the solution does, and allow programs that may loop so many times as long."""
-        started = self._clock()
         played = self._play(grader, scenarios)
-        patience = BRIEF_FACTOR * (self._clock() - started)
+        patience = BRIEF_FACTOR * self._started[-1].cpu_seconds  # a busy machine makes no program slower by it
         self._brief_seconds = min(MAX_BRIEF_SECONDS, max(MIN_BRIEF_SECONDS, patience))
         return played
 
@@ -154,8 +185,8 @@ class ExerciseTrial:
             return [played for part in parts_of(scenarios) for played in player.play(part)]
 
     def _player(self, grader: DeclaredGrader, source: str, *, briefly: bool = False) -> Player:
-        programs = self._start_briefly(self._brief_seconds) if briefly else self._start()
-        return Player(programs, source.encode(), grader.kit(TRIAL_SEED))
+        self._started.append(self._make_briefly(self._brief_seconds) if briefly else self._make())
+        return Player(self._started[-1], source.encode(), grader.kit(TRIAL_SEED))
 
     def _try_cases(self, grader: DeclaredGrader) -> tuple[tuple[TriedCase, ...], str]:
         """Return what the solution does in the written cases, and why it does not load."""
@@ -215,14 +246,14 @@ class ExerciseTrial:
                 return inputs.describe(at, case, right)
         return ProposedCase()
 
-    def _try_changes(self, grader: DeclaredGrader, until: float, inputs: TriedInputs) -> Iterator[TriedChange]:
+    def _try_changes(self, grader: DeclaredGrader, inputs: TriedInputs) -> Iterator[TriedChange]:
         """Yield the changes of the solution that were tried in time: those of whole functions first.
 
         Of one function, those that survive for want of different cases are one.
         """
         proposed = set[tuple[str, str]]()
         for body in change_bodies(grader.solution, grader.functions, inputs.calls, inputs.printed):
-            if self._clock() > until:
+            if self._is_over():
                 return
             tried = replace(self._try_change(grader, body.alteration, inputs), words=body.words)
             tried = replace(tried, unseen=tried.unseen and not body.is_asked)
@@ -231,7 +262,7 @@ class ExerciseTrial:
                 yield tried
             proposed |= {place} if tried.survives else set()
         for alteration in _alterations(grader.solution):
-            if self._clock() > until:
+            if self._is_over():
                 return
             yield self._try_change(grader, alteration, inputs)
 

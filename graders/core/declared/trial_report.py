@@ -74,6 +74,7 @@ class TriedChange:
 class TrialReport:
     """A trial. `problem` is what keeps the declaration from being read, at `place`.
 
+    It `is_whole` where everything was tried in time; `is_busy`: the time passed while others had the processor.
     `raising` is a drawn input on which the solution raises an exception of Python, and that exception.
     """
 
@@ -86,6 +87,7 @@ class TrialReport:
     changes: tuple[TriedChange, ...] = ()
     seeds: int = 0
     is_whole: bool = True
+    is_busy: bool = False
     raising: tuple[str, str] = ("", "")
 
     @property

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import itertools
+
 import pytest
 
 from graders.core.declared.case_reading import parse_scenario
@@ -9,7 +11,7 @@ from graders.core.declared.declaration import read_declaration
 from graders.core.declared.grading import DeclaredGrader
 from graders.core.declared.judging import Case, judge
 from graders.core.declared.scenarios import Scenario
-from graders.core.declared.trial import ExerciseTrial
+from graders.core.declared.trial import MAX_BRIEF_SECONDS, ExerciseTrial
 from graders.core.declared.trial_report import TrialReport
 from graders.core.declared.tried_inputs import may_be_proposed
 from server.grading.sandbox_grader import SandboxPrograms
@@ -132,3 +134,21 @@ def test_a_case_that_a_limit_alone_refuses_is_not_proposed(sandbox: Sandbox) -> 
     failure = judge(grader.declaration.checks[0], Case(scenario), *played)
     assert failure is not None, "a grading refuses it"
     assert not may_be_proposed(failure)
+
+
+def test_a_busy_machine_gives_loops_no_more_time_and_is_said_of_it(sandbox: Sandbox) -> None:
+    """The processor's time bounds what loops; where others have the processor, inputs are not too large."""
+    given: list[float] = []
+
+    def start_briefly(seconds: float) -> SandboxPrograms:
+        given.append(seconds)
+        return SandboxPrograms(sandbox, BRIEF)
+
+    clock = itertools.count(0.0, 50.0)
+    trial = ExerciseTrial(
+        "essai/un", lambda: SandboxPrograms(sandbox, POLICY), start_briefly, clock=lambda: float(next(clock))
+    )
+    report = trial.run(declare("f", "def f(n):\n    return n + 1\n", "f(3)", "f(0)"), "")
+    assert (report.is_whole, report.is_busy) == (False, True)
+    assert given
+    assert max(given) < MAX_BRIEF_SECONDS
