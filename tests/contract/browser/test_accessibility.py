@@ -1,7 +1,7 @@
 """axe finds nothing on any page, in light and in dark, before and after a verdict.
 
 The two themes have the same markup: every rule runs in light, those on colours run again in dark, where mathematics
-has the colour of the text around it.
+has the colour of the text around it. A page to read is checked by `test_reading`, which opens one.
 """
 
 from __future__ import annotations
@@ -164,22 +164,11 @@ def test_pages_of_an_account(visit: NewVisit) -> None:
     check(visitor, "erasure")
 
 
-def test_a_page_to_read(visit: NewVisit) -> None:
-    visitor = visit()
-    page = visitor.page
-    path = "/l20/lire/recherche"
-    page.goto(visitor.server.address + path)
-    page.evaluate("document.querySelectorAll('details').forEach(one => one.open = true)")
-    page.locator(".term").first.focus()
-    page.locator("#definition").wait_for()
-    check(visitor, path)
-
-
 @pytest.mark.slow
 @pytest.mark.parametrize(
     "path",
     [
-        "/l20", "/l20/glossaire", "/l20/recherche?q=poids", "/l20/lire/exercices-corriges",
+        "/l20", "/l20/glossaire", "/l20/recherche?q=poids", "/l20/lire/recherche", "/l20/lire/exercices-corriges",
         "/l19", "/l19/lire/kalman", "/l19/lire/formules", "/l19/lire/notations",
     ],
 )  # fmt: skip
