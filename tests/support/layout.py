@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection
 from typing import Any
 
 #: Of texts and buttons, the boxes that are seen: cut by what scrolls around them.
-_FAULTS = """(scrolled) => {
+_FAULTS = """() => {
   const faults = [], boxes = []
   const isShown = (e) => e.checkVisibility({ visibilityProperty: true })
   const hidden = (e) => e.closest(".visually-hidden, dialog:not([open])") || !isShown(e)
@@ -47,7 +46,7 @@ _FAULTS = """(scrolled) => {
     }
   })
   for (const e of [document.documentElement, ...document.body.querySelectorAll("*")]) {
-    if (e.clientWidth <= 1 || hidden(e) || e.closest(".katex, svg") || (scrolled && e.matches(scrolled))) continue
+    if (e.clientWidth <= 1 || hidden(e) || e.closest(".katex, svg")) continue
     const style = getComputedStyle(e), root = e === document.documentElement
     const sideways = e.scrollWidth > e.clientWidth + 1 && (root || style.overflowX !== "visible")
     const below = e.scrollHeight > e.clientHeight + 1 && ["hidden", "clip"].includes(style.overflowY)
@@ -58,10 +57,7 @@ _FAULTS = """(scrolled) => {
 }"""
 
 
-def find_layout_faults(page: Any, scrolled: Collection[str] = ()) -> list[list[str]]:
-    """Return the texts and buttons that stand on each other, and the blocks whose words are cut at the side or below.
-
-    `scrolled`: selectors of blocks that scroll sideways by choice.
-    """
-    found: list[list[str]] = page.evaluate(_FAULTS, ", ".join(scrolled))
+def find_layout_faults(page: Any) -> list[list[str]]:
+    """Return the texts and buttons on each other, and the blocks whose words are cut at the side or below."""
+    found: list[list[str]] = page.evaluate(_FAULTS)
     return found

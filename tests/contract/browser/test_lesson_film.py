@@ -37,8 +37,6 @@ MINUTES = (5, 15, 25, 35, 50, 70)
 STUDENTS = 24
 SCREENS = {"portable": (1280, 800), "bureau": (1024, 768), "telephone": (390, 844)}
 WHOLE_CARDS = {"portable": 4, "bureau": 4, "telephone": 3}
-#: The tabs of a class scroll on a phone.
-SCROLLED = (".class-tabs",)
 CARD_ENDS = "() => [...document.querySelectorAll('.stuck-row')].map((row) => row.getBoundingClientRect().bottom)"
 
 
@@ -132,12 +130,12 @@ def _take(
         page.goto(visitor.server.address + address)
         page.screenshot(path=f"{path}-{screen}.png")
         shown = shown or page.inner_text("main")
-        faults += [[path.name, screen, *fault] for fault in find_layout_faults(page, SCROLLED)]
+        faults += [[path.name, screen, *fault] for fault in find_layout_faults(page)]
         ends = page.evaluate(CARD_ENDS)[: whole_cards[screen]] if whole_cards else ()
         faults += [[path.name, screen, "card below the screen", str(end)] for end in ends if end > height]
         tab = page.get_by_text("Erreurs, finis")
         if tab.is_visible():
             tab.click()
             page.screenshot(path=f"{path}-{screen}-erreurs.png")
-            faults += [[path.name, screen, *fault] for fault in find_layout_faults(page, SCROLLED)]
+            faults += [[path.name, screen, *fault] for fault in find_layout_faults(page)]
     return shown, faults
