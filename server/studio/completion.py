@@ -18,6 +18,7 @@ from graders.core.declared.imports import read_imports
 from graders.core.declared.malformed import MalformedDeclaration
 from graders.core.declared.proposals import ProposedDraws
 from graders.core.declared.scenarios import PROGRAM, Scenario
+from graders.core.declared.tolerances import propose_tolerance
 from graders.core.declared.trial import ExerciseTrial
 from graders.core.declared.wording import describe_case
 from graders.core.syntax_trees import evaluate_literal
@@ -74,6 +75,9 @@ def complete_draft(draft: ExerciseDraft, trial: ExerciseTrial) -> CompletedExerc
     calls = [case.call for check in draft.checks for case in check.written]
     functions = draft.functions.replace(",", " ").split() or proposals.propose_functions(solution, calls)
     checks = [_check(number, check) for number, check in enumerate(draft.checks, 1)]
+    tolerance = _propose_tolerance(solution, checks[0]["cas"], functions)
+    for check in (each for each in checks if tolerance and "regarder" not in each):
+        check.setdefault("tolerance", tolerance)
     declaration: dict[str, Any] = {
         "fonctions": functions,
         "solution": solution,
@@ -155,6 +159,16 @@ def _mistakes(drafts: Sequence[MistakeDraft]) -> list[dict[str, str]]:
         }
         for identity, draft in named.items()
     ]
+
+
+def _propose_tolerance(solution: str, cases: Sequence[str], functions: Sequence[str]) -> str:
+    """Return the parameter within which the solution's answers are right, by the first check's cases; often empty."""
+    try:
+        imports = read_imports(solution)
+        scenarios = [Scenario(parse_scenario(case, functions, imports=imports)) for case in cases]
+        return propose_tolerance(solution, scenarios) if scenarios else ""
+    except (MalformedDeclaration, SyntaxError, ValueError, RecursionError, MemoryError):
+        return ""  # the trial says what is wrong
 
 
 def _propose_draws(

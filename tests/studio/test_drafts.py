@@ -7,6 +7,14 @@ from html import unescape
 
 import pytest
 
+from graders.core.declared.case_reading import parse_scenario
+from graders.core.declared.declaration import read_declaration
+from graders.core.declared.grading import DeclaredGrader
+from graders.core.declared.scenarios import Scenario
+from graders.core.declared.tolerances import propose_tolerance
+from server.grading.sandbox_grader import SandboxPrograms
+from server.grading.trial_task import TRIAL_POLICY
+from server.sandbox import Sandbox
 from server.studio.drafts import ExerciseDraft
 from server.studio.models import AuthoredExercise
 from server.studio.service import find_own, read_draft
@@ -261,3 +269,53 @@ def test_a_draft_is_its_author_s_alone(studio: Studio) -> None:
         assert db.query(AuthoredExercise).count() == 0
         with pytest.raises(Exception, match="n’existe plus"):
             find_own(db, studio.teacher.account, path.rpartition("/")[2])
+
+
+BISECTION = """def dichotomie(f, a, b, {name}):
+    while b - a > {name}:
+        m = (a + b) / 2
+        if f(a) * f(m) <= 0:
+            b = m
+        else:
+            a = m
+    return (a + b) / 2
+"""
+
+
+@pytest.mark.parametrize(
+    ("solution", "given", "tolerance"),
+    [
+        (BISECTION.format(name="eps"), "0.001", "eps"),
+        (BISECTION.format(name="largeur"), "0.001", "largeur"),
+        ("def racine(x, a, b, tol):\n    return x ** 0.5\n", "1e-6", "tol"),
+        ("def arrondi(x, a, b, precision):\n    return round(2 / 3, precision)\n", "2", ""),
+        ("def pas(f, t, y, h):\n    return y + h * f(t + y)\n", "0.1", ""),
+    ],
+)
+def test_the_precision_that_a_call_asks_for_is_the_tolerance(solution: str, given: str, tolerance: str) -> None:
+    name = solution[4 : solution.index("(")]
+    calls = [f"{name}(lambda x: x - {number}, 0, 2, {given})" for number in (1, 0.7)]
+    scenarios = [Scenario(parse_scenario(call, [name])) for call in calls]
+    assert propose_tolerance(solution, scenarios) == tolerance
+
+
+def test_the_page_proposes_the_precision_and_other_bisections_are_right(
+    studio: Studio, course_sandbox: Sandbox
+) -> None:
+    """A recursive bisection that returns an end of its last interval was given 0 for being nearer to the root."""
+    path = studio.create()
+    recursive = (
+        "def dichotomie(f, a, b, eps):\n    m = (a + b) / 2\n    if b - a <= eps:\n        return a\n"
+        "    return dichotomie(f, a, m, eps) if f(a) * f(m) <= 0 else dichotomie(f, m, b, eps)\n"
+    )
+    form = {**PLAIN, "solution": BISECTION.format(name="eps"), "v-0-c-0-attendu": "", "v-0-c-1-attendu": ""}
+    calls = {"v-0-c-0-appel": "dichotomie(lambda x: x ** 3 - 2, 1, 3, 0.001)"}
+    calls["v-0-c-1-appel"] = "dichotomie(lambda x: x - 1, 0, 3, 1e-6)"
+    studio.browser.post(path, data=FORM | form | calls)
+    studio.worker.run_one()  # the changes of a bisection take their time
+    assert 'name="ecart-0" value="" placeholder="eps"' in studio.browser.get(path).text
+    declared = (studio.stored(path).trial or {})["completed"]["declaration"]
+    assert declared["verifications"][0]["tolerance"] == "eps"
+    grader = DeclaredGrader("l20/essai", read_declaration(declared))
+    graded = grader.grade(recursive.encode(), SandboxPrograms(course_sandbox, TRIAL_POLICY), seed=1, version="")
+    assert graded.verdict.points == 20

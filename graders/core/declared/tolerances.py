@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import ast
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -15,6 +15,8 @@ from graders.core.declared.malformed import MalformedDeclaration
 from graders.core.declared.scenarios import Scenario, Statement
 from graders.core.syntax_trees import evaluate_literal, parse_source
 
+#: Names of a parameter that says how far from the answer one may be, and values that one may have.
+PRECISIONS, MAX_PRECISION = frozenset({"eps", "epsilon", "tol", "tolerance", "precision"}), 0.5
 #: The parameters of each function or method, with the values of those that may be left out.
 Parameters = Mapping[str, Mapping[str, tuple[Value, ...]]]
 
@@ -42,20 +44,59 @@ class CaseTolerance:
 
     def of(self, scenario: Scenario) -> float:
         """Return the tolerance of a case; `TOLERANCE` where it gives none that is a positive number."""
-        for statement in reversed(scenario.statements):
-            given = self._arguments(statement)
-            try:
-                value = self._evaluate(given)
-            except (KeyError, TypeError, ArithmeticError, MalformedDeclaration):
-                continue
-            if isinstance(value, int | float) and math.isfinite(value) and value > 0:
-                return float(value)
-        return TOLERANCE
+        given = (self.of_call(statement) for statement in reversed(scenario.statements))
+        return next((value for value in given if value is not None), TOLERANCE)
+
+    def of_call(self, call: Statement) -> float | None:
+        """Return the tolerance of a call; None where it gives none that is a positive number."""
+        try:
+            value = self._evaluate(self._arguments(call))
+        except (KeyError, TypeError, ArithmeticError, MalformedDeclaration):
+            return None
+        return float(value) if isinstance(value, int | float) and math.isfinite(value) and value > 0 else None
 
     def _arguments(self, call: Statement) -> dict[str, Value]:
         parameters = self.parameters.get(call.callee.rpartition(".")[2], {})
         defaults = {name: default[0] for name, default in parameters.items() if default}
         return {**defaults, **dict(zip(parameters, call.arguments, strict=False)), **dict(call.named)}
+
+
+def propose_tolerance(solution: str, scenarios: Sequence[Scenario]) -> str:
+    """Return the parameter of a solution within which an answer is right; empty where none is known to be such.
+
+    It has one of the usual names, or a difference is compared with it, and the scenarios of one call all give it a
+    small number: a precision may also be a number of digits.
+    """
+    calls = [scenario.statements[-1] for scenario in scenarios]
+    functions = {call.callee for call in calls}
+    parameters = _parameters(solution).get(functions.pop(), {}) if len(functions) == 1 else {}
+    compared = _compared_with_differences(solution)
+    for name in parameters:
+        if name.lower() in PRECISIONS or name in compared:
+            tolerance = CaseTolerance.read(name, solution)
+            given = [tolerance.of_call(call) for call in calls]
+            if all(value is not None and 0 < value < MAX_PRECISION for value in given):
+                return name
+    return ""
+
+
+def _compared_with_differences(solution: str) -> frozenset[str]:
+    """Return the names with which a loop compares a difference: « b - a > eps », « abs(x - y) >= h »."""
+    tests = (node.test for node in ast.walk(parse_source(solution)) if isinstance(node, ast.While))
+    compared = (part for test in tests for part in ast.walk(test) if isinstance(part, ast.Compare))
+    sides = ((one, other) for node in compared for one, other in _sides(node))
+    return frozenset(one.id for one, other in sides if isinstance(one, ast.Name) and _is_difference(other))
+
+
+def _sides(node: ast.Compare) -> Iterator[tuple[ast.expr, ast.expr]]:
+    yield node.left, node.comparators[0]
+    yield node.comparators[0], node.left
+
+
+def _is_difference(node: ast.expr) -> bool:
+    if isinstance(node, ast.Call) and ast.unparse(node.func) in ("abs", "math.fabs", "np.abs") and node.args:
+        return _is_difference(node.args[0])
+    return isinstance(node, ast.BinOp) and isinstance(node.op, ast.Sub)
 
 
 def _parameters(solution: str) -> dict[str, dict[str, tuple[Value, ...]]]:

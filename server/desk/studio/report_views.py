@@ -13,6 +13,8 @@ from server.studio.completion import DRAWN_POINTS
 from server.studio.drafts import ExerciseDraft, program_digest
 
 OFFERED_MISTAKES = 8
+#: The tolerance of decimal numbers where none is chosen or proposed.
+USUAL_TOLERANCE = "1e-9"
 _PLACE = re.compile(r"(verifications|erreurs)\[(\d+)\](?:\.(\w+)(?:\[(\d+)\])?)?")
 #: A decimal number among a value's digits, in which another right method may change the last ones.
 _DECIMAL = re.compile(r"\d\.\d|\de-\d")
@@ -43,7 +45,7 @@ def read_report(report: TrialReport, completed: Mapping[str, Any], draft: Exerci
             (titles.get(tried.id, tried.id), tried, titles.get(tried.instead, "")) for tried in report.mistakes
         ],
         "untried": len(titles) if not holds else 0,
-        "tolerances": _tolerances(report, draft),
+        "tolerances": _tolerances(report, draft, checks),
         "missing_cases": any(tried.case for tried in report.mistakes),
         "offered": _offered_mistakes(changes, draft),
         "alive": _survivors(report, draft),
@@ -57,10 +59,23 @@ def read_report(report: TrialReport, completed: Mapping[str, Any], draft: Exerci
     }
 
 
-def _tolerances(report: TrialReport, draft: ExerciseDraft) -> list[tuple[int, str]]:
-    """Return the checks whose answers have decimal numbers, with the tolerance that their author has chosen."""
+def _tolerances(
+    report: TrialReport, draft: ExerciseDraft, checks: Sequence[Mapping[str, Any]]
+) -> list[tuple[int, str, str]]:
+    """Return the checks whose answers have decimal numbers, with the tolerance that their author has chosen and the
+    usual one, which counts without it: a parameter of the solution where that was proposed."""
     decimal = sorted({case.check for case in report.cases if not case.fault and _is_decimal(case.given)})
-    return [(at, draft.checks[at].tolerance) for at in decimal if at < len(draft.checks)]
+    return [
+        (
+            at,
+            draft.checks[at].tolerance,
+            USUAL_TOLERANCE
+            if draft.checks[at].tolerance.strip()
+            else str(checks[at].get("tolerance", USUAL_TOLERANCE)),
+        )
+        for at in decimal
+        if at < len(draft.checks)
+    ]
 
 
 def _is_decimal(text: str) -> bool:
