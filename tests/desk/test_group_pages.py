@@ -117,6 +117,8 @@ def test_a_pair_is_formed_on_the_pages_and_both_are_told(school: School) -> None
         assert f"Vous rendez ce devoir avec {partner}" in read(browser, school.href)
         assert f"compte pour vous et {partner}" in read(browser, "/l20/exercices/poses")
     assert "Ada, Bob" in read(martin, f"{href}/equipes")
+    assert "Ada, Bob" in read(martin, f"{href}/equipes?q=BÔB+ada"), "accents and case aside"
+    assert "Personne ne correspond" in read(martin, f"{href}/equipes?q=ada+zoé")
     smaller = martin.post(f"{href}/modifier", data=GOOD | {"rendu_a": "1"})
     assert smaller.status_code == 422
     assert "gardez au moins 2" in smaller.text

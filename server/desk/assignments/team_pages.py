@@ -20,6 +20,7 @@ from server.assignments.team_rules import TeamPlace, list_partners, list_shares,
 from server.base.errors import Conflict, Invalid, InvalidFields, NotFound
 from server.base.validation import parse_uuid
 from server.classes import repository as classes
+from server.classes.folding import normalise_name
 from server.classes.schemas import Member
 from server.course import Course
 from server.course.dependencies import CourseOf
@@ -107,8 +108,8 @@ def _build_page(
     rows = _team_rows(team_repository.load_teams(db, [assignment.id]).get(assignment.id, ()))
     taken = {row.account_id for row in team_repository.load_current_members(db, assignment.id)}
     students = teams.eligible_students(db, assignment)
-    wanted = search.strip().casefold()
-    matching = [row for row in rows if any(wanted in name.casefold() for name in row.members)]
+    wanted = normalise_name(search).split()
+    matching = [row for row in rows if all(word in normalise_name(" ".join(row.members)) for word in wanted)]
     first = (number - 1) * TEAMS_A_PAGE
     return TeamsPage(
         head=class_head(course, access, TAB),
