@@ -72,8 +72,8 @@ def test_canonical_data_of_exercism(tmp_path: Path) -> None:
     assert draft.functions == ["count_words", "apply"]
     assert draft.checks[0]["cas"] == ["count_words('')", "count_words('a b a')", "count_words(None)"]
     assert draft.checks[0]["attendus"] == ["{}", "{'a': 2, 'b': 1}", "ValueError"]
-    assert [line.partition(" ")[0] for line in draft.to_look_at] == ["cases[2]", "cases[3]", "la"]
-    assert draft.left == ["cases[4] : ni propriété, ni entrées"]
+    assert [line.partition(" ")[0] for line in draft.to_look_at] == ["cases[2]", "cases[3]", "écrivez"]
+    assert draft.left == ["cases[4] : ce cas n’a pas « property » et « input »"]
 
 
 def test_questions_of_coderunner(tmp_path: Path) -> None:
@@ -145,7 +145,9 @@ def test_a_suite_of_tested(tmp_path: Path) -> None:
     assert (written["cas"], written["attendus"]) == (
         ["fichier('a.txt', 'bon')\ncopier('a.txt', 'b.txt')"], ["{'b.txt': 'BON'}"],
     )  # fmt: skip
-    assert draft.left == ["onglet 1, contexte 1, test 5 : « return » a un correcteur programmé"]
+    assert draft.left == [
+        "onglet 1, contexte 1, test 5 : « return » est comparé par un programme (« oracle »), qui n’est pas repris"
+    ]
     read_declaration(draft.declaration() | {"solution": ""})
     (whole,) = drafts(tmp_path, "suite.yml", WHOLE)
     assert whole.functions == ["programme"]

@@ -392,7 +392,8 @@ READERS: tuple[Reader, ...] = (
         lambda text: code_digest(encode_bounded(text, CODE).decode()),
         BODY,
         {**TEXTS, **PROGRAMS},
-        "body:NewSubmission.code body:NewRun.code body:CallBody.code body:CellBody.code raw:server.pages.routes._code "
+        "body:NewSubmission.code body:NewRun.code body:CallBody.code body:CallBody.after body:CellBody.code "
+        "raw:server.pages.routes._code "
         "raw:server.pages.own_run.run_own_call "
         "raw:server.pages.routes.save raw:server.pages.routes.submit",
     ),
