@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import AsyncIterator
-from functools import partial
 from typing import Annotated
 
 from fastapi import APIRouter, Header, Query, Request
@@ -11,22 +10,20 @@ from fastapi.responses import Response, StreamingResponse
 from starlette.concurrency import run_in_threadpool
 
 from server.base.http import client_address
-from server.board import service
 from server.board.dependencies import LiveBoardsOf
 from server.board.live import BOARD
 from server.board.schemas import Board
 from server.course.dependencies import CourseOf
-from server.database import Database
 from server.database.dependencies import DatabaseOf
 from server.desk.board.changes import OpenBoard, board_events
 from server.desk.board.misconception_views import misconception_page
 from server.desk.board.projection import Programs, ProjectionPage, complete_projection, prepare_projection
+from server.desk.live_parts import SIGN_OF_LIFE, require_watched_class
 from server.desk.views import class_href
 from server.identity.dependencies import SignedIn
 from server.identity.models import Account
 from server.rights import service as rights
 from server.rights.models import Right
-from server.rights.service import ClassAccess
 from server.steps.routes import StepsDep
 from server.submissions.job_events import STREAM_HEADERS
 from server.web.dependencies import CurrentReader
@@ -36,7 +33,6 @@ from server.web.rendering import render_page
 router = APIRouter(include_in_schema=False)
 
 Text = Annotated[str, Query(max_length=200)]
-SIGN_OF_LIFE = ":\n\n"
 
 
 @router.get("/classes/{class_id}/erreurs/{module}/{slug}/{mistake}")
@@ -82,24 +78,10 @@ async def events(
     erreurs: Text = "", last_event_id: Annotated[str, Header(max_length=200)] = "",
 ) -> StreamingResponse:  # fmt: skip
     """Stream the changes of the page as HTML. `version`, or the id of the last event: the version that it shows."""
-    access = await run_in_threadpool(
-        _require_access, database, account, class_id
-    )  # refusals come before the stream begins
-    boards.require_free_stream(account.id)
-    allowed = partial(_may_watch, database, account, access)
+    access, allowed = await require_watched_class(database, account, boards, class_id)
     view = OpenBoard(course, class_href(access.school_class), last_event_id or version, bool(erreurs))
     stream = _event_stream(boards.follow(BOARD, access.school_class.id, account.id, allowed), view)
     return StreamingResponse(stream, media_type="text/event-stream", headers=STREAM_HEADERS)
-
-
-def _require_access(database: Database, account: Account, class_id: str) -> ClassAccess:
-    with database.read() as db:
-        return rights.require_right(db, account, Right.read_work, class_id)
-
-
-def _may_watch(database: Database, account: Account, access: ClassAccess) -> bool:
-    with database.read() as db:
-        return service.may_watch_board(db, account.id, access.school_class.id)
 
 
 async def _event_stream(boards: AsyncIterator[Board | None], view: OpenBoard) -> AsyncIterator[str]:

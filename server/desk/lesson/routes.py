@@ -8,21 +8,19 @@ from typing import Annotated
 
 from fastapi import APIRouter, Form, Query, Request
 from fastapi.responses import HTMLResponse, Response, StreamingResponse
-from starlette.concurrency import run_in_threadpool
 
 from server.base.app_services import SettingsOf
 from server.base.errors import Conflict, Invalid, NotFound
 from server.base.settings import Settings
 from server.base.validation import parse_uuid
 from server.board.dependencies import LiveBoardsOf
-from server.board.service import may_watch_board
 from server.classes.service import NOT_A_MEMBER
-from server.database import Database, roll_back_then_read, utc_now
+from server.database import roll_back_then_read, utc_now
 from server.database.dependencies import DatabaseOf
 from server.desk.lesson import views
 from server.desk.lesson.live import LESSON, ShownLesson
 from server.desk.lesson.review import review_page
-from server.desk.live_parts import stream_parts
+from server.desk.live_parts import require_watched_class, stream_parts
 from server.desk.views import class_href
 from server.identity.dependencies import SignedIn
 from server.identity.models import Account
@@ -131,9 +129,7 @@ async def stream_lesson(
     mur: Annotated[str, Query(max_length=10)] = "",
 ) -> StreamingResponse:  # fmt: skip
     """Stream the parts of the page that change, as HTML; `mur`: of the view for the projector."""
-    access = await run_in_threadpool(_require_access, database, account, class_id)  # before the stream begins
-    boards.require_free_stream(account.id)
-    allowed = partial(_may_watch, database, account, access)
+    access, allowed = await require_watched_class(database, account, boards, class_id)
     shown = boards.follow(LESSON, access.school_class.id, account.id, allowed)
     render = views.render_wall if mur else partial(views.render_parts, access=access)
 
@@ -142,16 +138,6 @@ async def stream_lesson(
 
     stream = stream_parts(shown, render_shown)
     return StreamingResponse(stream, media_type="text/event-stream", headers=STREAM_HEADERS)
-
-
-def _require_access(database: Database, account: Account, class_id: str) -> ClassAccess:
-    with database.read() as db:
-        return rights.require_right(db, account, Right.read_work, class_id)
-
-
-def _may_watch(database: Database, account: Account, access: ClassAccess) -> bool:
-    with database.read() as db:
-        return may_watch_board(db, account.id, access.school_class.id)
 
 
 @router.get("/classes/{class_id}/seance/{lesson_id}")

@@ -13,18 +13,15 @@ from starlette.concurrency import run_in_threadpool
 from server.base.errors import Conflict, Invalid, NotFound
 from server.base.http import client_address
 from server.board.dependencies import LiveBoardsOf
-from server.board.service import may_watch_board
 from server.course.dependencies import CourseOf
-from server.database import Database, roll_back_then_read
+from server.database import roll_back_then_read
 from server.database.dependencies import DatabaseOf
-from server.desk.live_parts import stream_parts
+from server.desk.live_parts import require_watched_class, stream_parts
 from server.desk.warmup import live, views
 from server.hunts.dependencies import HuntsOf
 from server.identity.dependencies import SignedIn
-from server.identity.models import Account
 from server.rights import service as rights
 from server.rights.models import Right
-from server.rights.service import ClassAccess
 from server.submissions.job_events import STREAM_HEADERS
 from server.warmup import service
 from server.warmup.service import NO_QUESTION, WarmUpService
@@ -120,20 +117,8 @@ async def stream_answers(
     reponses: Literal["", "oui"] = "",
 ) -> StreamingResponse:
     """Stream the numbers of answers, as HTML; `mur`: those of one projected question."""
-    access = await run_in_threadpool(_require_access, database, account, class_id)  # before the stream begins
-    boards.require_free_stream(account.id)
-    allowed = partial(_may_watch, database, account, access)
+    access, allowed = await require_watched_class(database, account, boards, class_id)
     shown = boards.follow(live.WARM_UP, access.school_class.id, account.id, allowed)
     wall = partial(live.render_wall, number=number - 1, shows_answers=bool(reponses))
     stream = stream_parts(shown, wall if mur else live.render_counts)
     return StreamingResponse(stream, media_type="text/event-stream", headers=STREAM_HEADERS)
-
-
-def _require_access(database: Database, account: Account, class_id: str) -> ClassAccess:
-    with database.read() as db:
-        return rights.require_right(db, account, Right.read_work, class_id)
-
-
-def _may_watch(database: Database, account: Account, access: ClassAccess) -> bool:
-    with database.read() as db:
-        return may_watch_board(db, account.id, access.school_class.id)
