@@ -211,7 +211,10 @@ def read_declaration(data: Mapping[str, Any]) -> Declaration:
         if not functions or not all(FUNCTION.fullmatch(name) for name in functions):
             raise MalformedDeclaration("au moins une fonction, par son nom", "fonctions")
         solution = table.text("solution", longest=MAX_PROGRAM)
-        checks = tuple(_check(*entry, functions, solution) for entry in table.tables("verifications", most=MAX_CHECKS))
+        imports = read_imports(solution)
+        checks = tuple(
+            _check(*entry, functions, solution, imports) for entry in table.tables("verifications", most=MAX_CHECKS)
+        )
         rules = (
             *_rules(table.texts("interdits", most=MAX_CASES), "interdits", required=False),
             *_rules(table.texts("demandes", most=MAX_CASES), "demandes", required=True),
@@ -225,8 +228,7 @@ def read_declaration(data: Mapping[str, Any]) -> Declaration:
     return Declaration(functions, checks, rules, solution, mistakes, dict(data))
 
 
-def _check(place: str, data: object, functions: tuple[str, ...], solution: str) -> DeclaredCheck:
-    imports = read_imports(solution)
+def _check(place: str, data: object, functions: tuple[str, ...], solution: str, imports: Imports) -> DeclaredCheck:
     with _TableReader(data, place) as table:
         identity = _identity(table)
         lines, files = table.lines("entrees"), table.files("fichiers")

@@ -7,6 +7,18 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
+#: The solution of an exercise that asks for a class.
+STACK = """class Pile:
+    def __init__(self):
+        self.t = []
+    def empiler(self, x):
+        self.t.append(x)
+    def depiler(self):
+        return self.t.pop()
+    def est_vide(self):
+        return not self.t
+"""
+
 
 @dataclass(frozen=True)
 class Kind:

@@ -18,18 +18,8 @@ from server.grading.sandbox_grader import SandboxPrograms
 from server.sandbox import Policy, Sandbox
 
 from .conftest import POLICY
-from .kinds import declare
+from .kinds import STACK, declare
 
-STACK = """class Pile:
-    def __init__(self):
-        self.t = []
-    def empiler(self, x):
-        self.t.append(x)
-    def depiler(self):
-        return self.t.pop()
-    def est_vide(self):
-        return not self.t
-"""
 PUSHED = "p = Pile(); p.empiler(3); p.empiler(4); p.depiler()"
 STEPS = "def arrondi(x, pas):\n    return pas * round(x / pas)\n"
 COUNT = "def f(n):\n    k = 0\n    while k < n:\n        k += 1\n    return k\n"

@@ -19,7 +19,7 @@ from server.grading.sandbox_grader import SandboxPrograms
 from server.sandbox import Sandbox
 
 from .conftest import POLICY
-from .kinds import declare
+from .kinds import STACK, declare
 
 MEAN = "def moyenne(t):\n    return sum(t) / len(t) if t else 0.0\n"
 INTEGER = {
@@ -230,18 +230,6 @@ def test_a_power_has_bounds(text: str, words: str) -> None:
 def test_a_comparison_is_sent_to_both_fields() -> None:
     with pytest.raises(MalformedDeclaration, match=re.escape("écrivez f(2.5) comme appel, et 2.5 comme résultat")):
         parse_scenario("f(2.5) == 2.5", ["f"])
-
-
-STACK = """class Pile:
-    def __init__(self):
-        self.t = []
-    def empiler(self, x):
-        self.t.append(x)
-    def depiler(self):
-        return self.t.pop()
-    def est_vide(self):
-        return not self.t
-"""
 
 
 @pytest.mark.parametrize(
