@@ -55,6 +55,12 @@ def next_turn(state: FlowState) -> Turn:
 
 
 def _start_tag(served: int | None, first_waiting: int | None, previous: int | None) -> int:
-    """Return the turn after `previous`; without one, right after the turn being served."""
-    now = max(0 if served is None else served, 0 if first_waiting is None else first_waiting - 1)
+    """Return the turn after `previous`; without one, right after the turn being served.
+
+    The turn being served is unknown between two jobs, and too low while an old job still runs beside newer ones: then
+    it is the one before the first that waits.
+    """
+    now = served or 0
+    if first_waiting is not None and (served is None or first_waiting > served + TURN_STEP):
+        now = first_waiting - 1
     return now + 1 if previous is None else max(now + 1, previous + TURN_STEP)

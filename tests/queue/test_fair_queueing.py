@@ -99,10 +99,31 @@ def test_backlogs_of_three_guests_delay_others_by_one_turn_at_most(either: Baker
     (other,) = either.put(guest("o", "198.51.100.7"))
     (neighbour,) = either.put(guest("n"))
     (ada,) = either.put(member("A"))
-    assert either.places([ada, other, neighbour]) == [1, 3, 4]
+    assert either.places([ada, other, neighbour]) == [1, 2, 4]
     assert all(running)
-    assert who(either.served(6)) == "Aconab"
+    assert who(either.served(6)) == "Aocnab"
     assert Counter(who(either.served(6))) == Counter(a=2, b=2, c=2)
+
+
+def test_a_newcomer_goes_before_the_second_job_of_the_flow_that_is_served(either: Bakery) -> None:
+    either.put(member("a"), 3)
+    running = either.claim()
+    either.put(member("b"))
+    assert running is not None
+    either.finish(running)
+    assert who(either.served()) == "baa"
+
+
+def test_newcomers_one_after_the_other_do_not_starve_a_flow(bakery: Bakery) -> None:
+    bakery.put(member("a"), 3)
+    order = []
+    for name in "bcdefg":
+        running = bakery.claim()
+        bakery.put(member(name))
+        assert running is not None
+        bakery.finish(running)
+        order.append(running.key)
+    assert who([*order, *bakery.served()]) == "abacdeafg"
 
 
 def test_a_heap_gives_every_second_turn_to_whoever_comes_back(bakery: Bakery) -> None:
