@@ -196,3 +196,10 @@ export function createEditor({ area, text, label, onChange, onSubmit, covered })
     },
   };
 }
+
+// Where there is a bar of keys: as editor.css, which hides it elsewhere.
+export function onTouchWidth(action) {
+  const touch = window.matchMedia("(max-width: 40rem), (pointer: coarse)");
+  if (touch.matches) action();
+  else touch.addEventListener("change", action, { once: true });
+}

@@ -54,7 +54,7 @@ async function setUpEditor() {
   const text = reconciled(form, keyOf(form.dataset.account), draft, there);
   area.value = text;
   try {
-    const { createEditor } = await import("./editor.js");
+    const { createEditor, onTouchWidth } = await import("./editor.js");
     let covered = () => 0;
     const options = { onChange: saveDraft, onSubmit: () => form.requestSubmit(), covered: () => covered() };
     editor = createEditor({ area, text: area.value, ...options });
@@ -78,13 +78,6 @@ async function setUpEditor() {
   }
   if (editor.get() !== there) saves.changed();
   draft.tellAnother();
-}
-
-// As editor.css, which hides the bar elsewhere.
-function onTouchWidth(action) {
-  const touch = window.matchMedia("(max-width: 40rem), (pointer: coarse)");
-  if (touch.matches) action();
-  else touch.addEventListener("change", action, { once: true });
 }
 
 function showMessage(text, step = null) {

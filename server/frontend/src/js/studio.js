@@ -1,6 +1,7 @@
 // The form of a teacher's exercise: saved a moment after it changes, its statement drawn as it is typed, and the panel of
 // its trial brought up to date. What does not reach the server is kept in this browser.
 
+import { refresh, removeEditors, setUpProgramFields } from "./program_fields.js";
 import { headersFor } from "./send.js";
 import { keep, recall } from "./storage.js";
 import { fill, readDraft, setUpAside, writeDraft } from "./unsaved.js";
@@ -88,6 +89,7 @@ function setUp() {
 
   function take(fields) {
     fill(form, fields, addField);
+    refresh(form);
     form.querySelectorAll(".studio-mistake:not([data-blank])").forEach(nameMistake);
     changed = true;
     timer = setTimeout(save, CALM_MS);
@@ -148,7 +150,7 @@ function setUpPreview() {
   });
 }
 
-// Cases and programs are as high as what is typed in them; Tab moves on, as everywhere in a form.
+// Cases are as high as what is typed in them, and so are programs where their editor is not there.
 function grow(area) {
   area.style.height = "auto";
   area.style.height = `${area.scrollHeight + 2}px`;
@@ -179,6 +181,7 @@ function addRow(last) {
 function addMistake(last) {
   const blank = document.createElement("template");
   blank.innerHTML = last.outerHTML.replace(/\be-(\d+)-/g, (_, number) => `e-${Number(number) + 1}-`);
+  removeEditors(blank.content);
   last.removeAttribute("data-blank");
   last.after(blank.content);
   last.nextElementSibling.open = false;
@@ -229,6 +232,8 @@ if (form) {
   form.addEventListener("keydown", indentLine);
   form.addEventListener("toggle", ({ target }) => target.querySelectorAll?.("textarea.code-area").forEach(grow), true);
 }
+
+setUpProgramFields(document.querySelector(".studio"));
 
 // A program that is being graded: the page comes back with its verdict.
 if (document.querySelector("[data-again]")) setTimeout(() => location.reload(), LOOK_MS);
