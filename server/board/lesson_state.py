@@ -23,17 +23,18 @@ VISIT_LASTS = timedelta(minutes=10)
 
 
 @dataclass(frozen=True)
-class RecentMistake:
-    """A misconception that attempts of the last minutes show; `students` made it then, the latest last.
+class LessonMistake:
+    """A misconception of a lesson. `still`: the students whose latest attempt shows it, whenever it was sent, the
+    earliest first; `ever` counts all students of the class who ever made it.
 
-    `ever` counts all students of the class who ever made it; `still`: those whose latest attempt shows it.
+    `latest_at`: when an attempt showed it last.
     """
 
     exercise: str
     id: str
-    students: tuple[UUID, ...]
-    still: frozenset[UUID]
+    still: tuple[UUID, ...]
     ever: int
+    latest_at: datetime
 
     @property
     def may_be_projected(self) -> bool:
@@ -51,15 +52,18 @@ class ExerciseCount:
 
 @dataclass(frozen=True)
 class LessonState:
-    """A lesson at one time. `stuck`: the most urgent first; `visited`: those left out as they were just seen.
+    """A lesson at one time. `stuck`: the longest first; `visited`: those left out as they were just seen.
 
+    `mistakes`: those that most students still make; `overcome`: those of the last minutes that nobody makes any more,
+    where there is room.
     `finished` have solved all exercises of the day, the latest last; `absent` were not there since it began.
     `helpers`: by stuck student, who has finished and could help them.
     """
 
     stuck: tuple[StuckStudent, ...]
     visited: tuple[UUID, ...]
-    mistakes: tuple[RecentMistake, ...]
+    mistakes: tuple[LessonMistake, ...]
+    overcome: tuple[LessonMistake, ...]
     finished: tuple[UUID, ...]
     absent: tuple[UUID, ...]
     exercises: tuple[ExerciseCount, ...]
@@ -74,10 +78,13 @@ def build_state(progress: ClassProgress, lesson: LiveLesson, visits: Mapping[UUI
     shown = tuple(row for row in stuck if row.account not in just_seen)
     solved = _solved_times(progress.attempts, lesson.exercises)
     finished = _finished(progress, solved, lesson.exercises)
+    mistakes = lesson_mistakes(progress, expected)
+    current = tuple(row for row in mistakes if row.still)[:MAX_MISTAKES]
     return LessonState(
         stuck=shown,
         visited=tuple(row.account for row in stuck if row.account in just_seen),
-        mistakes=recent_mistakes(progress, progress.now - RECENT_MISTAKES)[:MAX_MISTAKES],
+        mistakes=current,
+        overcome=tuple(row for row in mistakes if _is_just_overcome(row, progress.now))[: MAX_MISTAKES - len(current)],
         finished=finished,
         absent=_absent(progress, lesson.started_at),
         exercises=tuple(_count(progress, exercise, solved) for exercise in lesson.exercises),
@@ -90,30 +97,30 @@ def _is_just_seen(visit: LessonVisit | None, row: StuckStudent, now: datetime) -
     return visit is not None and visit.exercise == row.exercise and now - visit.visited_at < VISIT_LASTS
 
 
-def recent_mistakes(progress: ClassProgress, since: datetime) -> tuple[RecentMistake, ...]:
-    """Return the misconceptions that attempts since a time show, by how many students made them.
+def _is_just_overcome(row: LessonMistake, now: datetime) -> bool:
+    return not row.still and row.latest_at >= now - RECENT_MISTAKES
 
-    Those that nobody has any more come last.
+
+def lesson_mistakes(progress: ClassProgress, expected: Expected) -> tuple[LessonMistake, ...]:
+    """Return the misconceptions of a lesson: those at its exercises, and those of attempts since it began at others.
+
+    The first are those that most students still make, however long ago they sent their last attempt: a student who
+    falls silent has not overcome a mistake.
     """
-    made: dict[tuple[str, str], list[tuple[datetime, UUID]]] = defaultdict(list)
-    for (account, exercise), attempts in progress.attempts.items():
-        if attempts[-1].sent_at < since:
-            continue
-        latest = {attempt.diagnosis: attempt.sent_at for attempt in attempts if attempt.sent_at >= since}
-        for misconception, sent_at in latest.items():
-            if misconception is not None:
-                made[exercise, misconception].append((sent_at, account))
-    rows = [_mistake(progress, *key, [account for _, account in sorted(times)]) for key, times in made.items()]
+    made: dict[tuple[str, str], list[Attempts]] = defaultdict(list)
+    for (_, exercise), attempts in progress.attempts.items():
+        for misconception in {attempt.diagnosis for attempt in attempts if attempt.diagnosis is not None}:
+            made[exercise, misconception].append(attempts)
+    rows = (_mistake(*key, own) for key, own in made.items())
+    shown = [row for row in rows if row.exercise in expected.exercises or row.latest_at >= expected.started_at]
     order = {exercise: index for index, exercise in enumerate(progress.scope.exercises)}
-    return tuple(
-        sorted(rows, key=lambda row: (not row.still, -len(row.students), -len(row.still), order[row.exercise], row.id))
-    )
+    return tuple(sorted(shown, key=lambda row: (-len(row.still), -row.ever, order[row.exercise], row.id)))
 
 
-def _mistake(progress: ClassProgress, exercise: str, misconception: str, students: Sequence[UUID]) -> RecentMistake:
-    still = {account for account in students if progress.attempts[account, exercise][-1].diagnosis == misconception}
-    ever = len(progress.students_who_had(exercise, misconception))
-    return RecentMistake(exercise, misconception, tuple(students), frozenset(still), ever)
+def _mistake(exercise: str, misconception: str, made_by: Sequence[Attempts]) -> LessonMistake:
+    still = sorted((own[-1].sent_at, own[-1].account_id) for own in made_by if own[-1].diagnosis == misconception)
+    latest_at = max(each.sent_at for own in made_by for each in own if each.diagnosis == misconception)
+    return LessonMistake(exercise, misconception, tuple(account for _, account in still), len(made_by), latest_at)
 
 
 def _solved_times(attempts: AttemptsByPair, exercises: Sequence[str]) -> Mapping[Pair, datetime]:
@@ -166,10 +173,11 @@ def _made(progress: ClassProgress, account: UUID, exercise: str, misconception: 
 def _absent(progress: ClassProgress, since: datetime) -> tuple[UUID, ...]:
     """Return who was not seen since a time, presence being recorded every few minutes only."""
     sent = {account for (account, _), series in progress.attempts.items() if series[-1].sent_at >= since}
+    begun = min(since, progress.now - PRESENCE)
     return tuple(
         student.id
         for student in progress.students
-        if student.id not in sent and (student.seen_at is None or student.seen_at < since - PRESENCE)
+        if student.id not in sent and (student.seen_at is None or student.seen_at < begun)
     )
 
 

@@ -55,7 +55,7 @@ class ClassProgress:
         return frozenset((row.account, row.exercise) for row in self.find_stuck())
 
     def find_stuck(self, expected: Expected | None = None) -> tuple[StuckStudent, ...]:
-        """Return the students who are stuck, the most urgent first; `expected`: in a lesson with these exercises."""
+        """Return the students who are stuck, the longest first; `expected`: in a lesson with these exercises."""
         seen_at = {student.id: student.seen_at for student in self.students}
         return find_stuck(self.attempts, seen_at, self.now, expected)
 

@@ -1,4 +1,4 @@
-"""Which students are stuck, and how urgently: pure. `RULE` says these rules on the page.
+"""Which students are stuck, and since when: pure. `RULE` says these rules on the page.
 
 A student is judged on the exercise of their latest attempt alone, and by their own pace: the median time between two
 of their attempts. `tests/board/test_stuck.py` measures the rules on simulated classes.
@@ -56,17 +56,13 @@ class Expected:
 
 @dataclass(frozen=True, slots=True)
 class StuckStudent:
-    """A student who is stuck at an exercise since a time; `failures` counts different ones without progress.
-
-    `urgency` grows with failures and with time; it orders students and has no unit.
-    """
+    """A student who is stuck at an exercise since a time; `failures` counts different ones without progress."""
 
     account: UUID
     exercise: str
     since: datetime
     sign: StuckSign
     failures: int
-    urgency: float
 
 
 def find_stuck(
@@ -75,7 +71,9 @@ def find_stuck(
     now: datetime,
     expected: Expected | None = None,
 ) -> tuple[StuckStudent, ...]:
-    """Return the students who are stuck now, the most urgent first. `seen_at`: when each last opened a page.
+    """Return the students who are stuck now, the longest first: an order that whoever reads the page can check.
+
+    `seen_at`: when each last opened a page.
 
     `expected`: the exercises of a lesson, where a student may also be stuck before the first attempt at the next one.
     """
@@ -83,7 +81,7 @@ def find_stuck(
     for (account, _), series in attempts.items():
         own[account].append(series)
     judged = (_judge_student(account, own.get(account, []), seen, now, expected) for account, seen in seen_at.items())
-    return tuple(sorted((row for row in judged if row is not None), key=lambda row: (-row.urgency, str(row.account))))
+    return tuple(sorted((row for row in judged if row is not None), key=lambda row: (row.since, str(row.account))))
 
 
 def _judge_student(
@@ -118,7 +116,6 @@ def _judge_failures(run: Attempts, seen_at: datetime, now: datetime, pace: timed
         since=run[0].sent_at if repeats else last.sent_at,
         sign=StuckSign.failures if repeats else StuckSign.silence,
         failures=failures,
-        urgency=failures + duration / least_silence,
     )
 
 
@@ -141,7 +138,7 @@ def _judge_beginning(
         return None
     if silence < PACES_OF_BEGINNING * own_pace(all_series):
         return None
-    return StuckStudent(account, left[0], free_at, StuckSign.beginning, 0, silence / MIN_BEGINNING)
+    return StuckStudent(account, left[0], free_at, StuckSign.beginning, 0)
 
 
 def _is_present(seen_at: datetime, sent_at: datetime, now: datetime) -> bool:

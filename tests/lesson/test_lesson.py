@@ -17,9 +17,10 @@ from server.base import school_time
 from server.base.app_services import get_service
 from server.base.errors import Conflict, Invalid
 from server.board.lesson_loading import propose_exercises
-from server.board.lesson_state import recent_mistakes
+from server.board.lesson_state import lesson_mistakes
 from server.board.live import LiveBoards
 from server.board.service import load_progress
+from server.board.stuck import Expected
 from server.classes.models import Membership, SchoolClass
 from server.classes.presence import PresenceRecorder
 from server.course import Course
@@ -106,16 +107,20 @@ def test_exercises_of_open_assignments_are_proposed(sqlite: Database, course: Co
         assert propose_exercises(progress, available) == (THIRD, EXERCISE), "most have solved the other one"
 
 
-def test_a_mistake_that_all_have_corrected_comes_last(sqlite: Database, course: Course) -> None:
+def test_a_mistake_counts_whoever_still_makes_it_and_those_that_all_have_corrected_come_last(
+    sqlite: Database, course: Course
+) -> None:
     made = new_class(sqlite, new_account(sqlite, Role.teacher))
-    first, second, third = seated(sqlite, made, 3)
-    now, later = utc_now() - timedelta(minutes=5), utc_now() - timedelta(minutes=2)
+    first, second, silent, elsewhere = seated(sqlite, made, 4)
+    long_ago, now, later = (utc_now() - timedelta(minutes=minutes) for minutes in (50, 5, 2))
     overcome = [Sent(student, EXERCISE, now, 0.25, WRONG) for student in (first, second)]
     right = [Sent(student, EXERCISE, later, 1.0) for student in (first, second)]
-    store(sqlite, [*overcome, *right, Sent(third, OTHER, now, 0.25, "vt_pour_v")])
+    held = [Sent(silent, OTHER, long_ago, 0.25, "vt_pour_v"), Sent(elsewhere, THIRD, long_ago, 0.25, "ordre_matrices")]
+    store(sqlite, [*overcome, *right, *held])
     with sqlite.read() as db:
-        mistakes = recent_mistakes(load_progress(db, course, made, utc_now()), now - timedelta(minutes=1))
-    assert [(row.id, len(row.students), len(row.still)) for row in mistakes] == [("vt_pour_v", 1, 1), (WRONG, 2, 0)]
+        progress = load_progress(db, course, made, utc_now())
+    mistakes = lesson_mistakes(progress, Expected((EXERCISE, OTHER), long_ago + timedelta(minutes=1)))
+    assert [(row.id, row.still, row.ever) for row in mistakes] == [("vt_pour_v", (silent,), 1), (WRONG, (), 2)]
 
 
 def stuck_students(site: Site, made: SchoolClass, count: int) -> Sequence[UUID]:
@@ -152,11 +157,12 @@ def test_the_page_names_who_is_stuck_and_on_what(site: Site, course: Course, mar
     assert "Et aussi" in rows[-1]
     assert "3 essais ratés sans progrès" in rows[0]
     assert "10&nbsp;min" in rows[0]
-    assert re.search(r"ligne 5&nbsp;: <del>y = 1</del>\s*<ins>y = 2</ins>", rows[0]), "what was changed last"
+    change = re.sub("<[^>]+>|&nbsp;", "", rows[0].split('class="stuck-change">')[1].split("</div>")[0]).split()
+    assert change == ["Dernier", "changement,", "ligne5", "Avant:", "y", "=", "1", "Après:", "y", "=", "2"]
     assert "Peut l’aider" in rows[0], "who has finished, after the same mistake"
     mistakes = text.split('class="mistake-row"')
     assert len(mistakes) == 2
-    assert '<strong class="mistake-count">7</strong>' in mistakes[1]
+    assert '<strong class="mistake-count">6</strong>' in mistakes[1]
     assert f"{href}/erreurs/{EXERCISE}/{WRONG}/projeter" in mistakes[1]
     assert f"{href}/reprise?exercice={EXERCISE.replace('/', '%2F')}&amp;eleve=" in mistakes[1], "to those who have it"
     seen = re.findall(r'name="eleve" value="([^"]+)"', text)
@@ -166,7 +172,7 @@ def test_the_page_names_who_is_stuck_and_on_what(site: Site, course: Course, mar
     assert "1 élève vu" in again
     wall = text_of(browser, f"{href}/seance/projeter")
     assert not re.search("Ada|Alan|Grace|Lovelace|" + "|".join(map(str, students)), wall), "no name on the projector"
-    assert "1 sur 7" in wall
+    assert "1 élève sur 7" in wall
     refused = browser.post(f"{href}/seance", data={"action": "modifier"})
     assert refused.status_code == 422
     assert "Choisissez d’un à 4 exercices" in refused.text
@@ -181,7 +187,7 @@ def test_the_stream_sends_the_parts_and_the_end(site: Site, course: Course, mart
     get_service(site.app, LiveBoards).max_stream_seconds = 0.0
     browser, path = martin.browser(site), f"/classes/{made.id}/seance/evenements"
     parts = parts_of(browser.get(path).text)
-    assert parts.keys() == {"days", "stuck", "mistakes", "finished"}
+    assert parts.keys() == {"clock", "days", "stuck", "mistakes", "finished"}
     assert "stuck-row" in parts["stuck"]
     wall = parts_of(browser.get(path, params={"mur": "oui"}).text)
     assert wall.keys() == {"wall"}

@@ -16,10 +16,11 @@ from server.board import repository, service
 from server.board.catalogue import CataloguedMisconception, find_misconception
 from server.board.contrast import Extract, ProgramLine, contrast_programs, extract_lines
 from server.board.extracts import name_words
-from server.board.lesson_state import MAX_MISTAKES, RECENT_MISTAKES, recent_mistakes
+from server.board.lesson_state import MAX_MISTAKES, lesson_mistakes
 from server.board.progress import ClassProgress
 from server.board.repository import SourceRow
 from server.board.schemas import FEWEST_TO_PROJECT
+from server.board.stuck import Expected
 from server.course import Exercise
 from server.database import utc_now
 from server.desk.board.links import misconception_href
@@ -28,6 +29,7 @@ from server.desk.views import class_href
 from server.gradebook import service as gradebook
 from server.identity.models import Account
 from server.lesson import service as lessons
+from server.lesson.models import LiveLesson
 from server.rights.service import ClassAccess
 from server.steps.replayable import can_replay
 from server.steps.schemas import ReplayBody
@@ -92,7 +94,8 @@ def prepare_projection(
     `chosen`: the explanation alone may be projected, however few had it. Raise NotFound where nobody had it.
     """
     db, course, school_class, now = reader.db, reader.course, access.school_class, utc_now()
-    progress = service.load_progress(db, course, school_class, now)
+    lesson = lessons.find_current_lesson(db, school_class.id, now)
+    progress = service.load_progress(db, course, school_class, now, besides=() if lesson is None else lesson.exercises)
     had = progress.students_who_had(exercise_id, misconception)
     if not had:
         raise NotFound(UNKNOWN)
@@ -101,7 +104,6 @@ def prepare_projection(
     rules = lessons.load_projection_rules(db, students, exercise_id)
     href, is_shared = class_href(school_class), len(had) >= FEWEST_TO_PROJECT
     is_prose = exercise.answers is not None
-    lesson = lessons.find_current_lesson(db, school_class.id, now)
     page = ProjectionPage(
         title=known.diagnosis.title,
         exercise=exercise.title,
@@ -113,17 +115,17 @@ def prepare_projection(
         may_project=chosen or is_shared,
         fewest=FEWEST_TO_PROJECT,
         close_href=misconception_href(href, exercise_id, misconception) if lesson is None else f"{href}/seance",
-        others=() if lesson is None else _other_hrefs(progress, href),
+        others=() if lesson is None else _other_hrefs(progress, lesson, href),
     )
     if rules.refusal or not is_shared or is_prose:
         return page, None
     return page, _programs(db, account, progress, exercise, known, shows_solution=rules.shows_solution)
 
 
-def _other_hrefs(progress: ClassProgress, href: str) -> tuple[str, ...]:
-    """Return the addresses of the mistakes of the last minutes that may be projected."""
-    recent = recent_mistakes(progress, progress.now - RECENT_MISTAKES)
-    shared = [mistake for mistake in recent if mistake.may_be_projected][:MAX_MISTAKES]
+def _other_hrefs(progress: ClassProgress, lesson: LiveLesson, href: str) -> tuple[str, ...]:
+    """Return the addresses of the mistakes of a lesson that may be projected."""
+    mistakes = lesson_mistakes(progress, Expected(tuple(lesson.exercises), lesson.started_at))
+    shared = [mistake for mistake in mistakes if mistake.may_be_projected][:MAX_MISTAKES]
     return tuple(f"{misconception_href(href, mistake.exercise, mistake.id)}/projeter" for mistake in shared)
 
 

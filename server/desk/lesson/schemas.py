@@ -34,18 +34,19 @@ class StuckRow:
 
 @dataclass(frozen=True)
 class MistakeRow:
-    """A mistake of the last minutes; `names` made it, `still` of them have it; `href` leads to its page.
+    """A mistake of the lesson: `still` are the names of those who make it, of `ever` who did; `href`: its page.
 
-    `remedial_href` leads to the form that gives an exercise to those who have it still.
+    `project_href` is empty where fewer than `fewest` ever made it. `remedial_href` leads to the form that gives an
+    exercise to those who make it still.
     """
 
     title: str
     exercise: str
-    names: tuple[str, ...]
-    still: int
+    still: tuple[str, ...]
+    ever: int
     href: str
     project_href: str
-    few: bool
+    fewest: int
     remedial_href: str
 
 
@@ -62,12 +63,17 @@ class DayExercise:
 
 @dataclass(frozen=True)
 class LessonParts:
-    """Everything on the page that changes while the lesson goes on."""
+    """Everything on the page that changes while the lesson goes on. `elapsed`: since it began, in words.
 
+    `overcome`: title and address of each mistake of the last minutes that nobody makes any more.
+    """
+
+    elapsed: str
     stuck: tuple[StuckRow, ...]
     more_stuck: tuple[str, ...]
     visited: int
     mistakes: tuple[MistakeRow, ...]
+    overcome: tuple[tuple[str, str], ...]
     finished: tuple[str, ...]
     absent: tuple[str, ...]
     exercises: tuple[DayExercise, ...]
@@ -100,7 +106,6 @@ class LessonPage:
     head: ClassHead
     parts: LessonParts
     form: LessonForm
-    started_at: datetime
     may_run: bool
     may_comment: bool
     may_assign: bool

@@ -12,12 +12,14 @@ from sqlalchemy.orm import Session
 from server.board import lesson_loading
 from server.board.catalogue import find_misconception
 from server.board.latest_change import LatestChange
-from server.board.lesson_state import LessonState, RecentMistake
+from server.board.lesson_state import LessonMistake, LessonState
 from server.board.progress import ClassProgress
+from server.board.schemas import FEWEST_TO_PROJECT
 from server.board.service import load_progress
 from server.board.stuck import StuckStudent
 from server.classes.models import SchoolClass
 from server.course import Course
+from server.desk.assignments.words import format_duration
 from server.desk.board.links import BoardLinks, misconception_href, work_href
 from server.desk.lesson.remedial import remedial_href
 from server.desk.lesson.schemas import (
@@ -57,7 +59,6 @@ def lesson_page(
         head=class_head(course, access, "/seance"),
         parts=lesson_parts(db, progress, school_class, lesson),
         form=refused or lesson_form(db, course, school_class, now, current_plan(lesson)),
-        started_at=lesson.started_at,
         may_run=access.has(Right.run_lessons),
         may_comment=access.has(Right.comment),
         may_assign=access.has(Right.manage_assignments),
@@ -114,15 +115,21 @@ def lesson_parts(db: Session, progress: ClassProgress, school_class: SchoolClass
     changes = lesson_loading.load_changes(db, progress, [(row.account, row.exercise) for row in shown])
     links = BoardLinks(progress.course, class_href(school_class), progress.students)
     names = {student.id: student.name for student in progress.students}
+    ranks = {row.account: rank for rank, row in enumerate(state.stuck)}
     helpers = state.helpers if lesson.next_step == Afterwards.help else {}
     return LessonParts(
+        elapsed=format_duration((progress.now - lesson.started_at).total_seconds() / 60),
         stuck=tuple(
             _stuck_row(progress, links, names, row, changes, names.get(helpers.get(row.account, row.account), ""))
             for row in shown
         ),
         more_stuck=tuple(names[row.account] for row in state.stuck[SHOWN_STUCK:]),
         visited=len(state.visited),
-        mistakes=tuple(_mistake_row(progress, links, names, mistake) for mistake in state.mistakes),
+        mistakes=tuple(_mistake_row(progress, links, names, ranks, mistake) for mistake in state.mistakes),
+        overcome=tuple(
+            (mistake_title(progress.course, row.exercise, row.id), misconception_href(links.href, row.exercise, row.id))
+            for row in state.overcome
+        ),
         finished=tuple(names[account] for account in reversed(state.finished)),
         absent=tuple(names[account] for account in state.absent),
         exercises=_day_exercises(links, state),
@@ -167,17 +174,22 @@ def mistake_title(course: Course, exercise: str, misconception: str) -> str:
 
 
 def _mistake_row(
-    progress: ClassProgress, links: BoardLinks, names: Mapping[UUID, str], mistake: RecentMistake
+    progress: ClassProgress,
+    links: BoardLinks,
+    names: Mapping[UUID, str],
+    ranks: Mapping[UUID, int],
+    mistake: LessonMistake,
 ) -> MistakeRow:
+    """Build the row of a mistake; names stand in the order of the stuck, then of the others."""
     href = misconception_href(links.href, mistake.exercise, mistake.id)
     return MistakeRow(
         title=mistake_title(progress.course, mistake.exercise, mistake.id),
         exercise=links.title(mistake.exercise),
-        names=tuple(names[account] for account in mistake.students),
-        still=len(mistake.still),
+        still=tuple(names[account] for account in sorted(mistake.still, key=lambda each: ranks.get(each, len(ranks)))),
+        ever=mistake.ever,
         href=href,
-        project_href=f"{href}/projeter",
-        few=not mistake.may_be_projected,
+        project_href=f"{href}/projeter" if mistake.may_be_projected else "",
+        fewest=FEWEST_TO_PROJECT,
         remedial_href=remedial_href(links.href, mistake.exercise, sorted(mistake.still)),
     )
 
@@ -195,6 +207,7 @@ def render_parts(parts: LessonParts, access: ClassAccess) -> Mapping[str, str]:
     """Render each part of the page that its stream replaces."""
     macros: Any = jinja_environment().get_template("classes/lesson_parts.html").module
     return {
+        "clock": str(macros.clock(parts)),
         "days": str(macros.days(parts)),
         "stuck": str(macros.stuck(parts, access.has(Right.run_lessons), access.has(Right.comment))),
         "mistakes": str(macros.mistakes(parts, access.has(Right.manage_assignments))),
