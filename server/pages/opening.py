@@ -2,8 +2,14 @@
 
 from __future__ import annotations
 
+import ast
+import io
+import tokenize
+from functools import lru_cache
+
 from markupsafe import Markup
 
+from graders.core.syntax_trees import parse_source
 from server.course import Exercise
 from server.gradebook import service as gradebook
 from server.gradebook import solutions
@@ -53,11 +59,28 @@ def solution(
         else Markup(exercise.prose(exercise.answers.correction(seed)))
     )
     doors = solutions.list_audiences(reader.db, reader.account, exercise.id) if access.teaches else []
+    is_commented = exercise.answers is not None or has_comments(exercise.solution)
     return SolutionView(
-        html, WHY_OPEN[why], f"{exercise_href(exercise)}/corrige", tuple(map(solution_switch_view, doors))
+        COMMENTED if is_commented else PLAIN,
+        html,
+        WHY_OPEN[why],
+        f"{exercise_href(exercise)}/corrige",
+        tuple(map(solution_switch_view, doors)),
     )
 
 
+@lru_cache(maxsize=256)
+def has_comments(program: str) -> bool:
+    """Whether a program that Python reads says something in comments or docstrings."""
+    tokens = tokenize.generate_tokens(io.StringIO(program).readline)
+    if any(token.type == tokenize.COMMENT for token in tokens):
+        return True
+    described = (ast.Module, ast.ClassDef, ast.FunctionDef, ast.AsyncFunctionDef)
+    nodes = (node for node in ast.walk(parse_source(program)) if isinstance(node, described))
+    return any(ast.get_docstring(node, clean=False) is not None for node in nodes)
+
+
+COMMENTED, PLAIN = "Corrigé commenté", "Corrigé"
 WHY_OPEN = {
     AccessReason.to_all: "Ouvert à tous par l’enseignant.",
     AccessReason.to_class: "Ouvert à votre classe par l’enseignant.",

@@ -161,6 +161,7 @@ class HintView:
 class SolutionView:
     """The reference solution: highlighted HTML when one may read it; why one may, and to whom one may open it."""
 
+    title: str
     html: str
     why: str
     action: str

@@ -29,6 +29,7 @@ from server.studio.drafts import (
     CHECK_NUMBERS,
     CHECK_TEXTS,
     EXAMPLES_TITLE,
+    MORE_EXAMPLES_TITLE,
     CaseDraft,
     CheckDraft,
     ExerciseDraft,
@@ -41,8 +42,8 @@ DRAWN_POINTS = 8.0
 #: Keys of a check that say how its answers are compared; drawn inputs that a proposal shows.
 SHARED_KEYS, SHOWN_DRAWS = ("tolerance", "absolue", "ordre", "types_stricts"), 3
 FILE_LINE = re.compile(r"^===[ \t]*(\S.*?)[ \t]*$", re.M)
-#: Examples that are added below a statement, and characters of what one of them gives.
-SHOWN_EXAMPLES = 3
+#: Examples that are added below a statement, and characters of what each of them gives.
+SHOWN_EXAMPLES = 12
 MAX_SHOWN = 200
 NOT_A_WORD = re.compile(r"[^a-z0-9]+")
 
@@ -91,10 +92,13 @@ def complete_draft(draft: ExerciseDraft, trial: ExerciseTrial) -> CompletedExerc
     answers = _answers(declaration, trial)
     _drop_empty_lists(checks)
     signatures = proposals.propose_signatures(solution, functions)
+    statement = _statement(draft, functions, answers)
+    if checks[0]["titre"] == EXAMPLES_TITLE and not _shows_all(statement, draft.checks[0], functions):
+        checks[0]["titre"] = MORE_EXAMPLES_TITLE
     return CompletedExercise(
         title=draft.title.strip() or ", ".join(functions) or "Sans titre",
         summary=draft.summary.strip(),
-        statement=_statement(draft, functions, answers),
+        statement=statement,
         starter=_lines(draft.starter) if draft.starter.strip() else proposals.propose_starter(solution, functions),
         signatures=signatures,
         hints=tuple(_lines(hint).strip() for hint in draft.hints),
@@ -250,6 +254,21 @@ def _statement(draft: ExerciseDraft, functions: Sequence[str], answers: list[lis
         if answer and len(answer) <= MAX_SHOWN
     ]
     return f"{text}\n\n```python\n" + "\n".join(shown) + "\n```\n" if shown else text + "\n"
+
+
+def _shows_all(statement: str, check: CheckDraft, functions: Sequence[str]) -> bool:
+    """Whether a statement has every example of a check, in the words in which it is written or told."""
+    shown = "".join(statement.replace(">>>", "").split())
+    try:
+        texts = [_words_of_call(case.call, functions) for case in check.written]
+    except MalformedDeclaration:
+        return True  # the trial says what is wrong
+    return all("".join(text.split()) in shown for text in texts)
+
+
+def _words_of_call(call: str, functions: Sequence[str]) -> str:
+    """Return what a statement shows of a call: of a whole program, what is typed."""
+    return describe_case(Scenario(parse_scenario(call, [PROGRAM]))) if is_whole_program(functions) else call
 
 
 def _runs(examples: Sequence[CaseDraft], printed: Sequence[str]) -> str:

@@ -17,6 +17,15 @@ CHECK_NUMBERS = {"points": "points", "combien": "count", "tolerance": "tolerance
 CHECK_FLAGS = {"absolue": "absolute", "types_stricts": "strict"}
 CHECK_CHOICES = {"ordre": ("order", "oui"), "regarder": ("watched", "valeur")}
 EXAMPLES_TITLE = "Les exemples de l’énoncé"
+#: The title of the first check where the statement does not show all its cases.
+MORE_EXAMPLES_TITLE = "Des exemples qui ne sont pas tous dans l’énoncé"
+#: The fields of a check as a form says them, beside its cases.
+CHECK_LABELS = {
+    "title": "Titre", "points": "Points", "hint": "Indice", "draws": "Variables tirées", "call": "Appel tiré",
+    "count": "Nombre de tirages", "conditions": "Conditions", "tolerance": "Écart permis", "absolute": "Écart absolu",
+    "order": "Ordre des éléments", "strict": "Types stricts", "ignores_spaces": "Espaces et majuscules ne comptent pas",
+    "watched": "Ce qui est comparé", "lines": "Saisie au clavier", "files": "Fichiers",
+}  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -59,6 +68,18 @@ class CheckDraft:
     @property
     def written(self) -> tuple[CaseDraft, ...]:
         return tuple(case for case in self.cases if not case.is_empty)
+
+    @property
+    def text(self) -> str:
+        """The check in words, a line for each case and each field that its author has changed."""
+        cases = [f"{case.call} → {case.expected or '(celui de la solution)'}" for case in self.written]
+        usual = CheckDraft()
+        changed = [
+            (label, getattr(self, name))
+            for name, label in CHECK_LABELS.items()
+            if getattr(self, name) != getattr(usual, name)
+        ]
+        return "\n".join(cases + [f"{label} : {'oui' if value is True else value}" for label, value in changed])
 
 
 @dataclass(frozen=True)
@@ -116,10 +137,7 @@ class ExerciseDraft:
     @property
     def texts(self) -> dict[str, str]:
         """The draft by the labels of its fields, to compare two versions of it."""
-        checks = {
-            f"Vérification {number}": json.dumps(asdict(check), ensure_ascii=False)
-            for number, check in enumerate(self.checks, 1)
-        }
+        checks = {f"Vérification {number}": check.text for number, check in enumerate(self.checks, 1)}
         mistakes = {
             f"Erreur {number}": "\n".join(asdict(mistake).values()) for number, mistake in enumerate(self.mistakes, 1)
         }
@@ -127,7 +145,7 @@ class ExerciseDraft:
             "Titre": self.title, "Résumé": self.summary, "Niveau": self.level, "Thèmes": self.themes,
             "Énoncé": self.statement, "Fonctions": self.functions, "Solution": self.solution, "Départ": self.starter,
             "Interdits": self.forbidden, "Demandés": self.required, "Indices": "\n".join(self.hints),
-            "Raisons": json.dumps(dict(self.reasons), ensure_ascii=False, sort_keys=True),
+            "Raisons": "\n".join(f"{name} : {reason}" for name, reason in sorted(self.reasons.items())),
         }  # fmt: skip
         return {label: text.replace("\r\n", "\n").strip() for label, text in (single | checks | mistakes).items()}
 

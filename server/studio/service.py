@@ -113,6 +113,8 @@ class StudioService:
         """Store a draft, and have it tried. Raises Invalid for one that is too long, or RateLimited."""
         require_short(draft)
         limits.take_token(db, _bucket(account), self.settings.save_bucket, TOO_FAST)
+        if is_published(exercise):  # an earlier form may have given another digest to the same draft
+            exercise.trial = {**(exercise.trial or {}), "published_digest": read_draft(exercise).digest}
         exercise.draft, exercise.digest, exercise.saved_at = draft.to_data(), draft.digest, utc_now()
         exercise.wants_publication = publish
         if publish and exercise.slug is None:

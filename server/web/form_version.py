@@ -18,8 +18,8 @@ from server.web.form_identity import FormRefusal, typed_fields
 VERSION_FIELD = "version"
 VERSION_DIGITS = 16
 CHANGED_MEANWHILE = (
-    "{subject} a été modifié depuis que cette page est ouverte. Rien de votre saisie n’est encore enregistré, et rien "
-    "n’est perdu."
+    "{subject} a été modifié depuis que cette page est ouverte. La colonne « Enregistré » montre ce que le serveur "
+    "garde en ce moment ; votre version n’est que sur cette page, tant que vous ne l’enregistrez pas."
 )
 SAVE_MINE = "Enregistrer ma version"
 

@@ -10,6 +10,7 @@ from sqlalchemy import func, select
 from server.classes.models import ClassRole, SchoolClass
 from server.grading import tryout_task
 from server.identity.models import Role
+from server.studio.models import AuthoredExercise
 from server.submissions.models import Submission
 from tests.support.classes import new_class, person, seat
 
@@ -86,6 +87,38 @@ def test_a_class_finds_what_is_proposed_to_it(studio: Studio) -> None:
         db.get_one(SchoolClass, made.id).archived_at = None
     studio.save(f"/mes-exercices/{exercise.id}", action="hors-classes")
     assert who_finds_it() == [False, False, False]
+
+
+def test_an_exercise_of_an_earlier_form_is_changed_by_its_author_alone(studio: Studio) -> None:
+    """The digest of a draft covers every field of the form, and fields are added to it."""
+    published = studio.publish()
+    path = f"/mes-exercices/{published.id}"
+    with studio.site.database.write() as db:
+        stored = db.get_one(AuthoredExercise, published.id)
+        checks = [
+            {name: value for name, value in check.items() if name != "ignores_spaces"}
+            for check in stored.draft["checks"]
+        ]
+        stored.draft, stored.digest = {**stored.draft, "checks": checks}, "0" * 64
+        stored.trial = {**(stored.trial or {}), "published_digest": stored.digest}
+
+    def is_said_changed(**fields: str) -> bool:
+        studio.save(path, **fields)
+        return "modifié depuis" in studio.browser.get("/mes-exercices").text
+
+    assert [is_said_changed(**each) for each in ({"action": "classes"}, {}, {"niveau": "MPSI"}, {})] == [
+        False,
+        False,
+        True,
+        False,
+    ]
+
+
+def test_a_corrige_is_said_commented_where_it_is(studio: Studio) -> None:
+    for program, title in ((SOLUTION, "Corrigé"), (f"# Un mot à la fois.\n{SOLUTION}", "Corrigé commenté")):
+        exercise = studio.publish(solution=program)
+        page = studio.browser.get(f"/l20/exercices/{exercise.slug}").text
+        assert f"<summary>{title}</summary>" in page
 
 
 def test_a_lesson_has_an_exercise_of_its_teachers(studio: Studio) -> None:

@@ -15,7 +15,7 @@ from graders.core.declared.tolerances import propose_tolerance
 from server.grading.sandbox_grader import SandboxPrograms
 from server.grading.trial_task import TRIAL_POLICY
 from server.sandbox import Sandbox
-from server.studio.drafts import ExerciseDraft
+from server.studio.drafts import EXAMPLES_TITLE, MORE_EXAMPLES_TITLE, ExerciseDraft
 from server.studio.models import AuthoredExercise
 from server.studio.service import find_own, read_draft
 
@@ -89,6 +89,43 @@ def test_what_a_trial_proposes_is_taken_up(studio: Studio) -> None:
         assert refused.status_code == 422
         assert words in refused.text
     assert studio.browser.post(path, data={**FORM, "action": "erreur:1"}).status_code == 404
+
+
+@pytest.mark.parametrize(
+    ("changes", "title"),
+    [
+        ({}, EXAMPLES_TITLE),
+        ({"enonce": "Écrivez `f`.\n\n```python\n>>> f(1)\n2\n```"}, MORE_EXAMPLES_TITLE),
+        ({"v-0-titre": "Des entiers", "enonce": "```\nf\n```"}, "Des entiers"),
+    ],
+)
+def test_the_statement_shows_the_examples_that_its_check_is_named_after(
+    studio: Studio, changes: dict[str, str], title: str
+) -> None:
+    path = studio.create()
+    calls = {f"v-0-c-{number}-appel": f"f({number})" for number in range(5)}
+    studio.save(path, **{**PLAIN, "solution": "def f(x):\n    return x + 1\n", **calls, **changes})
+    trial = studio.stored(path).trial
+    assert trial is not None
+    completed = trial["completed"]
+    assert completed["declaration"]["verifications"][0]["titre"] == title
+    if not changes:
+        assert all(
+            f">>> {call}\n{number + 1}\n" in completed["statement"] for number, call in enumerate(calls.values())
+        )
+
+
+def test_two_versions_of_a_draft_are_shown_in_words(studio: Studio) -> None:
+    path = studio.create()
+    older = re.findall(r'name="version" value="(\w+)"', studio.browser.get(path).text)
+    studio.save(path)
+    refused = studio.save(path, **{"version": older, "titre": "Compter", "v-0-tolerance": "1e-3"})
+    assert refused.status_code == 409
+    page = unescape(refused.text)
+    assert "votre version n’est que sur cette page" in page
+    assert 'compter_mots("a b a") → {"a": 2, "b": 1}\ncompter_mots("le  Chat") → (celui de la solution)' in page
+    assert "Écart permis : 1e-3" in page
+    assert '{"title"' not in page
 
 
 def test_an_exception_that_nobody_expects_is_a_fault_of_the_solution(studio: Studio) -> None:

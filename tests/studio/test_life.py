@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 import re
+from functools import partial
 from html import unescape
 
 from sqlalchemy import delete
 
+from graders.core.declared.declaration import read_declaration
+from graders.core.declared.grading import DeclaredGrader
 from graders.core.declared.scenarios import PROGRAM
 from graders.core.declared.trial import ExerciseTrial
 from server.base.files import ROOT
@@ -101,6 +104,22 @@ def test_each_call_that_the_guide_shows_gives_what_it_says(studio: Studio, cours
     functions = " ".join(re.findall(r"^(?:def|class) (\w+)", GUIDE_SOLUTION, re.M))
     assert trial.answers(declare(functions, GUIDE_SOLUTION, *calls)) == [GUIDE_ANSWERS]
     assert trial.answers(declare(PROGRAM, "print(int(input()) + int(input()))\n", *program)) == [["'7\\n'"]]
+
+
+def test_the_answers_within_eps_of_the_guide_are_judged_as_it_says(course_sandbox: Sandbox) -> None:
+    section = GUIDE.read_text(encoding="utf-8").split("## Une réponse à `eps` près")[1].split("\n## ")[0]
+    text = " ".join(section.split())
+    call, answer, right, wrong = re.findall(
+        r"Avec `(.+?)`, la solution.+? renvoie `(.+?)`.+?, `(.+?)` est juste aussi, et `(.+?)` ne l’est pas", text
+    )[0]
+    solution = section.split("```python\n")[1].split("```")[0]
+    declared = declare("dichotomie", solution, call, tolerance="eps")
+    start = partial(SandboxPrograms, course_sandbox, TRIAL_POLICY)
+    assert ExerciseTrial("l20/essai", start, lambda _: start()).answers(declared) == [[answer]]
+    grader = DeclaredGrader("l20/essai", read_declaration(declared))
+    for given, points in ((right, 20), (wrong, 0)):
+        program = f"def dichotomie(f, a, b, eps):\n    return {given}\n".encode()
+        assert grader.grade(program, start(), seed=1, version="").verdict.points == points
 
 
 LARGEST = "def maximum(t):\n    m = t[0]\n    for x in t:\n        if x > m:\n            m = x\n    return m\n"
