@@ -25,8 +25,8 @@ class NotAPairError(Exception):
 class SamePair:
     """A pair of numbers or of arrays within the tolerance, each said by its name in what is wrong.
 
-    A tuple, a list, or an array of two. Where it is `loose`, a row (1, n) is read as (n,) and (1,) as a number. Of the
-    value that is not `judged` (0 or 1; both by default), only its being there counts.
+    A tuple, a list, or an array of two. Where it is `loose`, a row (1, n) or a column (n, 1) is read as (n,), and (1,)
+    as a number. Of the value that is not `judged` (0 or 1; both by default), only its being there counts.
     """
 
     names: tuple[str, str]
@@ -102,7 +102,9 @@ def _read_item(name: str, item: Value, *, loose: bool) -> Floats:
     if item is None:
         raise UnreadableError(f"{name} vaut None au lieu d'un nombre ou d'un tableau")
     array = read_array(item)
-    return array.reshape(array.shape[1:]) if loose and array.ndim and array.shape[0] == 1 else array
+    if loose and array.ndim and array.shape[0] == 1:
+        return array.reshape(array.shape[1:])
+    return array.ravel() if loose and array.ndim == 2 and array.shape[1] == 1 else array
 
 
 @dataclass(frozen=True)

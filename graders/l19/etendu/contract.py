@@ -15,16 +15,17 @@ from graders.core.contract.values import Value
 
 @dataclass(frozen=True, kw_only=True)
 class JacobianForm(ArrayForm):
-    """A row (2,), or the same as (1, 2)."""
+    """A row (2,), or the same as (1, 2) or (2, 1)."""
 
     @property
     def words(self) -> str:
-        return "un tableau (2,) ou (1, 2)"
+        return "un tableau (2,), (1, 2) ou (2, 1)"
 
     def recast(self, value: Value) -> Iterator[Recast]:
         row = np.asarray(value).reshape(2)
         yield from super().recast(row)
         yield from super().recast(row[None])
+        yield from super().recast(row[:, None])
 
 
 @dataclass(frozen=True, kw_only=True)
