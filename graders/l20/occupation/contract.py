@@ -89,6 +89,8 @@ CONTRACTS = (
             Boundary("un scan vide", free="il a toujours un rayon au moins"),
             Boundary("la case du robot", free="la libérer ou non"),
             Boundary("une case que plusieurs rayons rencontrent", free="une voix par rayon, ou par scan"),
+            Boundary("une case que des rayons traversent et où un autre s’arrête", free="elle n’est pas jugée"),
+            Boundary("les bornes −5 et 5", free="appliquées à la fin du scan, ou après chaque voix"),
         ),
         RELAUNCHED,
     ),
