@@ -77,7 +77,12 @@ CONTRACTS = (
             parts={"pose": POSE, "part": NumberForm()},
             precision="Jugé à quelques centimètres et centièmes de radian près (l’énoncé les dit).",
         ),
-        (Boundary("des nuages de tailles différentes", lambda a, b, depart: len(a) != len(b)),),
+        (
+            Boundary("des nuages de tailles différentes", lambda a, b, depart: len(a) != len(b)),
+            Boundary(
+                "moins de trois paires à la pose finale seulement", free="une part de 0, ou celle que l’on compte"
+            ),
+        ),
         ONCE,
     ),
     FunctionContract(
@@ -88,6 +93,7 @@ CONTRACTS = (
             Boundary(
                 "un rayon qui lit la portée, 8 m, ne donne pas de point", lambda scans, chaine: np.max(scans) >= 8.0
             ),
+            Boundary("une même paire dans les deux ordres", free="comptée une fois"),
             Boundary("la signature", free="une autre que celle de l’énoncé convient, et numpy.fft comme scipy.fft"),
         ),
         ONCE,

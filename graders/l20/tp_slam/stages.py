@@ -171,8 +171,9 @@ def closing(bench: Bench) -> None:
     missed = np.array([relative(relative(truth[a], truth[b]), z) for a, b, z in loops]).reshape(-1, 3)
     false = (np.hypot(missed[:, 0], missed[:, 1]) > TRUE_LOOP) | (np.abs(missed[:, 2]) > TRUE_LOOP_TURN)
     close = np.array([abs(a - b) < GAP for a, b, _ in loops], dtype=bool)
-    well = len(loops) >= LEAST_LOOPS and not false.any() and not close.any()
-    bench.observe("fermetures", [bool(false.any()), bool(close.any()), len(loops) >= LEAST_LOOPS], ok=well)
+    pairs = len({frozenset(loop[:2]) for loop in loops})
+    well = pairs >= LEAST_LOOPS and not false.any() and not close.any()
+    bench.observe("fermetures", [bool(false.any()), bool(close.any()), pairs >= LEAST_LOOPS], ok=well)
     if close.any():
         a, b, _ = loops[int(np.argmax(close))]
         raise _refused(
@@ -189,10 +190,10 @@ def closing(bench: Bench) -> None:
         )  # fmt: skip
     if not well:
         raise _refused(
-            f"{len(loops)} fermeture(s) seulement : le robot refait pourtant toute une boucle.", chain, loops,
+            f"{pairs} fermeture(s) seulement : le robot refait pourtant toute une boucle.", chain, loops,
             f"au moins {LEAST_LOOPS}, 71 d’après le TP",
         )  # fmt: skip
-    bench.measured = f"{len(loops)} fermetures, et aucune fausse."
+    bench.measured = f"{pairs} fermetures, et aucune fausse."
     chain.own.loops = loops
 
 

@@ -1,4 +1,4 @@
-# Distance comptée le long du chemin, signature triée, fermetures renvoyées dans l'autre sens, avec icp de l'élève.
+# Distance et rotation comptées le long du chemin, signature triée, fermetures renvoyées dans l'autre sens, avec icp de l'élève.
 import mes_fonctions as mf
 from scipy.spatial import KDTree
 
@@ -11,13 +11,13 @@ def trajectoire(roues, L):
 
 
 def poses_cles(poses):
-    gardes, chemin = [0], 0.0
+    gardes, chemin, tourne = [0], 0.0, 0.0
     for k in range(1, len(poses)):
         chemin += np.hypot(*(poses[k, :2] - poses[k - 1, :2]))
-        tourne = mf.relatif(poses[gardes[-1]], poses[k])[2]
-        if chemin >= 0.3 or abs(tourne) >= 0.4:
+        tourne += abs(mf.relatif(poses[k - 1], poses[k])[2])
+        if chemin >= 0.3 or tourne >= 0.4:
             gardes.append(k)
-            chemin = 0.0
+            chemin, tourne = 0.0, 0.0
     return tuple(gardes)
 
 
