@@ -17,6 +17,8 @@ CONTRACTS = (
         ),
         (
             Boundary("20 ou 21 rayons autour du milieu", free="un obstacle reste à deux rayons au moins des bords"),
+            Boundary("un obstacle confirmé sur plusieurs scans", free="sur cinq au plus, ou dès le premier"),
+            Boundary("le silence, quand la voie est libre", free="aussitôt, ou dans la demi-seconde"),
             Boundary("une lecture égale à un seuil", free="il n’y en a jamais"),
             Boundary("−inf, 0, une lecture négative ou sous range_min", free="s’arrêter ou non"),
         ),
