@@ -27,7 +27,8 @@ CONTRACTS = (
             Boundary("un départ déjà donné", lambda P, Q, R0, t0, *n: bool(np.any(np.eye(2) != R0))),
             Boundary("des nuages de tailles différentes", lambda P, Q, *r: len(P) != len(Q)),
             Boundary("un point à égale distance de deux autres", free="il n’y en a jamais"),
-            Boundary("la longueur k de la suite", free="de 1 à n_iter + 1"),
+            Boundary("la longueur k de la suite", free="de 1 à n_iter + 1, avec ou sans l’erreur du départ"),
+            Boundary("un arrêt avant n_iter", free="quand les paires, R et t, ou E ne changent plus"),
         ),
     ),
 )
