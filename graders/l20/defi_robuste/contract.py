@@ -30,6 +30,8 @@ CONTRACTS = (
             "colonne (m, 1) ou une ligne (1, m).",
         ),
         (
+            Boundary("les poids renvoyés", free="ceux du dernier tour, ou recalculés aux poses renvoyées"),
+            Boundary("moins de n_iter tours", free="on peut s’arrêter quand plus rien ne bouge"),
             Boundary("la fonction de poids", free="celle que vous voulez, pourvu que delta serve d’échelle"),
             Boundary(
                 "des poids calculés une seule fois, au départ", free="ils conviennent : seul le résultat est jugé"
