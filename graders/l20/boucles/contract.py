@@ -38,6 +38,7 @@ CONTRACTS = (
         (
             Boundary("deux rayons à égalité pour le plus long", lambda scan: np.array_equal(scan, TIES)),
             Boundary("des distances qui se répètent", lambda scan: np.array_equal(scan, NARROW)),
+            Boundary("des caps qui ne diffèrent pas d’un multiple de 10°", free="ils ne sont pas demandés"),
             Boundary("la longueur k", free="à votre choix, pourvu que ce soit toujours la même"),
         ),
         "est relancé sur une autre carte.",

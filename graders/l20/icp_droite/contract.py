@@ -72,6 +72,10 @@ CONTRACTS = (
             Boundary("deux directions libres", lambda A, seuil=THRESHOLD: free(A, seuil) == 2),
             Boundary("une valeur propre exactement nulle", lambda A, *seuil: not np.diag(A).all()),
             Boundary("seuil omis", lambda *args: len(args) == 1),
+            Boundary(
+                "une valeur propre à peine négative, par arrondi",
+                free="libre : sa valeur absolue comme son signe le disent",
+            ),
             Boundary("une valeur propre près du seuil", free="aucune n’est entre 0,7 et 1,4 fois le seuil"),
         ),
     ),
