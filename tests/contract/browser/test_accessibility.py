@@ -186,7 +186,7 @@ def test_pages_of_a_teacher(visit: NewVisit) -> None:
     page.goto(visitor.server.teacher_link)
     check(visitor, "welcome")
     page.get_by_label("Nom affiché").fill("Mme Martin")
-    page.get_by_label("Identifiant").fill("martin")
+    page.get_by_label("Identifiant").fill("mme.martin")  # not the login of the demonstration on this server
     page.get_by_label("Mot de passe").fill("une phrase assez longue")
     page.locator("main form button").click()
     visitor.open()
