@@ -94,11 +94,12 @@ class CounterexampleView:
 
 @dataclass(frozen=True)
 class FigureView:
-    """Addresses of the same drawing in both themes, and what it shows in words."""
+    """Addresses of the same drawing in both themes, and what it shows in words: `caption` beside it, `alt` instead."""
 
     light: str
     dark: str
     alt: str
+    caption: str = ""
 
 
 @dataclass(frozen=True)

@@ -187,7 +187,7 @@ def _figure(check: CheckResult, figures: Figures) -> FigureView:
     address = f"{folder}/{check.figure}.svg?{f'correction={grading}&' if grading else ''}theme="
     shown = described.get(check.figure or "", "Votre résultat superposé à la référence.")
     alt = f"Figure de la vérification « {check.title} ». {shown}"
-    return FigureView(address + "light", address + "dark", french(alt))
+    return FigureView(address + "light", address + "dark", french(alt), french(shown))
 
 
 def _diagnosis(diagnosis: Diagnosis) -> DiagnosisView:

@@ -84,6 +84,14 @@ def test_checks_show_what_they_ask_and_what_is_awaited(preview: TestClient) -> N
     assert preview.get("/apercu/l21/gain/figures/rien.svg").status_code == 404
 
 
+def test_figures_of_checks_have_their_legend(preview: TestClient) -> None:
+    page, words = preview.get("/apercu/l21/gain").text, "Un segment de a à b, avec en bleu le point attendu"
+    alts = re.findall(r'alt="(Figure[^"]+)"', page)
+    assert len(alts) == page.count("<figcaption") == 2
+    assert all(f"sur son premier cas. {words}" in alt for alt in alts)
+    assert page.count(f"<strong>Figure.</strong> {words}") == 2
+
+
 def test_what_is_tried_is_sent_as_a_student_would(preview: TestClient, course: Course, database: Database) -> None:
     for exercise, number in (("gain", 2), ("verification", 0), ("calcul", 0)):
         answer = preview.post(f"/apercu/l21/{exercise}/{number}", follow_redirects=False)

@@ -102,9 +102,12 @@ def test_from_submission_to_verdict(small_site: SmallSite) -> None:
 def test_a_figure_says_what_it_shows_to_who_does_not_see_it(small_site: SmallSite, kind: str, words: str) -> None:
     href = small_site.submit()
     small_site.grade(verdict(), {"simple": {"kind": kind, "title": "", "expected": [[0.0], [1.0]], "got": None}})
-    (alt,) = re.findall(r'alt="(Figure de[^"]*)"', small_site.get(f"{href}/verdict"))
+    page = small_site.get(f"{href}/verdict")
+    (alt,) = re.findall(r'alt="(Figure de[^"]*)"', page)
+    (caption,) = re.findall("<figcaption[^>]*>(.*?)</figcaption>", page)
     assert alt.startswith("Figure de la vérification «\u00a0Des nombres simples\u00a0». ")
     assert words in alt
+    assert words in caption, "and to who does"
 
 
 def test_what_an_attempt_mended_is_told_though_the_mark_has_not_moved(small_site: SmallSite) -> None:

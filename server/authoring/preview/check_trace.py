@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -25,6 +25,7 @@ from graders.core.contract.values import Arguments, Value
 
 #: How many calls of a check are shown; the others are counted.
 MAX_SHOWN_CALLS = 6
+NO_WORDS = "Dessinée sans description : ajoutez-la à FIGURES, dans figures.py."
 
 
 @dataclass(frozen=True)
@@ -37,13 +38,16 @@ class TracedCall:
 
 @dataclass
 class CheckTrace:
-    """Calls of one check to the solution under a seed. `failure`: why the check does not pass, or empty."""
+    """Calls of one check to the solution under a seed. `failure`: why the check does not pass, or empty.
+
+    `figure`: what its figure shows, in words; empty where it draws none.
+    """
 
     check: Check
     calls: list[TracedCall] = field(default_factory=list)
     count: int = 0
     failure: str = ""
-    has_figure: bool = False
+    figure: str = ""
 
     def record(self, function: str, args: Arguments, answer: Answer) -> None:
         self.count += 1
@@ -53,17 +57,26 @@ class CheckTrace:
             self.calls.append(TracedCall(f"{function}({given})", got))
 
 
-def trace_checks(grader: CodeGrader, seed: int) -> Iterator[CheckTrace]:
-    """Run each check on the solution. An exception of a check becomes its failure."""
+def trace_checks(grader: CodeGrader, seed: int, described: Mapping[str, str]) -> Iterator[CheckTrace]:
+    """Run each check on the solution. An exception of a check becomes its failure.
+
+    `described`: what each kind of figure of the exercise shows, in words.
+    """
     for check in grader.checks:
         seen = CheckTrace(check)
         try:
             failed = grader.first_failed(grader.solution.encode(), TracingLauncher(seen), seed=seed, checks=[check])
             seen.failure = "la solution n’y passe pas" if failed else ""
+            seen.figure = _describe_figure(grader, check.id, seed, described)
         except Exception as error:  # whatever the author's check raises is shown in its place
             seen.failure = f"{type(error).__name__}: {error}"
-        seen.has_figure = isinstance(check, Cases) and check.figure is not None
         yield seen
+
+
+def _describe_figure(grader: CodeGrader, check_id: str, seed: int, described: Mapping[str, str]) -> str:
+    """Return what a check's figure on its first case shows, in words; empty where it draws nothing."""
+    data = first_case_figure(grader, check_id, seed)
+    return "" if data is None else described.get(str(data.get("kind")), NO_WORDS)
 
 
 def first_case_figure(grader: CodeGrader, check_id: str, seed: int) -> FigureData | None:

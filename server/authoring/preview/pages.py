@@ -32,6 +32,7 @@ from server.base.errors import NotFound
 from server.base.http import client_address
 from server.course import Course, Exercise, Problem
 from server.course.dependencies import CourseOf
+from server.course.drawings import describe_verdict_figures
 from server.database.dependencies import Db
 from server.figures import drawing_requests
 from server.figures.dependencies import FiguresOf
@@ -125,7 +126,7 @@ def trial_page(
     request: Request, module: str, slug: str, course: CourseOf, account: OptionalAccount, graine: int = SEED
 ) -> HTMLResponse:
     exercise = find_exercise(course, module, slug)
-    grader = exercise.grader
+    grader, described = exercise.grader, describe_verdict_figures(exercise.id)
     shown = TrialPage(
         exercise.title,
         exercise_href(exercise),
@@ -134,7 +135,7 @@ def trial_page(
             TrialView(number, known.subject, _describe_expected(known))
             for number, known in enumerate(_list_trials(exercise))
         ),
-        tuple(trace_checks(grader, graine)) if isinstance(grader, CodeGrader) else (),
+        tuple(trace_checks(grader, graine, described)) if isinstance(grader, CodeGrader) else (),
         graine,
     )
     return render_page(request, "preview/exercise.html", account, page=shown)
