@@ -1,12 +1,14 @@
 """What the students of the class send, when: drawn from a seed, with the programs that the course knows.
 
 In each of four lessons a student begins its exercises one after the other. Before the right program come wrong ones:
-mostly those of a few misconceptions that many share, each kept for an attempt or more before it is overcome.
+mostly those of a few misconceptions that many share, each kept for an attempt or more before it is overcome. Between
+two lessons some go on at home with what they left wrong, and mostly make the same mistake again.
 """
 
 from __future__ import annotations
 
 import itertools
+from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from datetime import datetime, timedelta
@@ -27,6 +29,8 @@ UNNAMED_PROBABILITY = 0.25  # a mistake that has no name: of syntax, of form, or
 POPULARITY_SCALE = 1.8  # misconceptions that most of the named mistakes of an exercise are
 SUCCESS_PROBABILITY = (0.1, 0.55)  # how soon the right program is found: for whom all is hard, and what ease adds
 GIVE_UP_PROBABILITY = 0.16  # an exercise is left unsolved after an attempt, by whom all is hard
+HOMEWORK_PROBABILITY, HOMEWORK_DAYS = 0.4, 2  # who left an exercise wrong goes on at home, and on how many days
+RELAPSE_PROBABILITY = 0.6  # a day at home brings the same mistake again instead of the right program
 UNNAMED = (Outcome.WRONG_ANSWER, Outcome.RUNTIME_ERROR, Outcome.SYNTAX_ERROR, Outcome.INVALID_OUTPUT)
 
 
@@ -91,7 +95,8 @@ def _is_honest(known: KnownSubmission) -> bool:
 
 
 def plan_attempts(module: Module, pupils: Sequence[Pupil], random: Random, now: datetime) -> list[PlannedAttempt]:
-    """Everything that is sent in the four lessons, in time; what the last still brings lies after `now`."""
+    """Everything that is sent in the four lessons and between them, in time; what the last still brings lies after
+    `now`."""
     repertoires = {exercise.id: build_repertoire(exercise, random) for exercise in module.exercises}
     steps = [
         step
@@ -100,7 +105,41 @@ def plan_attempts(module: Module, pupils: Sequence[Pupil], random: Random, now: 
         if random.random() >= ABSENCE_PROBABILITY
         for step in _pupil_attempts(number, pupil, exercises, repertoires, random, start)
     ]
+    steps += [step for start in lesson_starts(now)[:-1] for step in _homework(steps, start, repertoires, random)]
     return sorted(steps, key=lambda step: step.sent_at)
+
+
+def _homework(
+    steps: Sequence[PlannedAttempt], start: datetime, repertoires: Mapping[str, Repertoire], random: Random
+) -> Iterator[PlannedAttempt]:
+    """Some of those who left an exercise of the lesson wrong, on some of the days before the next one."""
+    sent: dict[tuple[int, str], list[PlannedAttempt]] = {}
+    for step in steps:
+        if start <= step.sent_at <= start + LESSON_DURATION:
+            sent.setdefault((step.pupil, step.exercise), []).append(step)
+    left = {pupil: own for (pupil, _), own in sent.items() if own[-1].submission.outcome is not Outcome.OK}
+    days = range(1, BETWEEN_LESSONS.days - 1)
+    for own in left.values():
+        if len(days) >= HOMEWORK_DAYS and random.random() < HOMEWORK_PROBABILITY:
+            chosen = sorted(random.sample(days, HOMEWORK_DAYS))
+            yield from _attempts_at_home(own, [start + timedelta(days=day) for day in chosen], repertoires, random)
+
+
+def _attempts_at_home(
+    own: Sequence[PlannedAttempt], days: Sequence[datetime], repertoires: Mapping[str, Repertoire], random: Random
+) -> Iterator[PlannedAttempt]:
+    """What somebody sends at home on these days to an exercise that they left wrong, until it is right."""
+    pupil, exercise, last = own[-1].pupil, own[-1].exercise, own[-1].submission
+    of, times = repertoires[exercise], Counter(id(step.submission) for step in own)
+    same = next((programs for programs in of.named if programs[0].diagnosis == last.diagnosis), (last,))
+    for day in days:
+        is_wrong = random.random() < RELAPSE_PROBABILITY
+        known = random.choice(same if is_wrong else of.right)
+        at = day + timedelta(minutes=random.uniform(0, 120))
+        yield PlannedAttempt(pupil, exercise, known, at, times[id(known)])
+        times[id(known)] += 1
+        if not is_wrong:
+            return
 
 
 def _pupil_attempts(
