@@ -41,6 +41,7 @@ def contracts(relaunched: str, *of_step: Boundary) -> tuple[FunctionContract, ..
             (
                 Boundary("des particules toutes confondues", lambda p, w, u, z: (np.ptp(p, axis=0) == 0.0).all()),
                 Boundary("le rééchantillonnage", free="à chaque pas, ou quand N_eff est petit ; la méthode est libre"),
+                Boundary("le cap d’une particule", free="ramené dans ]−π, π], ou non"),
                 Boundary("une particule hors de la carte, ou dans un mur", free="elle peut y rester, ou en être ôtée"),
                 *of_step,
             ),
