@@ -9,7 +9,7 @@ import asyncio
 import logging
 import time
 from collections import Counter
-from collections.abc import AsyncIterator, Callable, Hashable, Iterator, Sequence
+from collections.abc import AsyncIterator, Callable, Hashable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from datetime import datetime
@@ -22,6 +22,7 @@ from starlette.concurrency import run_in_threadpool
 
 from server.base.errors import RateLimited
 from server.board import repository
+from server.board.repository import ClassPulse
 from server.board.schemas import Board
 from server.board.service import load_board
 from server.classes import repository as classes
@@ -33,7 +34,7 @@ from server.submissions.job_events import JobEvents
 log = logging.getLogger(__name__)
 
 MAX_STREAMS_PER_ACCOUNT = 8
-MIN_READ_INTERVAL = 0.5  # seconds between two readings of a class: what is shown is a second old at most
+MIN_READ_INTERVAL = 0.3  # seconds between two readings of a class
 READ_TIME_DIVISOR = 10  # reading a class takes a tenth of a processor at most, however large it is
 MAX_READING_AGE = 15.0  # seconds, as students become stuck by time alone
 MAX_STREAM_SECONDS = 600.0  # then the browser reconnects, and is authenticated again
@@ -48,18 +49,20 @@ class Versioned(Protocol):
     def version(self) -> Hashable: ...
 
 
+PulseType = TypeVar("PulseType")
 ShownType = TypeVar("ShownType", bound=Versioned)
 
 
 @dataclass(frozen=True)
-class ClassView(Generic[ShownType]):
-    """What a kind of stream shows of a class: `load` reads it, where what `load_pulse` returns has changed."""
+class ClassView(Generic[PulseType, ShownType]):
+    """What a kind of stream shows of a class: `load` reads it where its pulse has changed, in the transaction in which
+    `load_pulse` has loaded that."""
 
-    load_pulse: Callable[[Session, UUID], Sequence[object]]
-    load: Callable[[Session, Course, SchoolClass, datetime], ShownType]
+    load_pulse: Callable[[Session, UUID], PulseType]
+    load: Callable[[Session, Course, SchoolClass, datetime, PulseType], ShownType]
 
 
-BOARD: ClassView[Board] = ClassView(repository.load_pulse, load_board)
+BOARD: ClassView[ClassPulse, Board] = ClassView(repository.load_pulse, load_board)
 
 
 @dataclass(frozen=True, eq=False)
@@ -69,7 +72,7 @@ class Reading(Generic[ShownType]):
     Readings are equal where they show the same.
     """
 
-    pulse: Sequence[object]
+    pulse: object
     shown: ShownType | None
     read_at: float
     duration: float
@@ -91,13 +94,21 @@ class Reading(Generic[ShownType]):
 
 @dataclass(eq=False)
 class WatchedClass(Generic[ShownType]):
-    """A class with open streams: the reading they show, the last one, and the events that wake them."""
+    """A class with open streams: the reading they show, the last one, and the events that wake them.
+
+    `duration`: seconds of processor that a reading takes, of the last two the quicker one; 0 at first.
+    """
 
     reading: Reading[ShownType] | None = None
     last: Reading[ShownType] | None = None
+    duration: float = 0.0
     ended: bool = False
     watchers: set[asyncio.Event] = field(default_factory=set)
     task: asyncio.Task[None] | None = None
+
+    def find_rest(self) -> float:
+        """Return the seconds between two readings."""
+        return max(MIN_READ_INTERVAL, READ_TIME_DIVISOR * self.duration)
 
     def notify(self) -> None:
         for watcher in self.watchers:
@@ -109,7 +120,7 @@ class LiveBoards:
 
     def __init__(self, database: Database, course: Course, events: JobEvents) -> None:
         self._database, self._course, self._events = database, course, events
-        self._watched: dict[tuple[UUID, ClassView[Any]], WatchedClass[Any]] = {}
+        self._watched: dict[tuple[UUID, ClassView[Any, Any]], WatchedClass[Any]] = {}
         self._streams: Counter[UUID] = Counter()
         self.max_stream_seconds = MAX_STREAM_SECONDS
 
@@ -119,7 +130,7 @@ class LiveBoards:
             raise RateLimited(TOO_MANY, retry_after=60)
 
     async def follow(
-        self, view: ClassView[ShownType], class_id: UUID, account: UUID, allowed: Callable[[], bool]
+        self, view: ClassView[Any, ShownType], class_id: UUID, account: UUID, allowed: Callable[[], bool]
     ) -> AsyncIterator[ShownType | None]:
         """Yield what is shown at first, then each time that it has changed; None now and then, as a heartbeat.
 
@@ -151,7 +162,7 @@ class LiveBoards:
 
     @contextmanager
     def _watch(
-        self, view: ClassView[ShownType], class_id: UUID
+        self, view: ClassView[Any, ShownType], class_id: UUID
     ) -> Iterator[tuple[WatchedClass[ShownType], asyncio.Event]]:
         watched = self._watched.get((class_id, view))
         if watched is None:
@@ -168,20 +179,20 @@ class LiveBoards:
                 if watched.task is not None:
                     watched.task.cancel()
 
-    def _forget(self, view: ClassView[ShownType], class_id: UUID, watched: WatchedClass[ShownType]) -> None:
+    def _forget(self, view: ClassView[Any, ShownType], class_id: UUID, watched: WatchedClass[ShownType]) -> None:
         if self._watched.get((class_id, view)) is watched:
             del self._watched[class_id, view]
 
-    async def _keep_reading(self, view: ClassView[ShownType], class_id: UUID, watched: WatchedClass[ShownType]) -> None:
+    async def _keep_reading(
+        self, view: ClassView[Any, ShownType], class_id: UUID, watched: WatchedClass[ShownType]
+    ) -> None:
         """Read the class until nobody watches it. An error ends the streams: browsers reconnect."""
         try:
             read = partial(self._read, view, class_id, watched)
-            before = 0.0  # the first reading takes long, as it fills caches
-            async for reading in self._events.follow(f"class:{class_id}", read, watches_all_jobs=True):
+            key = f"class:{class_id}"
+            async for reading in self._events.follow(key, read, watches_all_jobs=True, find_rest=watched.find_rest):
                 watched.reading = reading
                 watched.notify()
-                await asyncio.sleep(max(MIN_READ_INTERVAL, READ_TIME_DIVISOR * min(before, reading.duration)))
-                before = reading.duration
         except Exception:
             log.exception("class %s could not be read for those who watch it", class_id)
         finally:
@@ -189,7 +200,9 @@ class LiveBoards:
             self._forget(view, class_id, watched)
             watched.notify()
 
-    def _read(self, view: ClassView[ShownType], class_id: UUID, watched: WatchedClass[ShownType]) -> Reading[ShownType]:
+    def _read(
+        self, view: ClassView[Any, ShownType], class_id: UUID, watched: WatchedClass[ShownType]
+    ) -> Reading[ShownType]:
         """Read the class in a thread, or return the last reading where nothing has changed meanwhile."""
         last, began = watched.last, time.thread_time()
         with self._database.read() as db:
@@ -197,8 +210,10 @@ class LiveBoards:
             if last is not None and last.pulse == pulse and time.monotonic() - last.read_at < MAX_READING_AGE:
                 return last
             school_class = classes.find_class(db, class_id)
-            shown = None if school_class is None else view.load(db, self._course, school_class, utc_now())
-        watched.last = Reading(pulse, shown, time.monotonic(), time.thread_time() - began)
+            shown = None if school_class is None else view.load(db, self._course, school_class, utc_now(), pulse)
+        duration = time.thread_time() - began
+        watched.last = Reading(pulse, shown, time.monotonic(), duration)
+        watched.duration = 0.0 if last is None else min(last.duration, duration)
         return watched.last
 
 

@@ -74,11 +74,14 @@ class JobEvents:
     def job_changed(self, notification: str) -> None:
         """Wake the job's watchers at once, and the others soon, as their positions have changed.
 
-        Watchers of the end of a job ignore that it was claimed (JOB_STARTED_SUFFIX), and other jobs.
+        Watchers of the end of a job ignore that it was claimed (JOB_STARTED_SUFFIX), and other jobs. Those that watch
+        all jobs ignore that one was claimed; they are few, and rest between two looks by themselves.
         """
         key = notification.removesuffix(JOB_STARTED_SUFFIX)
         if key == notification:
             self._record_change(key)
+            for event in self._global_watchers:
+                event.set()
         for event in self._watchers.get(key, ()):
             event.set()
         self._changed_again = True
@@ -102,7 +105,7 @@ class JobEvents:
         if not self._refresh_queue and self._changed_again:
             self._changed_again = False
             self._refresh_queue = self._all_watchers()
-        for event in (*self._global_watchers, *self._refresh_queue[:REFRESH_BATCH]):
+        for event in self._refresh_queue[:REFRESH_BATCH]:
             event.set()
         del self._refresh_queue[:REFRESH_BATCH]
         if self._refresh_queue or self._changed_again:
@@ -124,11 +127,17 @@ class JobEvents:
                 self._global_watchers.discard(event)
 
     async def follow(
-        self, key: str, read: Callable[[], SnapshotType], *, watches_all_jobs: bool = False
+        self,
+        key: str,
+        read: Callable[[], SnapshotType],
+        *,
+        watches_all_jobs: bool = False,
+        find_rest: Callable[[], float] = lambda: 0.0,
     ) -> AsyncIterator[SnapshotType]:
         """Yield what `read` returns (in a thread), then each different value, until it is done or the server stops.
 
-        `watches_all_jobs`: any job may change it. An unavailable database is asked again.
+        `watches_all_jobs`: the end of any job may change it. `find_rest` returns the seconds to rest after a read. An
+        unavailable database is asked again.
         """
         with self._watch(key, watches_all_jobs=watches_all_jobs) as event:
             latest: SnapshotType | None = None
@@ -144,6 +153,7 @@ class JobEvents:
                     return
                 if self._closed:
                     return
+                await asyncio.sleep(find_rest())
                 await _wait(event, min(self._poll_interval(), _settling_time(snapshot)))
 
     async def wait_until_done(self, key: str, read: Callable[[], SnapshotType], seconds: float) -> SnapshotType:

@@ -25,7 +25,7 @@ from server.regrades.schemas import RegradeInput, RegradeProgress
 from server.rights import service as rights
 from server.rights.models import Right
 from server.submissions.dependencies import JobEventsOf
-from server.submissions.job_events import STREAM_HEADERS, stream_sse
+from server.submissions.job_events import REFRESH_SECONDS, STREAM_HEADERS, stream_sse
 from server.web.dependencies import CurrentReader
 from server.web.forms import UNKNOWN_ACTION, Field, redirect, redirect_to_login
 from server.web.rendering import render_page
@@ -143,7 +143,7 @@ async def stream_progress(
         return _load_progress(database, account, class_id, regrade_id)
 
     await run_in_threadpool(read)  # a refusal must come before the stream begins
-    snapshots = hub.follow(str(UUID(regrade_id)), read, watches_all_jobs=True)
+    snapshots = hub.follow(str(UUID(regrade_id)), read, watches_all_jobs=True, find_rest=lambda: REFRESH_SECONDS)
     lines: AsyncIterator[str] = stream_sse(snapshots, _progress_json, name="progress")
     return StreamingResponse(lines, media_type="text/event-stream", headers=STREAM_HEADERS)
 
