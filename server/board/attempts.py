@@ -2,20 +2,31 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 from typing import NamedTuple
 from uuid import UUID
 
 from graders.core.contract.outcomes import OPENS_HINTS, Blame, Outcome, blamed_on
-from server.gradebook.histories import Attempts
+from server.gradebook.histories import Attempts, AttemptsByPair, computed_once
 
 FAILURES = frozenset(outcome.value for outcome in blamed_on(Blame.STUDENT))
 #: Failures of programs that run and answer wrongly.
 WRONG_ANSWERS = frozenset((Outcome.WRONG_ANSWER.value, Outcome.INVALID_OUTPUT.value, Outcome.RUNTIME_ERROR.value))
 
 Pair = tuple[UUID, str]
+
+
+def group_by_student(attempts: AttemptsByPair) -> Mapping[UUID, Mapping[str, Attempts]]:
+    """Return the attempts of each student, by exercise."""
+    by_student: dict[UUID, dict[str, Attempts]] = {}
+    student, own = None, dict[str, Attempts]()
+    for (account, exercise), series in attempts.items():
+        if account is not student:
+            student, own = account, by_student.setdefault(account, {})
+        own[exercise] = series
+    return by_student
 
 
 @dataclass(frozen=True, slots=True)
@@ -39,8 +50,10 @@ class FirstSuccess(NamedTuple):
     minutes: float
 
 
-def misconception_episodes(attempts: Attempts) -> Iterator[tuple[str, MisconceptionEpisode]]:
-    """Yield each misconception that some attempt shows, with its episode."""
+@computed_once
+def misconception_episodes(attempts: Attempts) -> Sequence[tuple[str, MisconceptionEpisode]]:
+    """Return each misconception that some attempt shows, with its episode."""
+    episodes = []
     indices: dict[str, list[int]] = {}
     for index, attempt in enumerate(attempts):
         if attempt.diagnosis is not None:
@@ -53,9 +66,11 @@ def misconception_episodes(attempts: Attempts) -> Iterator[tuple[str, Misconcept
         episode = MisconceptionEpisode(
             attempts[first].account_id, last - first + 1 if overcome else None, followed, improved
         )
-        yield misconception, episode
+        episodes.append((misconception, episode))
+    return episodes
 
 
+@computed_once
 def first_success(attempts: Attempts) -> FirstSuccess | None:
     for number, attempt in enumerate(attempts, 1):
         if attempt.outcome == Outcome.OK:

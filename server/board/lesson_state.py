@@ -2,18 +2,17 @@
 
 from __future__ import annotations
 
-from collections import defaultdict
+from collections import Counter, defaultdict
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from datetime import datetime, timedelta
 from uuid import UUID
 
-from graders.core.contract.outcomes import Outcome
 from server.board.attempts import Pair
 from server.board.progress import ClassProgress
 from server.board.schemas import FEWEST_TO_PROJECT
 from server.board.stuck import PRESENCE, Expected, StuckStudent
-from server.gradebook.histories import Attempts, AttemptsByPair
+from server.gradebook.histories import Attempts, AttemptsByPair, attempt_totals, computed_once
 from server.lesson.models import LessonVisit, LiveLesson
 
 RECENT_MISTAKES = timedelta(minutes=15)
@@ -76,7 +75,9 @@ def build_state(progress: ClassProgress, lesson: LiveLesson, visits: Mapping[UUI
     stuck = progress.find_stuck(expected)
     just_seen = {row.account for row in stuck if _is_just_seen(visits.get(row.account), row, progress.now)}
     shown = tuple(row for row in stuck if row.account not in just_seen)
-    solved = _solved_times(progress.attempts, lesson.exercises)
+    wanted = frozenset(lesson.exercises)
+    today = {pair: series for pair, series in progress.attempts.items() if pair[1] in wanted}
+    solved = _solved_times(today)
     finished = _finished(progress, solved, lesson.exercises)
     mistakes = lesson_mistakes(progress, expected)
     current = tuple(row for row in mistakes if row.still)[:MAX_MISTAKES]
@@ -87,7 +88,7 @@ def build_state(progress: ClassProgress, lesson: LiveLesson, visits: Mapping[UUI
         overcome=tuple(row for row in mistakes if _is_just_overcome(row, progress.now))[: MAX_MISTAKES - len(current)],
         finished=finished,
         absent=_absent(progress, lesson.started_at),
-        exercises=tuple(_count(progress, exercise, solved) for exercise in lesson.exercises),
+        exercises=_count_by_exercise(lesson.exercises, today, solved),
         students=len(progress.students),
         helpers=pair_helpers(progress, shown, finished, MAX_HELPED),
     )
@@ -107,31 +108,39 @@ def lesson_mistakes(progress: ClassProgress, expected: Expected) -> tuple[Lesson
     The first are those that most students still make, however long ago they sent their last attempt: a student who
     falls silent has not overcome a mistake.
     """
+    recent = {exercise for (_, exercise), own in progress.attempts.items() if own[-1].sent_at >= expected.started_at}
+    worked = recent.union(expected.exercises)
     made: dict[tuple[str, str], list[Attempts]] = defaultdict(list)
     for (_, exercise), attempts in progress.attempts.items():
-        for misconception in {attempt.diagnosis for attempt in attempts if attempt.diagnosis is not None}:
-            made[exercise, misconception].append(attempts)
+        if exercise in worked:
+            for misconception in _latest_times(attempts):
+                made[exercise, misconception].append(attempts)
     rows = (_mistake(*key, own) for key, own in made.items())
     shown = [row for row in rows if row.exercise in expected.exercises or row.latest_at >= expected.started_at]
     order = {exercise: index for index, exercise in enumerate(progress.scope.exercises)}
     return tuple(sorted(shown, key=lambda row: (-len(row.still), -row.ever, order[row.exercise], row.id)))
 
 
+@computed_once
+def _latest_times(attempts: Attempts) -> Mapping[str, datetime]:
+    """Return when each misconception was shown last."""
+    return {attempt.diagnosis: attempt.sent_at for attempt in attempts if attempt.diagnosis is not None}
+
+
 def _mistake(exercise: str, misconception: str, made_by: Sequence[Attempts]) -> LessonMistake:
     still = sorted((own[-1].sent_at, own[-1].account_id) for own in made_by if own[-1].diagnosis == misconception)
-    latest_at = max(each.sent_at for own in made_by for each in own if each.diagnosis == misconception)
+    latest_at = max(_latest_times(own)[misconception] for own in made_by)
     return LessonMistake(exercise, misconception, tuple(account for _, account in still), len(made_by), latest_at)
 
 
-def _solved_times(attempts: AttemptsByPair, exercises: Sequence[str]) -> Mapping[Pair, datetime]:
-    """Return when each student first solved each of these exercises."""
-    wanted = frozenset(exercises)
-    times = {pair: _first_success(series) for pair, series in attempts.items() if pair[1] in wanted}
+def _solved_times(attempts: AttemptsByPair) -> Mapping[Pair, datetime]:
+    """Return when each student first solved each exercise that they have solved."""
+    times = {pair: _first_success(series) for pair, series in attempts.items()}
     return {pair: time for pair, time in times.items() if time is not None}
 
 
 def _first_success(attempts: Attempts) -> datetime | None:
-    return next((attempt.sent_at for attempt in attempts if attempt.outcome == Outcome.OK), None)
+    return attempt_totals(attempts).first_success_at if attempts else None
 
 
 def _finished(progress: ClassProgress, solved: Mapping[Pair, datetime], exercises: Sequence[str]) -> tuple[UUID, ...]:
@@ -181,7 +190,8 @@ def _absent(progress: ClassProgress, since: datetime) -> tuple[UUID, ...]:
     )
 
 
-def _count(progress: ClassProgress, exercise: str, solved: Mapping[Pair, datetime]) -> ExerciseCount:
-    tried = sum((student.id, exercise) in progress.attempts for student in progress.students)
-    done = sum((student.id, exercise) in solved for student in progress.students)
-    return ExerciseCount(exercise, done, tried - done)
+def _count_by_exercise(
+    exercises: Sequence[str], attempts: AttemptsByPair, solved: Mapping[Pair, datetime]
+) -> tuple[ExerciseCount, ...]:
+    tried, done = (Counter(exercise for _, exercise in pairs) for pairs in (attempts, solved))
+    return tuple(ExerciseCount(name, done[name], tried[name] - done[name]) for name in exercises)

@@ -13,6 +13,7 @@ from sqlalchemy.orm import Session
 from server.assignments import feedback
 from server.assignments.feedback import NO_HOLDS, FeedbackHolds
 from server.assignments.service import load_counting_exercises
+from server.board.attempts import group_by_student
 from server.board.objectives import (
     ClassObjective,
     MistakeFinder,
@@ -20,7 +21,6 @@ from server.board.objectives import (
     PractisedObjective,
     counting_objectives,
     find_states,
-    group_by_student,
     summarise_class,
 )
 from server.board.progress import ClassProgress

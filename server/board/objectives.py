@@ -15,7 +15,7 @@ from server.board.stuck import failures_without_progress
 from server.course import Course, Module
 from server.course.objectives import Objective
 from server.course.practice import practised_objectives
-from server.gradebook.histories import Attempts, AttemptsByPair
+from server.gradebook.histories import Attempts
 
 #: Exercises to solve for an objective, or all where it has fewer.
 MIN_SOLVED = 2
@@ -153,14 +153,6 @@ def _count_mistaken(objective: Objective, exercise: str, attempts: Attempts, fin
             and finder.belongs(objective, exercise, attempt.diagnosis)
         }
     )
-
-
-def group_by_student(attempts: AttemptsByPair) -> Mapping[UUID, Mapping[str, Attempts]]:
-    """Return the attempts of each student, by exercise."""
-    own: dict[UUID, dict[str, Attempts]] = {}
-    for (account, exercise), series in attempts.items():
-        own.setdefault(account, {})[exercise] = series
-    return own
 
 
 @dataclass(frozen=True)

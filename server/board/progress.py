@@ -16,8 +16,8 @@ from server.board.repository import Scope
 from server.board.schemas import BoardStudent, ExerciseStats, HintStats, ImprovementStats, MisconceptionStats
 from server.board.stuck import Expected, StuckStudent, find_stuck, median_or_none
 from server.course import Course
-from server.gradebook.histories import AttemptsByPair, GradedAttempt, Revisions
-from server.gradebook.standings import StandingTotals, compute_totals
+from server.gradebook.histories import AttemptsByPair, GradedAttempt, Revisions, attempt_totals
+from server.gradebook.standings import StandingTotals
 
 
 @dataclass(frozen=True, eq=False)
@@ -48,7 +48,7 @@ class ClassProgress:
 
     @cached_property
     def standings(self) -> Mapping[Pair, StandingTotals]:
-        return {pair: compute_totals(attempts) for pair, attempts in self.attempts.items()}
+        return {pair: attempt_totals(attempts) for pair, attempts in self.attempts.items()}
 
     @cached_property
     def stuck(self) -> frozenset[Pair]:

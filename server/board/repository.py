@@ -12,7 +12,7 @@ from sqlalchemy.orm import Session
 
 from graders.core.contract.outcomes import Outcome
 from server.classes.models import ClassRole, Membership, Status
-from server.gradebook.histories import REVISION_SUMS
+from server.gradebook.histories import REVISION_SUMS, Revisions
 from server.gradebook.models import Grading
 from server.submissions.models import Submission
 
@@ -30,12 +30,26 @@ class Scope:
     groups: tuple[tuple[str, frozenset[str]], ...] = ()
 
 
-def load_pulse(db: Session, class_id: UUID) -> Sequence[object]:
-    """Load a version tag of the class: it changes when an attempt of a student is graded, and when members change."""
+@dataclass(frozen=True)
+class ClassPulse:
+    """A version tag of a class: it changes when an attempt of a student is graded, and when members change.
+
+    `revisions`: the tags of the students' attempts; `students`: those without attempts too. `others`: tags of what else
+    a view of the class shows.
+    """
+
+    revisions: Revisions
+    students: tuple[UUID, ...]
+    others: tuple[object, ...] = ()
+
+
+def load_pulse(db: Session, class_id: UUID) -> ClassPulse:
     graded = and_(Submission.account_id == Membership.account_id, Submission.revision.is_not(None))
     query = select(Membership.account_id, *REVISION_SUMS).outerjoin(Submission, graded)
     query = query.where(*_active_students(class_id)).group_by(Membership.account_id).order_by(Membership.account_id)
-    return [tuple(row) for row in db.execute(query)]
+    rows = db.execute(query).all()
+    revisions = {account_id: (int(low), int(high)) for account_id, low, high in rows if low is not None}
+    return ClassPulse(revisions, tuple(row[0] for row in rows))
 
 
 @dataclass(frozen=True)

@@ -17,7 +17,7 @@ from server.behaviour.schemas import UnnamedGroup
 from server.board import insights
 from server.board.attempts import Pair
 from server.board.progress import ClassProgress
-from server.board.repository import Scope
+from server.board.repository import ClassPulse, Scope
 from server.board.schemas import (
     Board,
     BoardStudent,
@@ -110,9 +110,11 @@ def _count_students(
     return ClassCounts(len(progress.students), started, finished, stuck)
 
 
-def load_board(db: Session, course: Course, school_class: SchoolClass, now: datetime) -> Board:
-    """Load the board; that of an archived class shows nothing that was sent later."""
-    return load_inputs(db, course, school_class, now).board
+def load_board(
+    db: Session, course: Course, school_class: SchoolClass, now: datetime, pulse: ClassPulse | None = None
+) -> Board:
+    """Load the board; that of an archived class shows nothing that was sent later. `pulse`: as for `load_progress`."""
+    return load_inputs(db, course, school_class, now, pulse).board
 
 
 def load_dashboard(db: Session, course: Course, school_class: SchoolClass, now: datetime) -> tuple[Board, Insights]:
@@ -121,8 +123,10 @@ def load_dashboard(db: Session, course: Course, school_class: SchoolClass, now: 
     return inputs.board, build_insights(inputs.progress, load_unnamed_groups(db, inputs.progress))
 
 
-def load_inputs(db: Session, course: Course, school_class: SchoolClass, now: datetime) -> BoardInputs:
-    progress = load_progress(db, course, school_class, now)
+def load_inputs(
+    db: Session, course: Course, school_class: SchoolClass, now: datetime, pulse: ClassPulse | None = None
+) -> BoardInputs:
+    progress = load_progress(db, course, school_class, now, pulse=pulse)
     students, until = [student.id for student in progress.students], progress.scope.until
     shared = load_team_attempts(db, students, class_id=school_class.id, until=until)
     return BoardInputs(progress, load_exercise_overrides(db, school_class.id), shared)
@@ -135,10 +139,12 @@ def load_progress(
     now: datetime,
     only: str | None = None,
     besides: Sequence[str] = (),
+    pulse: ClassPulse | None = None,
 ) -> ClassProgress:
     """Load what the students of a class have sent to the exercises that count, or to one of them.
 
-    Exercises `besides`, such as those of a lesson, are loaded whether they count or not.
+    Exercises `besides`, such as those of a lesson, are loaded whether they count or not. `pulse`: that of the class,
+    where it was just loaded in the same transaction.
     """
     now = min(now, school_class.archived_at or now)
     exercises = load_counting_exercises(db, course, school_class, now)
@@ -146,7 +152,7 @@ def load_progress(
     counted = tuple(dict.fromkeys([*counted, *(name for name in besides if course.exercises.get(name) is not None)]))
     scope = Scope(school_class.id, counted, school_class.archived_at, tuple(exercises.groups.items()))
     students = tuple(BoardStudent(*learner) for learner in classes.load_active_students(db, school_class.id))
-    revisions = load_revisions(db, [student.id for student in students])
+    revisions = load_revisions(db, [student.id for student in students]) if pulse is None else pulse.revisions
     attempts = load_attempts(db, revisions, scope.exercises, scope.until)
     return ClassProgress(course, scope, now, students, attempts, revisions)
 

@@ -6,7 +6,6 @@ of their attempts. `tests/board/test_stuck.py` measures the rules on simulated c
 
 from __future__ import annotations
 
-from collections import defaultdict
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from datetime import datetime, timedelta
@@ -15,10 +14,9 @@ from itertools import pairwise
 from statistics import median
 from uuid import UUID
 
-from graders.core.contract.outcomes import Outcome
-from server.board.attempts import FAILURES
+from server.board.attempts import FAILURES, group_by_student
 from server.board.schemas import ProgressState
-from server.gradebook.histories import Attempts, AttemptsByPair
+from server.gradebook.histories import Attempts, AttemptsByPair, attempt_totals, computed_once
 from server.gradebook.standings import StandingTotals
 
 #: Different failures without progress (a better score than all before), and their least duration.
@@ -77,10 +75,11 @@ def find_stuck(
 
     `expected`: the exercises of a lesson, where a student may also be stuck before the first attempt at the next one.
     """
-    own: dict[UUID, list[Attempts]] = defaultdict(list)
-    for (account, _), series in attempts.items():
-        own[account].append(series)
-    judged = (_judge_student(account, own.get(account, []), seen, now, expected) for account, seen in seen_at.items())
+    own = group_by_student(attempts)
+    judged = (
+        _judge_student(account, list(own.get(account, {}).values()), seen, now, expected)
+        for account, seen in seen_at.items()
+    )
     return tuple(sorted((row for row in judged if row is not None), key=lambda row: (row.since, str(row.account))))
 
 
@@ -93,22 +92,32 @@ def _judge_student(
 ) -> StuckStudent | None:
     if seen_at is None:
         return None
-    latest = max(all_series, key=lambda series: series[-1].sent_at, default=())
+    latest = max(all_series, key=_last_sent_at, default=())
     is_working = bool(latest) and now - latest[-1].sent_at <= MAX_SILENCE
     run = failures_without_progress(latest) if is_working else ()
     if run:
-        return _judge_failures(run, seen_at, now, own_pace(all_series))
-    return None if expected is None else _judge_beginning(account, all_series, seen_at, now, expected)
+        return _judge_failures(run, all_series, seen_at, now)
+    return None if expected is None else _judge_beginning(account, latest, all_series, seen_at, now, expected)
 
 
-def _judge_failures(run: Attempts, seen_at: datetime, now: datetime, pace: timedelta) -> StuckStudent | None:
+def _last_sent_at(series: Attempts) -> datetime:
+    return series[-1].sent_at
+
+
+def _judge_failures(
+    run: Attempts, all_series: Sequence[Attempts], seen_at: datetime, now: datetime
+) -> StuckStudent | None:
     last = run[-1]
     failures = len({attempt.digest for attempt in run})
     silence, duration = now - last.sent_at, now - run[0].sent_at
+    # The pace asks for longer times still: it is computed only for those who would be stuck at the quickest one.
+    may_repeat = failures >= MIN_FAILURES and duration >= MIN_DURATION
+    if not (may_repeat or silence >= MIN_SILENCE) or not _is_present(seen_at, last.sent_at, now):
+        return None
+    pace = own_pace(all_series)
     least_silence = max(MIN_SILENCE, PACES_OF_SILENCE * pace)
-    is_present = _is_present(seen_at, last.sent_at, now)
-    repeats = failures >= MIN_FAILURES and duration >= max(MIN_DURATION, PACES_WITHOUT_PROGRESS * pace)
-    if not is_present or not (repeats or silence >= least_silence):
+    repeats = may_repeat and duration >= PACES_WITHOUT_PROGRESS * pace
+    if not (repeats or silence >= least_silence):
         return None
     return StuckStudent(
         account=last.account_id,
@@ -121,24 +130,22 @@ def _judge_failures(run: Attempts, seen_at: datetime, now: datetime, pace: timed
 
 def _judge_beginning(
     account: UUID,
+    latest: Attempts,
     all_series: Sequence[Attempts],
     seen_at: datetime,
     now: datetime,
     expected: Expected,
 ) -> StuckStudent | None:
     """Judge a student who has sent nothing to the next exercise of the lesson since they were free to."""
-    by_exercise = {series[0].exercise: series for series in all_series}
-    left = [name for name in expected.exercises if not _is_solved(by_exercise.get(name, ()))]
-    if not left:
-        return None
-    sent = [series[-1].sent_at for series in all_series if series[-1].sent_at >= expected.started_at]
-    free_at = max(sent, default=expected.started_at)
-    silence = now - free_at
+    sent_at = latest[-1].sent_at if latest else expected.started_at
+    silence = now - max(sent_at, expected.started_at)
     if silence < MIN_BEGINNING or not _is_present(seen_at, expected.started_at, now):
         return None
-    if silence < PACES_OF_BEGINNING * own_pace(all_series):
+    by_exercise = {series[0].exercise: series for series in all_series}
+    left = [name for name in expected.exercises if not _is_solved(by_exercise.get(name, ()))]
+    if not left or silence < PACES_OF_BEGINNING * own_pace(all_series):
         return None
-    return StuckStudent(account, left[0], free_at, StuckSign.beginning, 0)
+    return StuckStudent(account, left[0], now - silence, StuckSign.beginning, 0)
 
 
 def _is_present(seen_at: datetime, sent_at: datetime, now: datetime) -> bool:
@@ -146,7 +153,7 @@ def _is_present(seen_at: datetime, sent_at: datetime, now: datetime) -> bool:
 
 
 def _is_solved(attempts: Attempts) -> bool:
-    return any(attempt.outcome == Outcome.OK for attempt in attempts)
+    return bool(attempts) and attempt_totals(attempts).first_success_at is not None
 
 
 def failures_without_progress(attempts: Attempts, pause: timedelta = BREAK) -> Attempts:
@@ -167,13 +174,15 @@ def failures_without_progress(attempts: Attempts, pause: timedelta = BREAK) -> A
 
 def own_pace(all_series: Sequence[Attempts]) -> timedelta:
     """Return the median time between two attempts of a student, breaks left out; the usual one for few attempts."""
-    gaps = [
-        (later.sent_at - earlier.sent_at).total_seconds()
-        for series in all_series
-        for earlier, later in pairwise(series)
-        if later.sent_at - earlier.sent_at <= BREAK
-    ]
+    gaps = [gap for series in all_series for gap in _gaps(series)]
     return timedelta(seconds=median(gaps)) if len(gaps) >= MIN_GAPS else USUAL_PACE
+
+
+@computed_once
+def _gaps(attempts: Attempts) -> Sequence[float]:
+    """Return the seconds between an attempt and the next, breaks left out."""
+    gaps = [later.sent_at - earlier.sent_at for earlier, later in pairwise(attempts)]
+    return tuple(gap.total_seconds() for gap in gaps if gap <= BREAK)
 
 
 def progress_state(totals: StandingTotals | None, *, stuck: bool) -> ProgressState:

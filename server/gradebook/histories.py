@@ -4,16 +4,18 @@ The database draws a new random revision for a submission whenever its counting 
 (`Submission.revision`). The sum of an account's revisions is a version tag: equal tags mean equal attempts. A page
 loads the tags with one small query, and reads the attempts only of the accounts whose tag has changed. Attempts are
 cached with the tag read in the same statement, so that an entry is right whatever other transactions do meanwhile.
+What is computed of a series of attempts alone (`computed_once`) lives as long as the series.
 """
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from datetime import datetime
+from functools import wraps
 from itertools import groupby
 from operator import attrgetter, itemgetter
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, TypeVar
 from uuid import UUID
 
 from sqlalchemy import Integer, func, literal, select
@@ -22,6 +24,7 @@ from sqlalchemy.orm import Session
 from server.assignments.counting import ScoredAttempt
 from server.base.caches import LRUCache
 from server.gradebook.models import Grading
+from server.gradebook.standings import StandingTotals, compute_totals
 from server.submissions.models import Submission
 
 MAX_CACHED_ATTEMPTS = 60_000  # of all accounts together, 1 kB each at most
@@ -54,11 +57,47 @@ Attempts = Sequence[GradedAttempt]
 AttemptsByPair = Mapping[tuple[UUID, str], Attempts]
 
 
+class AttemptSeries(tuple[GradedAttempt, ...]):
+    """Attempts as a history holds them. `computed`: what functions marked `computed_once` have returned of them."""
+
+    computed: dict[Callable[..., Any], Any]
+
+    def __new__(cls, attempts: Iterable[GradedAttempt]) -> AttemptSeries:
+        series = super().__new__(cls, attempts)
+        series.computed = {}
+        return series
+
+
+Result = TypeVar("Result")
+
+
+def computed_once(compute: Callable[[Attempts], Result]) -> Callable[[Attempts], Result]:
+    """Compute what depends on attempts alone, and never changes, once for each series of a history."""
+
+    @wraps(compute)
+    def find_or_compute(attempts: Attempts) -> Result:
+        if not isinstance(attempts, AttemptSeries):
+            return compute(attempts)
+        if compute not in attempts.computed:
+            attempts.computed[compute] = compute(attempts)
+        found: Result = attempts.computed[compute]
+        return found
+
+    return find_or_compute
+
+
+@computed_once
+def attempt_totals(attempts: Attempts) -> StandingTotals:
+    """Return what `compute_totals` does."""
+    return compute_totals(attempts)
+
+
 class AccountHistory(NamedTuple):
-    """All graded attempts of an account, by exercise, without internal errors; `size` counts the rows read."""
+    """All graded attempts of an account, without internal errors; `size` counts the rows read."""
 
     revision: Revision
-    attempts: Mapping[str, Attempts]
+    attempts: AttemptsByPair
+    exercises: frozenset[str]
     size: int
 
 
@@ -87,7 +126,7 @@ class AttemptHistories:
         if missing:
             for account_id, history in _read_histories(db, missing).items():
                 histories[account_id] = self._histories.put(account_id, history)
-        return {account_id: histories[account_id] for account_id in sorted(histories)}
+        return dict(sorted(histories.items(), key=lambda item: item[0].int))
 
     def clear(self) -> None:
         self._histories.clear()
@@ -104,17 +143,20 @@ def load_attempts(
     `revisions` were just loaded in the same transaction. Pairs without attempts are left out.
     """
     wanted = frozenset(exercises)
-    by_pair = {
-        (account_id, exercise): _sent_by(attempts, until)
-        for account_id, history in HISTORIES.load(db, revisions).items()
-        for exercise, attempts in history.attempts.items()
-        if exercise in wanted
-    }
-    return by_pair if until is None else {pair: attempts for pair, attempts in by_pair.items() if attempts}
+    by_pair: dict[tuple[UUID, str], Attempts] = {}
+    for history in HISTORIES.load(db, revisions).values():
+        own = history.attempts
+        if not history.exercises <= wanted:
+            own = {pair: attempts for pair, attempts in own.items() if pair[1] in wanted}
+        by_pair.update(own)
+    if until is None:
+        return by_pair
+    sent = {pair: _sent_by(attempts, until) for pair, attempts in by_pair.items()}
+    return {pair: attempts for pair, attempts in sent.items() if attempts}
 
 
-def _sent_by(attempts: Attempts, until: datetime | None) -> Attempts:
-    if until is None or attempts[-1].sent_at <= until:
+def _sent_by(attempts: Attempts, until: datetime) -> Attempts:
+    if attempts[-1].sent_at <= until:
         return attempts
     return tuple(attempt for attempt in attempts if attempt.sent_at <= until)
 
@@ -135,6 +177,7 @@ def _read_histories(db: Session, accounts: Collection[UUID]) -> Mapping[UUID, Ac
             for _, exercise, sent_at, id, digest, outcome, score, diagnosis, grading_id, _ in own_rows
             if score is not None
         ]
-        by_exercise = {exercise: tuple(attempts) for exercise, attempts in groupby(graded, attrgetter("exercise"))}
-        histories[account_id] = AccountHistory(revision, by_exercise, len(own_rows) + 1)
+        series = {name: AttemptSeries(attempts) for name, attempts in groupby(graded, attrgetter("exercise"))}
+        by_pair = {(account_id, exercise): attempts for exercise, attempts in series.items()}
+        histories[account_id] = AccountHistory(revision, by_pair, frozenset(series), len(own_rows) + 1)
     return histories

@@ -13,7 +13,15 @@ from sqlalchemy.orm import Session
 from graders.core.contract.outcomes import Outcome
 from server.database import Database, table_of, utc_now
 from server.gradebook import service
-from server.gradebook.histories import AccountHistory, AttemptHistories, GradedAttempt, Revision, load_revisions
+from server.gradebook.histories import (
+    AccountHistory,
+    AttemptHistories,
+    Attempts,
+    GradedAttempt,
+    Revision,
+    computed_once,
+    load_revisions,
+)
 from server.gradebook.models import Grading
 from server.identity.models import Account
 from server.personal.guest_adoption import adopt_guest_data
@@ -193,6 +201,27 @@ def test_only_changed_accounts_are_read_again(database: Database, ada: UUID) -> 
     second = load()
     assert second[alan] is not first[alan]
     assert second[ada] is first[ada]
+
+
+def test_what_follows_from_attempts_alone_is_computed_once(database: Database, ada: UUID) -> None:
+    computed = []
+
+    @computed_once
+    def count(attempts: Attempts) -> int:
+        computed.append(len(attempts))
+        return len(attempts)
+
+    def counts() -> list[int]:
+        with database.read() as db:
+            (history,) = kept.load(db, load_revisions(db, [ada])).values()
+        return [count(series) for series in history.attempts.values()]
+
+    kept = anew()
+    assert counts() == counts() == [2]
+    record(database, sent(database, ada), graded(Outcome.OK))
+    assert counts() == counts() == [3]
+    assert computed == [2, 3]
+    assert count(()) == count(()) == 0, "attempts that no history holds"
 
 
 def test_a_great_many_attempts_have_a_revision(sqlite: Database) -> None:

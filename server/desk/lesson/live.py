@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Hashable, Sequence
-from dataclasses import dataclass
+from collections.abc import Hashable
+from dataclasses import dataclass, replace
 from datetime import datetime
 from uuid import UUID
 
 from sqlalchemy.orm import Session
 
 from server.board.live import ClassView
-from server.board.repository import load_pulse
+from server.board.repository import ClassPulse, load_pulse
 from server.board.service import load_progress
 from server.classes.models import SchoolClass
 from server.course import Course
@@ -30,23 +30,25 @@ class ShownLesson:
         return self.parts
 
 
-def load_lesson(db: Session, course: Course, school_class: SchoolClass, now: datetime) -> ShownLesson:
+def load_lesson(
+    db: Session, course: Course, school_class: SchoolClass, now: datetime, pulse: ClassPulse
+) -> ShownLesson:
     lesson = service.find_current_lesson(db, school_class.id, now)
     if lesson is None:
         return ShownLesson(None)
-    progress = load_progress(db, course, school_class, now, besides=lesson.exercises)
+    progress = load_progress(db, course, school_class, now, besides=lesson.exercises, pulse=pulse)
     return ShownLesson(lesson_parts(db, progress, school_class, lesson))
 
 
-def load_lesson_pulse(db: Session, class_id: UUID) -> Sequence[object]:
+def load_lesson_pulse(db: Session, class_id: UUID) -> ClassPulse:
     """Load a version tag of the class, of its latest lesson, and of whom its teacher has seen in it."""
-    lesson = repository.find_latest(db, class_id)
+    pulse, lesson = load_pulse(db, class_id), repository.find_latest(db, class_id)
     if lesson is None:
-        return load_pulse(db, class_id)
+        return pulse
     plan = lesson.id, tuple(lesson.exercises), lesson.next_step, lesson.challenge, lesson.ended_at
     visits = repository.load_visits(db, lesson.id)
     seen = sorted((str(account), visit.exercise, visit.visited_at) for account, visit in visits.items())
-    return [*load_pulse(db, class_id), plan, *seen]
+    return replace(pulse, others=(plan, *seen))
 
 
-LESSON: ClassView[ShownLesson] = ClassView(load_lesson_pulse, load_lesson)
+LESSON: ClassView[ClassPulse, ShownLesson] = ClassView(load_lesson_pulse, load_lesson)

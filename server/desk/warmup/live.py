@@ -32,7 +32,9 @@ class ShownWarmUp:
         return self.students, tuple(tuple(count.students for count in row.counts) for row in self.questions)
 
 
-def load_warm_up(db: Session, _course: Course, school_class: SchoolClass, _now: datetime) -> ShownWarmUp:
+def load_warm_up(
+    db: Session, _course: Course, school_class: SchoolClass, _now: datetime, _pulse: Sequence[object]
+) -> ShownWarmUp:
     warm_up = service.find_today(db, school_class.id)
     questions = [] if warm_up is None else service.count_answers(db, school_class, warm_up)
     return ShownWarmUp(questions, polls.count_active_students(db, school_class.id))
@@ -48,7 +50,7 @@ def load_warm_up_pulse(db: Session, class_id: UUID) -> Sequence[object]:
     return [warm_up.id, polls.count_active_students(db, class_id), *polls.load_answer_counts(db, class_id, names)]
 
 
-WARM_UP: ClassView[ShownWarmUp] = ClassView(load_warm_up_pulse, load_warm_up)
+WARM_UP: ClassView[Sequence[object], ShownWarmUp] = ClassView(load_warm_up_pulse, load_warm_up)
 
 
 def render_counts(shown: ShownWarmUp) -> dict[str, str]:
