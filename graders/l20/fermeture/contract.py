@@ -26,7 +26,8 @@ CONTRACTS = (
         (
             Boundary("une pose i connue exactement", lambda xi, xj, sigma: not sigma[:3].any()),
             Boundary(
-                "un cap relatif d’un demi-tour", free="il n’est pas demandé : des différences finies avec z = 0 passent"
+                "un cap relatif d’un demi-tour",
+                free="il n’est pas demandé, et des différences finies avec z = 0 passent",
             ),
             Boundary("deux poses qui se trompent ensemble", lambda xi, xj, sigma: sigma[0, 3] == sigma[0, 0] > 0.0),
         ),

@@ -74,7 +74,7 @@ CONTRACTS = (
             Boundary("seuil omis", lambda *args: len(args) == 1),
             Boundary(
                 "une valeur propre à peine négative, par arrondi",
-                free="libre : sa valeur absolue comme son signe le disent",
+                free="elle est libre, par sa valeur absolue comme par son signe",
             ),
             Boundary("une valeur propre près du seuil", free="aucune n’est entre 0,7 et 1,4 fois le seuil"),
         ),

@@ -15,7 +15,7 @@ CONTRACTS = (
             Boundary("une trajectoire en miroir", turns_over),
             Boundary("des trajectoires droites, ou réduites à un point", free="elles ne sont pas demandées"),
             Boundary(
-                "un carré, ou un cercle, et son miroir : aucune rotation n’est la meilleure",
+                "un carré ou un cercle et son image en miroir, que toute rotation aligne aussi bien",
                 free="ils ne sont pas demandés",
             ),
         ),

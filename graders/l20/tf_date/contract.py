@@ -65,7 +65,7 @@ CONTRACTS = (
             Boundary("un seul message daté, à sa date", alone),
             Boundary("un repère que l’on n’atteint pas : KeyError", lambda *args: right_lookup(*args) is UNKNOWN_FRAME),
             Boundary("une date inconnue : ValueError", lambda *args: right_lookup(*args) is UNKNOWN_DATE),
-            Boundary("le même repère inconnu, deux fois", free="ce n’est pas demandé : la pose nulle ou KeyError"),
+            Boundary("le même repère inconnu, deux fois", free="ce n’est pas demandé"),
             Boundary("les deux fautes à la fois", free="ce n’est pas demandé"),
         ),
     ),
