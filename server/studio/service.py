@@ -13,7 +13,6 @@ from uuid import UUID
 
 from sqlalchemy.orm import Session
 
-from graders.core.declared.body_changes import CONSTANT, UNREAD
 from graders.core.declared.declaration import MAX_PROGRAM
 from graders.core.declared.trial_report import TrialReport, TriedChange, TriedMistake
 from graders.typography import unaccented
@@ -35,6 +34,7 @@ from server.studio.drafts import (
     ExerciseDraft,
     MistakeDraft,
 )
+from server.studio.mistake_words import mistake_explanation, mistake_title
 from server.studio.models import AuthoredExercise
 from server.studio.publication import new_code, new_slug
 
@@ -61,29 +61,6 @@ NOT_TRIED = "Cet exercice n’a pas encore été essayé : enregistrez-le, puis 
 NOTHING_PICKED = "Vous n’avez coché aucun cas : cochez ceux que votre énoncé admet, puis ajoutez-les."
 NO_MISTAKE_PICKED = "Vous n’avez coché aucune erreur : cochez celles que vos élèves font, puis ajoutez-les."
 OUT_OF_DATE = "L’essai a changé depuis que vous l’avez lu : cochez de nouveau ce que vous voulez ajouter."
-#: What a proposed mistake is called, by the kind of the change: nothing of the solution.
-MISTAKE_TITLES = {
-    "comparaison": "Une comparaison est fausse",
-    "opérateur": "Une opération est fausse",
-    "terme oublié": "Un terme est oublié",
-    "constante": "Une constante est fausse",
-    "indice décalé": "Un indice est décalé",
-    "intervalle décalé": "Un intervalle est décalé",
-    "borne oubliée": "Une borne est oubliée",
-    "condition": "Une condition est fausse",
-    "condition oubliée": "Une condition est oubliée",
-    "et, ou": "Une condition est fausse",
-    "branche": "Un cas est traité comme un autre",
-    "affectation": "Une affectation est fausse",
-    "fonction voisine": "Une autre fonction est appelée",
-    "argument oublié": "Un argument est oublié",
-    "opérandes échangés": "Deux termes sont échangés",
-    "signe ou négation oubliés": "Un signe est oublié",
-    "variable": "Une variable est prise pour une autre",
-    "bout de la liste": "Le mauvais bout de la liste",
-    CONSTANT: "Le résultat est toujours le même",
-    UNREAD: "Un paramètre n’est pas utilisé",
-}
 PUBLISHED = "Cet exercice est publié : des élèves l’ont peut-être fait. Il ne se supprime plus."
 
 
@@ -262,14 +239,15 @@ def archived_content(exercise: AuthoredExercise) -> tuple[str, Mapping[str, Any]
 
 
 def add_mistakes(draft: ExerciseDraft, changes: Sequence[TriedChange]) -> ExerciseDraft:
-    """Return the draft with more mistakes: the solution so changed, with titles to reword, which give nothing away."""
+    """Return the draft with more mistakes: the solution so changed, with words to make better, which give nothing
+    away."""
     mistakes = list(draft.mistakes)
     for change in changes:
-        words = MISTAKE_TITLES.get(change.operator, "Une étape est fausse, ou manque")
+        words = mistake_title(change.operator)
         titles = {mistake.title for mistake in mistakes}
         numbered = (f"{words} ({number})" for number in range(2, MAX_MISTAKES + 2))
         title = next(title for title in (words, *numbered) if title not in titles)
-        mistakes.append(MistakeDraft(title=title, program=change.program))
+        mistakes.append(MistakeDraft(title, mistake_explanation(change.operator), program=change.program))
     return replace(draft, mistakes=tuple(mistakes))
 
 

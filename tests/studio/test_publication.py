@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+from html import unescape
 from typing import Any
 
 import pytest
@@ -15,6 +17,8 @@ from server.grading import trial_task
 from server.identity.models import Role
 from server.regrades.service import RegradeService
 from server.studio.authored import build_exercise
+from server.studio.service import read_draft
+from tests.graders.declared.kinds import STACK
 from tests.support.classes import new_class, person, seat
 from tests.support.quick import the_course
 
@@ -44,6 +48,60 @@ def test_only_what_holds_is_published(studio: Studio, changes: dict[str, str], w
     studio.save(path, action="publier", **changes)
     assert words in studio.report(path)
     assert studio.stored(path).number == 0
+
+
+#: Of one exercise each: the solution and its examples, in which there is nothing to decide.
+SMALL = (
+    (
+        "a = int(input())\nb = int(input())\nif a > b:\n    print(a)\nelse:\n    print(b)\n",
+        ('programme("3", "4")', 'programme("5", "2")', 'programme("-1", "-1")'),
+    ),
+    pytest.param(
+        STACK,
+        ("p = Pile(); p.est_vide()", "p = Pile(); p.empiler(3); p.empiler(4); p.depiler()", "p = Pile(); p.empiler(3)"),
+        marks=pytest.mark.slow,
+    ),
+    pytest.param(
+        "def dichotomie(f, a, b, eps):\n    while b - a > eps:\n        m = (a + b) / 2\n        if f(a) * f(m) <= 0:\n"
+        "            b = m\n        else:\n            a = m\n    return (a + b) / 2\n",
+        (
+            "dichotomie(lambda x: x * x - 2, 0, 2, 1e-6)",
+            "dichotomie(lambda x: x - 1, 0, 3, 1e-3)",
+            "dichotomie(lambda x: x ** 3 - 5, 1, 2, 1e-6)",
+        ),
+        marks=pytest.mark.slow,
+    ),
+)
+
+
+@pytest.mark.parametrize(("solution", "calls"), SMALL)
+def test_what_is_proposed_and_ticked_is_published(studio: Studio, solution: str, calls: tuple[str, ...]) -> None:
+    """Two of the offered mistakes are taken in their words, then each case that the page ticks: one refusal at most."""
+    path = studio.create()
+    form = {"titre": "Un exercice", "enonce": "Écrivez-le.", "solution": solution, "v-0-c-1-attendu": ""}
+    form |= {"v-0-c-0-attendu": ""} | {f"v-0-c-{number}-appel": call for number, call in enumerate(calls)}
+    studio.save(path, **form)
+
+    def proposed(name: str) -> list[str]:
+        page = studio.browser.get(f"{path}/essai").text
+        ticked = " checked" if name == "cas" else ""
+        return [
+            unescape(value)
+            for value in re.findall(rf'name="{name}" value="([^"]*)" form="\w+" data-pick{ticked}>', page)
+        ]
+
+    studio.save(path, **form, action="erreurs", erreur=proposed("erreur")[:2])
+    page = studio.browser.get(path).text
+    mistakes = read_draft(studio.stored(path)).mistakes
+    assert all("répond comme un programme juste dont" in mistake.explanation for mistake in mistakes)
+    for number, mistake in enumerate(mistakes):
+        form |= {f"e-{number}-titre": mistake.title, f"e-{number}-explication": mistake.explanation}
+        form |= {f"e-{number}-programme": mistake.program}
+    assert page.count('class="studio-mistake"') == 3
+    studio.save(path, **form, action="publier")
+    if not studio.stored(path).number:
+        studio.save(path, **form, action="cas", cas=proposed("cas"))
+    assert studio.stored(path).number == 1, studio.report(path)
 
 
 def test_a_class_does_it(studio: Studio) -> None:

@@ -240,7 +240,7 @@ _PREPARATIONS: tuple[tuple[Callable[[Sequence[Value]], bool], str, str], ...] = 
     ),
     (lambda values: _are_texts(values) and " " in "".join(values), "{}.strip()", "ôte les espaces aux bouts de {}"),
     (_are_sortable, "sorted({})", "trie d’abord {}"),
-    (_are_sortable, "list(dict.fromkeys({}))", "ôte d’abord les répétitions de {}"),
+    (_are_sortable, "[x for i, x in enumerate({0}) if x not in {0}[:i]]", "ôte d’abord les répétitions de {}"),
 )
 
 

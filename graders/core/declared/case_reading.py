@@ -13,7 +13,7 @@ from graders.core.compare.python_values import Raised
 from graders.core.contract.values import Value
 from graders.core.declared.imports import ALWAYS, Imports, import_advice
 from graders.core.declared.malformed import MalformedDeclaration
-from graders.core.declared.notation import parse_python, refusal
+from graders.core.declared.notation import call_inside, parse_python, refusal
 from graders.core.declared.powers import TOO_LARGE, small_power
 from graders.core.declared.scenario_values import FunctionSource, NestedCall, Reference
 from graders.core.declared.scenarios import PREPARATIONS, PRINT, PROGRAM, Statement
@@ -111,6 +111,7 @@ class _CaseReader:
         return read
 
     def _read(self, node: ast.expr, into: str) -> Statement:
+        node = call_inside(node, self._functions)
         callee = self._callee(node.func) if isinstance(node, ast.Call) else None
         if callee is None:
             return Statement("value", into, value=self.value(node))

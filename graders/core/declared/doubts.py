@@ -3,29 +3,60 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterator, Sequence
 
 from graders.core.compare.python_values import python_text
 from graders.core.contract.values import Value
+from graders.core.declared.scenario_values import FunctionSource
 from graders.core.declared.scenarios import Scenario, Statement
 
 #: Examples from which something is concluded.
 FEWEST = 2
 
 
-def find_doubt(scenario: Scenario, examples: Sequence[Scenario], names: Sequence[str]) -> str:
+def find_doubt(
+    scenario: Scenario, examples: Sequence[Scenario], names: Sequence[str], free: Collection[int] = ()
+) -> str:
     """Return what every example has and a case has not, in French; empty where nothing is. `names` are the parameters.
 
-    Only cases of one call are looked at: of a class, any order of calls may be right.
+    Only cases of one call are looked at: of a class, any order of calls may be right. The sign of arguments at the
+    positions `free` does not count.
     """
-    call = _only_call(scenario)
-    calls = [each for each in map(_only_call, examples) if each is not None and call is not None]
-    alike = [each for each in calls if call and each.callee == call.callee and _width(each) == _width(call)]
+    call = only_call(scenario)
+    calls = [each for each in map(only_call, examples) if each is not None and call is not None]
+    alike = [each for each in calls if call and _is_alike(each, call)]
     if call is None or len(alike) < FEWEST:
         return ""
     named = [names[at] if at < len(names) else f"l’argument {at + 1}" for at in range(_width(call))]
     columns = list(zip(*(each.arguments for each in alike), strict=True))
-    return next(itertools.chain(_order(call, columns, named), _kind(call, columns, named)), "")
+    doubts = (_order(call, columns, named, free), _together(call, columns, named), _kind(call, columns, named, free))
+    return next(itertools.chain.from_iterable(doubts), "")
+
+
+def has_other_shape(scenario: Scenario, examples: Sequence[Scenario]) -> bool:
+    """Whether a case has lists in a list, or rows of other lengths, where no example has: no such input is meant."""
+    call = only_call(scenario)
+    alike = [each for each in map(only_call, examples) if call and each and _is_alike(each, call)]
+    if call is None or len(alike) < FEWEST:
+        return False
+    columns = zip(*(each.arguments for each in alike), strict=True)
+    return any(
+        all(map(_is_sequence, (value, *column))) and all(map(holds, column)) and not holds(value)
+        for value, column in zip(call.arguments, columns, strict=True)
+        for holds in (_is_flat, _is_even)
+    )
+
+
+def _is_alike(call: Statement, other: Statement) -> bool:
+    return call.callee == other.callee and _width(call) == _width(other)
+
+
+def _is_flat(value: Value) -> bool:
+    return not any(map(_is_sequence, value))
+
+
+def _is_even(value: Value) -> bool:
+    return len({len(row) if _is_sequence(row) else None for row in value}) < 2
 
 
 def ordered_pairs(columns: Sequence[Sequence[Value]]) -> Iterator[tuple[int, int]]:
@@ -36,7 +67,8 @@ def ordered_pairs(columns: Sequence[Sequence[Value]]) -> Iterator[tuple[int, int
             yield first, second
 
 
-def _only_call(scenario: Scenario) -> Statement | None:
+def only_call(scenario: Scenario) -> Statement | None:
+    """Return the call of a case that is one call by position; None for another case."""
     (first, *others) = scenario.statements
     return None if others or not first.callee or first.named else first
 
@@ -45,30 +77,52 @@ def _width(call: Statement) -> int:
     return len(call.arguments)
 
 
-def _order(call: Statement, columns: Sequence[Sequence[Value]], names: Sequence[str]) -> Iterator[str]:
+def _order(
+    call: Statement, columns: Sequence[Sequence[Value]], names: Sequence[str], free: Collection[int]
+) -> Iterator[str]:
     constant = [len({value for value in column if _is_number(value)}) == 1 for column in columns]
     for at, column in enumerate(columns):
-        if constant[at] and all(map(_is_number, column)) and call.arguments[at] != column[0]:
+        if at not in free and constant[at] and all(map(_is_number, column)) and call.arguments[at] != column[0]:
             yield f"Dans vos exemples, {names[at]} vaut toujours {python_text(column[0])}."
     for first, second in ordered_pairs(columns):
-        if constant[first] or constant[second]:
+        if (first in free) != (second in free) or (first not in free and (constant[first] or constant[second])):
             continue
         low, high = call.arguments[first], call.arguments[second]
         if _is_number(low) and _is_number(high) and not low < high:
             yield f"Dans vos exemples, {names[first]} est toujours inférieur à {names[second]}."
 
 
-def _kind(call: Statement, columns: Sequence[Sequence[Value]], names: Sequence[str]) -> Iterator[str]:
+def _together(call: Statement, columns: Sequence[Sequence[Value]], names: Sequence[str]) -> Iterator[str]:
+    """Yield the functions that no example gives together: of a function and its derivative, both are chosen."""
+    functions = [at for at, column in enumerate(columns) if all(isinstance(each, FunctionSource) for each in column)]
+    given = [tuple(column[at] for at in functions) for column in zip(*columns, strict=True)]
+    if len(functions) > 1 and tuple(call.arguments[at] for at in functions) not in given:
+        yield f"Aucun de vos exemples ne donne {' et '.join(names[at] for at in functions)} ensemble ainsi."
+
+
+def _kind(
+    call: Statement, columns: Sequence[Sequence[Value]], names: Sequence[str], free: Collection[int]
+) -> Iterator[str]:
     kinds: tuple[tuple[Callable[[Value], bool], Callable[[Value], bool], str], ...] = (
         (_is_number, lambda value: value >= 0, "n’est jamais négatif"),
         (_is_number, lambda value: value != 0, "n’est jamais nul"),
         (_has_length, lambda value: len(value) > 0, "n’est jamais vide"),
+        (_has_rows, lambda value: {len(value)} == {len(row) for row in value}, "est toujours un tableau carré"),
+        (_is_list_of_numbers, lambda value: min(value, default=0) >= 0, "n’a jamais de nombre négatif"),
         (_is_text, lambda value: value.lower() == value, "n’a jamais de majuscule"),
         (_is_plain_list, lambda value: sorted(value) == value, "est toujours dans l’ordre croissant"),
     )
-    for value, column, name in zip(call.arguments, columns, names, strict=True):
+    for at, (value, column, name) in enumerate(zip(call.arguments, columns, names, strict=True)):
+        if at in free or (_is_number(value) and value == 0 and _has_both_signs(column)):
+            continue
         for applies, holds, words in kinds:
-            if applies(value) and all(map(applies, column)) and all(map(holds, column)) and not holds(value):
+            if (
+                at not in free
+                and applies(value)
+                and all(map(applies, column))
+                and all(map(holds, column))
+                and not holds(value)
+            ):
                 yield f"Dans vos exemples, {name} {words}."
 
 
@@ -78,6 +132,23 @@ def _is_number(value: Value) -> bool:
 
 def _has_length(value: Value) -> bool:
     return isinstance(value, str | list | tuple | dict | set)
+
+
+def _has_both_signs(column: Sequence[Value]) -> bool:
+    """Whether zero lies between numbers of the examples."""
+    return all(map(_is_number, column)) and min(column) < 0 < max(column)
+
+
+def _is_sequence(value: Value) -> bool:
+    return isinstance(value, list | tuple)
+
+
+def _has_rows(value: Value) -> bool:
+    return isinstance(value, list) and len(value) > 0 and all(map(_is_sequence, value))
+
+
+def _is_list_of_numbers(value: Value) -> bool:
+    return isinstance(value, list) and all(map(_is_number, value))
 
 
 def _is_text(value: Value) -> bool:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from hashlib import sha256
 
 import numpy as np
 
@@ -25,6 +26,11 @@ def probe_answer(played: Played) -> str:
         return f"{played.fault.outcome.value} {played.fault.exception or ''}"
     written = [dict(played.written)] if played.written else []
     return python_text(_typeless([*played.values, played.printed, *written]), PROBE_DIGITS)
+
+
+def behaviour_digest(played: Sequence[Played]) -> str:
+    """Return a short digest of what a program did with some inputs: two that did the same have the same."""
+    return sha256("\n".join(map(probe_answer, played)).encode("utf-8", "replace")).hexdigest()[:16]
 
 
 def find_mistake(

@@ -24,7 +24,7 @@ from graders.core.declared.grading import DeclaredGrader, Fingerprint, SolutionF
 from graders.core.declared.judging import expected_is_given, is_answered, judge, observed
 from graders.core.declared.malformed import MalformedDeclaration
 from graders.core.declared.playing import Played, Player
-from graders.core.declared.probe_answers import probe_answer
+from graders.core.declared.probe_answers import behaviour_digest, probe_answer
 from graders.core.declared.references import reference_of
 from graders.core.declared.scenarios import PROGRAM, Scenario
 from graders.core.declared.trial_report import TrialReport, TriedCase, TriedChange, TriedMistake
@@ -286,7 +286,7 @@ class ExerciseTrial:
                 if not is_known:
                     return replace(change, **inputs.describe(at, failure.case, right)._asdict())
                 words = grader.describe_failure(checks[at], failure).result.message
-                return replace(change, refusal=words[:MAX_MESSAGE], check=at)
+                return replace(change, refusal=words[:MAX_MESSAGE], check=at, behaviour=behaviour_digest(played))
         finally:
             player.close()
         return replace(change, unseen=True)

@@ -49,7 +49,7 @@ class TriedChange:
 
     `case` is an input that shows it though no case does, with `answer` and `doubt` as of `TriedMistake`; `unseen` says
     that none was found, and that it may be no mistake. `operator` is the kind of the change, `words` say it of a whole
-    function.
+    function. `behaviour` is a digest of what it does in the cases, where one refuses it.
     """
 
     line: int
@@ -64,6 +64,7 @@ class TriedChange:
     doubt: str = ""
     operator: str = ""
     words: str = ""
+    behaviour: str = ""
 
     @property
     def survives(self) -> bool:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
+from dataclasses import replace
 from functools import cached_property
 from typing import NamedTuple, TypeVar
 
@@ -10,8 +11,9 @@ from graders.core.compare.python_values import Raised, python_text
 from graders.core.contract.outcomes import Outcome
 from graders.core.contract.values import Value
 from graders.core.declared.body_changes import SeenCall, see_calls
+from graders.core.declared.brackets import Bracket, changes_sign, find_bracket
 from graders.core.declared.declaration import DeclaredCheck
-from graders.core.declared.doubts import find_doubt
+from graders.core.declared.doubts import find_doubt, has_other_shape
 from graders.core.declared.grading import DeclaredGrader
 from graders.core.declared.judging import Case, Failure, is_answered, observed
 from graders.core.declared.playing import Played
@@ -48,6 +50,7 @@ class TriedInputs:
     def __init__(self, grader: DeclaredGrader, play: Play, play_near: Play) -> None:
         """`play` plays the known cases on the solution, `play_near` the others, some of which may never end."""
         self._grader, self._play, self._play_near = grader, play, play_near
+        self._crossings = frozenset[str]()
 
     @cached_property
     def known(self) -> list[tuple[int, Case, Played]]:
@@ -68,6 +71,9 @@ class TriedInputs:
         grader, _ = self._grader, self.known  # which tells how long a program may take
         checks = enumerate(grader.declaration.checks)
         nearby = [(at, scenario) for at, check in checks for scenario in vary_cases(check, grader.solution)]
+        nearby = [(at, scenario) for at, scenario in nearby if not has_other_shape(scenario, self._examples)]
+        if self._bracket is not None:
+            self._crossings = self._find_crossings(self._bracket, [scenario for _, scenario in nearby])
         nearby.sort(
             key=lambda pair: bool(self._doubt(*pair))
         )  # those may never end: the first that does not is the last
@@ -101,9 +107,35 @@ class TriedInputs:
         answer = answer_text(check, scenario, right)
         return ProposedCase(scenario.exact_text() or "", at, answer, self._doubt(at, scenario))
 
+    @cached_property
+    def _examples(self) -> list[Scenario]:
+        return [case for check in self._grader.declaration.checks for case in check.cases]
+
+    @cached_property
+    def _bracket(self) -> Bracket | None:
+        """The interval at whose ends a function has other signs in every example."""
+        callee = self._examples[0].statements[0].callee if self._examples else ""
+        bracket = find_bracket(self._examples, self._grader.parameters.get(callee, ()))
+        found = bracket and self._find_crossings(bracket, self._examples)
+        return bracket if found and all(case.text() in found for case in self._examples) else None
+
+    def _find_crossings(self, bracket: Bracket, scenarios: Sequence[Scenario]) -> frozenset[str]:
+        """Return the scenarios, by their texts, in which the function changes sign."""
+        grader = replace(self._grader, declaration=replace(self._grader.declaration, solution=bracket.program))
+        called = [scenario for scenario in scenarios if scenario.statements[0].callee == bracket.name]
+        played = [
+            (scenario, got)
+            for part in parts_of(called)
+            for scenario, got in zip(part, self._play_near(grader, part), strict=True)
+        ]
+        return frozenset(scenario.text() for scenario, got in played if changes_sign(got))
+
     def _doubt(self, at: int, scenario: Scenario) -> str:
-        examples = [case for check in self._grader.declaration.checks for case in check.cases]
-        return find_doubt(scenario, examples, self._grader.parameters.get(scenario.statements[0].callee, ()))
+        names, bracket = self._grader.parameters.get(scenario.statements[0].callee, ()), self._bracket
+        if bracket is None or scenario.statements[0].callee != bracket.name:
+            return find_doubt(scenario, self._examples, names)
+        doubt = find_doubt(scenario, self._examples, names, free=(bracket.low, bracket.high))
+        return doubt or ("" if scenario.text() in self._crossings else bracket.doubt(names))
 
 
 def parts_of(items: Sequence[Item]) -> Iterator[Sequence[Item]]:

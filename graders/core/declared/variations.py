@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ast
 import itertools
+import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 
@@ -116,6 +117,7 @@ def _other_calls(statements: tuple[Statement, ...]) -> Iterator[tuple[Statement,
 
 def _vary_call(call: Statement) -> Iterator[Statement]:
     """Yield a call with one argument changed: each in turn, all of them at once, then each in other ways."""
+    yield from _move_interval(call)
     others = [list(vary_value(value)) for value in call.arguments]
     ranks = itertools.zip_longest(*others)
     for number, rank in enumerate(ranks):
@@ -128,6 +130,48 @@ def _vary_call(call: Statement) -> Iterator[Statement]:
                 for value, each in zip(call.arguments, others, strict=True)
             )
             yield replace(call, arguments=arguments)
+
+
+def _move_interval(call: Statement) -> Iterator[Statement]:
+    """Yield a call that gives a function and an interval with both on either side, or the interval mirrored at zero."""
+    given = call.arguments
+    functions = [at for at, value in enumerate(given) if isinstance(value, FunctionSource)]
+    if len(functions) != 1:
+        return
+    for at, (low, high) in enumerate(itertools.pairwise(given)):
+        if type(low) not in (int, float) or type(high) not in (int, float) or not low < high:
+            continue
+        for shift in (math.floor(high - low) + 1, -math.floor(high - low) - 1):
+            moved = _shifted(given[functions[0]], shift)
+            if moved is not None:
+                arguments = [*given[:at], low + shift, high + shift, *given[at + 2 :]]
+                arguments[functions[0]] = moved
+                yield replace(call, arguments=tuple(arguments))
+        yield replace(call, arguments=(*given[:at], -high, -low, *given[at + 2 :]))
+
+
+def _shifted(function: FunctionSource, shift: int) -> FunctionSource | None:
+    """Return the function of one number whose graph is moved to the right; None for another function."""
+    tree = parse_expression(function.source).body
+    if not isinstance(tree, ast.Lambda) or len(tree.args.args) != 1:
+        return None
+    name, other = tree.args.args[0].arg, [node for node in ast.walk(tree.body) if isinstance(node, ast.Lambda)]
+    if other:
+        return None
+    sign: ast.operator = ast.Sub() if shift > 0 else ast.Add()
+    moved = ast.BinOp(ast.Name(name, ast.Load()), sign, ast.Constant(abs(shift)))
+    tree.body = _Replacing(name, moved).visit(tree.body)
+    return replace(function, source=ast.unparse(tree))
+
+
+class _Replacing(ast.NodeTransformer):
+    """Puts an expression in place of a name."""
+
+    def __init__(self, name: str, other: ast.expr) -> None:
+        self._name, self._other = name, other
+
+    def visit_Name(self, node: ast.Name) -> ast.expr:
+        return self._other if node.id == self._name else node
 
 
 class _Defaults:
@@ -183,6 +227,7 @@ def vary_value(value: Value) -> Iterator[Value]:
         if all(type(item) in (int, float) for item in value):
             yield [-item for item in value]  # numbers of one sign hide what is wrong of the other
         yield [*value, *value[:1]]
+        yield [*value[:1], *value]
         if value:
             yield from ([first, *value[1:]] for first in itertools.islice(vary_value(value[0]), 3))
         else:

@@ -101,13 +101,18 @@ def _offered_mistakes(changes: Sequence[TriedChange], draft: ExerciseDraft) -> l
     """Return refused changes that are no known mistakes yet, by the digests of their programs.
 
     Wrong values come first, which teach more than exceptions, and changes of a line before whole functions; of changes
-    that are refused in the same words, one.
+    that are refused in the same words, or answer alike, one.
     """
     known = {mistake.program.strip() for mistake in draft.mistakes}
     refused = [change for change in changes if change.refusal and change.program.strip() not in known]
     refused.sort(key=lambda change: (not change.refusal.startswith(("Pour ", "Dans ")), bool(change.words)))
     distinct = {change.refusal: change for change in reversed(refused)}
-    offered = [change for change in refused if distinct[change.refusal] is change][:OFFERED_MISTAKES]
+    alike = {change.behaviour or change.refusal: change for change in reversed(refused)}
+    offered = [
+        change
+        for change in refused
+        if distinct[change.refusal] is change and alike[change.behaviour or change.refusal] is change
+    ][:OFFERED_MISTAKES]
     return [(program_digest(change.program), change) for change in offered]
 
 

@@ -107,7 +107,7 @@ KINDS = (
     ),
     Kind(
         "generator",
-        declare("pairs", "def pairs(n):\n    for k in range(0, n, 2):\n        yield k\n", "pairs(7)", "pairs(0)"),
+        declare("pairs", "def pairs(n):\n    for k in range(0, n, 2):\n        yield k\n", "pairs(7)", "list(pairs(0))"),
         ("def pairs(n):\n    return (k for k in range(n) if k % 2 == 0)\n", "def pairs(n):\n    return list(range(0, n, 2))\n"),
         {"def pairs(n):\n    yield from range(1, n, 2)\n": "on attend [0, 2, 4, 6] et pairs renvoie [1, 3, 5]"},
     ),

@@ -149,6 +149,7 @@ def test_a_solution_that_fails_is_our_own_fault(sandbox: Sandbox) -> None:
         ({"cas": ["f(" + "[" * 60 + "]" * 60 + ")"]}, "verifications[0].cas[0]", "imbriquées"),
         ({"cas": ["f(9 ** 9 ** 9)"]}, "verifications[0].cas[0]", "un million à la puissance 64"),
         ({"cas": ["p = f(1); p.__class__()"]}, "verifications[0].cas[0]", "deux soulignés"),
+        ({"cas": ["sorted(f(1))"]}, "verifications[0].cas[0]", "appelez votre fonction seule, f(1), et choisissez"),
         ({"cas": ["import os"]}, "verifications[0].cas[0]", "écrivez des appels"),
         ({"points": 12}, "verifications", "les points font 12"),
         ({"tirages": "a = entier(3, 1)", "appel": "f(a)"}, "verifications[0].tirages", "rien entre ces deux bornes"),

@@ -43,9 +43,9 @@ function setUp() {
   function show(html) {
     const typing = panel.contains(document.activeElement) && document.activeElement.matches("input:not([data-pick])");
     if (!typing) {
-      const picked = [...panel.querySelectorAll("[data-pick]:checked")].map(({ name, value }) => `${name} ${value}`);
+      const chosen = new Map([...panel.querySelectorAll("[data-pick]")].map(({ name, value, checked }) => [`${name} ${value}`, checked]));
       panel.innerHTML = html;
-      for (const box of panel.querySelectorAll("[data-pick]")) box.checked = picked.includes(`${box.name} ${box.value}`);
+      for (const box of panel.querySelectorAll("[data-pick]")) box.checked = chosen.get(`${box.name} ${box.value}`) ?? box.checked;
     }
     const place = new DOMParser().parseFromString(html, "text/html").querySelector("[data-version]");
     clearTimeout(look);
