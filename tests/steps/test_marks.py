@@ -124,3 +124,13 @@ def test_a_mistake_in_the_slices_of_an_index_is_undone() -> None:
     model = Model("def bloc(H):\n    return H[3:, 3:]\n", [edit])
     found = find_repairs(model, "coin", ["bloc"], "def bloc(A):\n    B = 2 * A[:3, :3]\n    return B\n", lambda: False)
     assert "2 * (A[3:, 3:])" in [repair.text.splitlines()[1].partition("= ")[2] for repair in found]
+
+
+def test_a_repair_calls_the_functions_of_the_program_and_not_those_of_the_model() -> None:
+    edit = Edit("double", (("aire(c) + 1", "2 * aire(c) + 1"),), frozenset(("cube",)))
+    other = Edit("cote", (("c * c", "c + c"),), frozenset(("aire",)))
+    model = Model("def aire(c):\n    return c * c\n\n\ndef cube(c):\n    return aire(c) + 1\n", [edit, other])
+    source = "def aire(c):\n    return c + c\n\ndef cube(c):\n    return 2 * aire(c) + 1\n"
+    texts = [repair.text for repair in find_repairs(model, "double", ["cube"], source, lambda: False)]
+    assert any("return ((aire(c)) + 1)" in text or "return aire(c) + 1" in text for text in texts), texts
+    assert not any("_model_" in text for text in texts)

@@ -3,22 +3,37 @@
 from __future__ import annotations
 
 import ast
-from collections.abc import Collection
+from collections.abc import Collection, Mapping, Set
 
 from graders.core.syntax_trees import parse_source
 
 
 def find_callers(source: bytes, names: Collection[str]) -> frozenset[str]:
     """Return the functions of a program that call one of these, by others or not; none where it cannot be read."""
+    return _callers(_read_names(source), names)
+
+
+def find_shared_helpers(source: bytes, functions: Collection[str], asked: Collection[str]) -> list[str]:
+    """Return the functions of a program, none `asked` by the exercise, that several of these functions call."""
+    read = _read_names(source)
+    helpers = [name for name in read if name not in asked]
+    return [name for name in helpers if len(_callers(read, [name]).intersection(functions)) > 1]
+
+
+def _read_names(source: bytes) -> Mapping[str, Set[str]]:
+    """Return the names that each function of a program reads; none where it cannot be read."""
     try:
         tree = parse_source(source)
     except (SyntaxError, ValueError, RecursionError, MemoryError):
-        return frozenset()
-    read = {
+        return {}
+    return {
         node.name: {part.id for part in ast.walk(node) if isinstance(part, ast.Name)}
         for node in tree.body
         if isinstance(node, ast.FunctionDef)
     }
+
+
+def _callers(read: Mapping[str, Set[str]], names: Collection[str]) -> frozenset[str]:
     found = set(names)
     while more := {name for name, used in read.items() if used & found} - found:
         found |= more

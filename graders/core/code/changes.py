@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import ast
 import itertools
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterator, Sequence
 from dataclasses import dataclass
 
 from graders.core.alterations import alterations, reversals
@@ -42,20 +42,27 @@ class ProgramChange:
 
 
 def find_changes(
-    source: str, functions: Sequence[str], model: Model | None, spent: Callable[[], bool]
+    source: str, functions: Sequence[str], model: Model | None, spent: Callable[[], bool], apart: Collection[str] = ()
 ) -> list[ProgramChange]:
-    """Return the changes of a program that may mend these functions, the likeliest first; none of one too long."""
+    """Return the changes of a program that may mend these functions, the likeliest first; none of one too long.
+
+    Functions that are `apart` are left as they are, though these call them.
+    """
     if len(source) > MAX_SOURCE:
         return []
     try:
         text = ProgramText(source)
     except (SyntaxError, ValueError, RecursionError, MemoryError):
         return []
+    nodes = sorted(_reached_nodes(text, functions, apart), key=lambda node: getattr(node, "lineno", 0))
+    lines = {getattr(node, "lineno", 0) for node in nodes}
+    undone = (
+        change
+        for change in _undone_mistakes(source, functions, model, spent)
+        if lines.issuperset((change.line, *change.further))
+    )
     changes: dict[str, ProgramChange] = {}
-    for change in itertools.islice(
-        itertools.chain(_undone_mistakes(source, functions, model, spent), _other_changes(text, functions)),
-        MAX_CHANGES,
-    ):
+    for change in itertools.islice(itertools.chain(undone, _other_changes(text, nodes)), MAX_CHANGES):
         changes.setdefault(change.text, change)
     return list(changes.values())
 
@@ -70,8 +77,7 @@ def _undone_mistakes(
             yield ProgramChange(repair.text, count_turns(repair.text), first, "", mistake, tuple(others))
 
 
-def _other_changes(text: ProgramText, functions: Sequence[str]) -> Iterator[ProgramChange]:
-    nodes = sorted(_reached_nodes(text, functions), key=lambda node: getattr(node, "lineno", 0))
+def _other_changes(text: ProgramText, nodes: Sequence[ast.AST]) -> Iterator[ProgramChange]:
     counters = turn_counters(text)
     for rules in (_LIKELY, reversals.UNLIKELY):
         for node in nodes:
@@ -84,9 +90,10 @@ def _other_changes(text: ProgramText, functions: Sequence[str]) -> Iterator[Prog
                     )
 
 
-def _reached_nodes(text: ProgramText, functions: Sequence[str]) -> Iterator[ast.AST]:
-    """Yield the nodes of these functions, of those that they call, and of the top level."""
-    defined = {node.name: node for node in text.tree.body if isinstance(node, ast.FunctionDef)}
+def _reached_nodes(text: ProgramText, functions: Sequence[str], apart: Collection[str]) -> Iterator[ast.AST]:
+    """Yield the nodes of these functions, of those that they call but those `apart`, and of the top level."""
+    every = {node.name: node for node in text.tree.body if isinstance(node, ast.FunctionDef)}
+    defined = {name: node for name, node in every.items() if name not in apart}
     reached, waiting = set[str](), [name for name in functions if name in defined]
     while waiting:
         name = waiting.pop()
@@ -94,7 +101,7 @@ def _reached_nodes(text: ProgramText, functions: Sequence[str]) -> Iterator[ast.
             reached.add(name)
             names = {node.id for node in ast.walk(defined[name]) if isinstance(node, ast.Name)}
             waiting += names & defined.keys() - reached
-    others = {node for name, node in defined.items() if name not in reached}
+    others = {node for name, node in every.items() if name not in reached}
     left_out = {part for node in others for part in ast.walk(node)}
     yield from (node for node in text.nodes() if node not in left_out)
 

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import re
 from collections import Counter
-from collections.abc import Collection, Sequence
+from collections.abc import Collection, Iterable, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 
@@ -156,27 +156,38 @@ def _beside_others(mistake: Misconception | Slip) -> str:
 
 
 def tell_remainder(
-    diagnosis: Diagnosis, checks: Sequence[CheckResult], doubtful: Collection[str] = (), *, is_quoted: bool = False
+    diagnosis: Diagnosis,
+    checks: Sequence[CheckResult],
+    doubtful: Collection[str] = (),
+    *,
+    besides: Collection[str] = (),
+    is_quoted: bool = False,
 ) -> Diagnosis:
     """Return the diagnosis with how many of the lost points it explains, and the other failed checks, if any.
 
-    Nothing is said of the `doubtful` checks, which may fail for the same reason. If `is_quoted`, the first other one is
-    told with its message.
+    Those `besides` are explained too; nothing is said of the `doubtful` ones, which may fail for the same reason, nor
+    are the points counted of checks without a fault. If `is_quoted`, the first other check is told with its message.
     """
-    explained = {check for ids in diagnosis.explains for check in ids}.union(doubtful)
-    lost = [check for check in checks if not check.passed]
-    left = [check for check in lost if check.id not in explained and not check.neutral]
+    explained = {check for ids in diagnosis.explains for check in ids}.union(besides)
+    lost = [check for check in checks if not (check.passed or check.neutral)]
+    left = [check for check in lost if check.id not in explained.union(doubtful)]
     if not left:
         return diagnosis
-    lost_points = sum(check.max_points for check in lost)
-    explained_points = lost_points - sum(check.max_points for check in left)
     named = " ; ".join(f"« {check.title} »" for check in left)
     remains = "Restent sans explication" if len(left) > 1 else "Reste sans explication"
     if is_quoted and left[0].message and not left[0].repeats:
         named += f". {left[0].message.splitlines()[0].removesuffix('.')}"
-    share = f"{number_text(explained_points)} des {number_text(lost_points)} points perdus"
-    told = f"{EXPLAINS} {share}. {remains} : {named}."
+    least = "au moins " if any(check.id in doubtful and check.id not in explained for check in lost) else ""
+    share = f"{least}{_points_text(check for check in lost if check.id in explained)} des {_points_text(lost)}"
+    told = f"{EXPLAINS} {share} points perdus. {remains} : {named}."
+    if waiting := [check for check in checks if check.neutral]:
+        titles = " ; ".join(f"« {check.title} »" for check in waiting)
+        told += f" Les autres points attendent que le reste soit juste : {titles}."
     return replace(diagnosis, explanation=f"{diagnosis.explanation}\n\n{told}")
+
+
+def _points_text(checks: Iterable[CheckResult]) -> str:
+    return number_text(sum(check.max_points - check.points for check in checks))
 
 
 def number_text(points: float) -> str:

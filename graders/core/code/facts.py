@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import ast
 import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cache
 from typing import Any
@@ -58,7 +58,12 @@ def find_facts(failed: Failed, source: bytes, solution: str, titles: Sequence[st
     facts = [*_modified(failed), *_nothing_returned(failed, mine), *_defaults(failed, mine, defaults)]
     if not facts:
         facts += _lost_digits(failed, text)
-    return [f for f in facts if not any(re.search(_ALREADY_TOLD[f.slip.id], title, re.IGNORECASE) for title in titles)]
+    return [fact for fact in facts if not is_told(fact, titles)]
+
+
+def is_told(fact: Fact, titles: Iterable[str]) -> bool:
+    """Whether one of the titles of mistakes says what a fact does."""
+    return any(re.search(_ALREADY_TOLD[fact.slip.id], title, re.IGNORECASE) for title in titles)
 
 
 def _functions(text: str) -> Mapping[str, ast.FunctionDef]:

@@ -13,6 +13,7 @@ from dataclasses import dataclass, replace
 from graders.core.code.call_graph import find_callers
 from graders.core.code.checks import Check
 from graders.core.code.diagnosis import number_text
+from graders.core.code.facts import is_told
 from graders.core.code.grading import CodeGrader, NamedMistakes
 from graders.core.contract.program import Programs
 from graders.core.contract.verdict import CheckResult, Diagnosis
@@ -138,6 +139,7 @@ def name_isolated(grader: CodeGrader, isolated: IsolatedFunctions, checks: Seque
             if fact.slip.title not in {known.slip.title for known in facts}:
                 facts[fact] = tuple(mistakes.failed.intersection(fact.checks))
                 shown[fact.slip.title] = function
+    facts = {fact: told for fact, told in facts.items() if not is_told(fact, map(grader.title_of, ids))}
     if not ids and not facts:
         return None
     if list(ids) == list(whole.ids) and list(facts) == list(whole.facts):
@@ -154,7 +156,7 @@ def tell_shares(isolated: IsolatedFunctions, checks: Sequence[CheckResult], diag
     """Return the diagnosis with the points that each function loses by itself."""
     guilty = isolated.guilty()
     innocent = [function for function, mistakes in isolated.own.items() if not mistakes.failed]
-    lost = _points(checks, {check.id for check in checks if not check.passed})
+    lost = _points(checks, {check.id for check in checks if not (check.passed or check.neutral)})
     told = []
     if len(guilty) > 1:
         shares = [f"{name} {number_text(_points(checks, isolated.own[name].failed))}" for name in guilty]

@@ -1,8 +1,9 @@
 """Search for the place of a mistake in the student's own program: changed there, it passes checks that it fails.
 
 Most changes are ruled out by the probes, of many changed programs in one launch (`variants`); those that mend some
-wrong answer and break none are run through the checks. Two changes are found one after the other: the first must mend
-something alone. No change is ever shown: it proves where the mistake is, and how much it costs.
+wrong answer and break none are run through the checks, and what passes then must pass on the inputs of other seeds too:
+of thousands of changes, some make up for a mistake on a few inputs. Two changes are found one after the other: the
+first must mend something alone. No change is ever shown: it proves where the mistake is, and how much it costs.
 """
 
 from __future__ import annotations
@@ -16,20 +17,22 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from graders.core.code.agreement import gain, is_better, right_numbers
 from graders.core.code.bench import Bench
 from graders.core.code.changes import ProgramChange, count_turns, find_changes, noted_line
 from graders.core.code.checks import Check
 from graders.core.code.grading import NO_SHRINKING, CodeGrader
+from graders.core.code.loops import ClosedLoop
 from graders.core.code.mutants import NO_ANSWER
 from graders.core.code.pair_search import OutOfTimeError
-from graders.core.code.probes import TOLERANCE, ProbeAnswer, ProbeFault, Probes, same_probe_answer
+from graders.core.code.probes import ProbeAnswer
 from graders.core.code.runner import Runner
 from graders.core.code.running import run_check
 from graders.core.code.variants import VariantCaller
 from graders.core.contract.outcomes import Outcome
 from graders.core.contract.program import Programs, StudentFault
 from graders.core.contract.streams import stream
-from graders.core.contract.values import Arguments, Floats, UnreadableError, read_array
+from graders.core.contract.values import Arguments
 from graders.core.contract.verdict import Diagnosis
 from graders.core.syntax_trees import parse_source
 
@@ -41,6 +44,8 @@ MAX_OTHER_LINES = 2
 MAX_BEGUN, MAX_LATE = 2, 3
 #: Changed programs that answer in one exchange, between two looks at the time.
 SLICE = 200
+#: Other seeds on whose inputs a mended check must pass too.
+MAX_SEEDS = 4
 
 
 @dataclass(frozen=True)
@@ -74,27 +79,32 @@ class Mending:
 class MendingSearch:
     """Searches in one program of an exercise, on the inputs of one seed, until the time is `spent`.
 
-    Each changed program runs with the `suffix`, which may put right functions in the place of some.
+    Each changed program runs with the `suffix`, which may put right functions in the place of some. The functions
+    `apart` are not changed.
     """
 
     def __init__(
-        self, grader: CodeGrader, programs: Programs, seed: int, spent: Callable[[], bool], suffix: str = ""
-    ) -> None:
-        self._grader, self._programs, self._seed, self._spent = grader, programs, seed, spent
+        self, grader: CodeGrader, programs: Programs, seed: int, spent: Callable[[], bool], suffix: str = "",
+        apart: Collection[str] = (),
+    ) -> None:  # fmt: skip
+        self._grader, self._programs, self._seed, self._spent, self._apart = grader, programs, seed, spent, apart
         self._caller, self._suffix = VariantCaller(programs, suffix), suffix
         self._drawn_answers: dict[int, list[ProbeAnswer]] = {}
         self.tried = 0
 
-    def search(self, source: str, functions: Collection[str] = ()) -> Mending | None:
-        """Return the changes that mend checks of a failed program, in some functions if given; None without any."""
+    def search(self, source: str, functions: Collection[str] = (), helpers: Collection[str] = ()) -> Mending | None:
+        """Return the changes that mend checks of a failed program, in some functions if given; None without any.
+
+        The changes are of these functions and of those that they call, but of the `helpers` only where some are given.
+        """
         if not _parses(source):
             return None
         try:
-            failed = self._failed_checks(source)
+            failed = self.failed_checks(source)
             if not failed or (len(failed) == len(self._grader.checks) and not self._loads(source)):
                 return None
             left = frozenset(check.id for check in failed)
-            steps = self._steps(source, left, MAX_STEPS, functions)
+            steps = self._steps(source, left, MAX_STEPS, functions, helpers)
         except OutOfTimeError:
             return None
         if not steps:
@@ -122,7 +132,9 @@ class MendingSearch:
             return False
         return True
 
-    def _steps(self, source: str, failed: frozenset[str], most: int, within: Collection[str] = ()) -> list[MendingStep]:
+    def _steps(
+        self, source: str, failed: frozenset[str], most: int, within: Collection[str], helpers: Collection[str]
+    ) -> list[MendingStep]:
         """Return at most `most` changes, one after the other, that mend as many of the failed checks as possible.
 
         A change of which no check passes counts where the next one mends more than it would alone. Where the time is
@@ -131,18 +143,19 @@ class MendingSearch:
         blamed = {name for check in self._grader.checks if check.id in failed for name in check.functions}
         functions = sorted(blamed.intersection(within) or blamed)
         model = self._grader.prober.model if self._grader.prober else None
-        changes = find_changes(source, functions, model, self._spent)
+        changes = find_changes(source, sorted(helpers) or functions, model, self._spent, self._apart)
         self.tried += len(changes)
         tried: list[tuple[ProgramChange, frozenset[str]]] = []
         screened = self._screened(source, changes, functions)
         for change in screened[:MAX_VERIFIED]:
             if self._spent() and tried:
                 break
-            left = frozenset(check.id for check in self._failed_checks(change.text, is_late=len(tried) < MAX_LATE))
+            left = frozenset(check.id for check in self.failed_checks(change.text, is_late=len(tried) < MAX_LATE))
             if left <= failed:
+                left = failed - self.borne_out(change, failed - left)
                 tried.append((change, left))
             if not left:
-                tried += self._at_other_lines(change, screened[screened.index(change) + 1 :])
+                tried += self._at_other_lines(change, screened[screened.index(change) + 1 :], failed)
                 break
         tried.sort(key=lambda pair: (len(pair[1]), pair[0].unlikely))
         if not tried:
@@ -155,20 +168,20 @@ class MendingSearch:
         for change, other in tried[:MAX_BEGUN]:
             if self._spent():
                 break
-            further = self._steps(change.text, other, most - 1, within)
+            further = self._steps(change.text, other, most - 1, within, helpers)
             if further and (mended := (failed - other).union(*(step.mended for step in further))) > failed - left:
                 steps, left = [MendingStep(change, failed - other), *further], failed - mended
         return steps
 
     def _at_other_lines(
-        self, change: ProgramChange, others: Sequence[ProgramChange]
+        self, change: ProgramChange, others: Sequence[ProgramChange], failed: frozenset[str]
     ) -> list[tuple[ProgramChange, frozenset[str]]]:
         """Return changes of a few other lines that also mend all that fails, with what they leave: nothing."""
         by_line = {other.line: other for other in reversed(others) if other.line != change.line}
         found = []
         for other in sorted(by_line.values(), key=others.index)[:MAX_OTHER_LINES]:
             with suppress(OutOfTimeError):
-                if not self._failed_checks(other.text):
+                if not self.failed_checks(other.text) and self.borne_out(other, failed) == failed:
                     found.append((other, frozenset[str]()))
         return found
 
@@ -200,12 +213,12 @@ class MendingSearch:
                 hits = [
                     number
                     for number, marks in zip(numbers, seen, strict=True)
-                    if any(_is_better([before[k]], [after]) for k, after in zip(pivots, marks, strict=True))
+                    if any(is_better([before[k]], [after]) for k, after in zip(pivots, marks, strict=True))
                 ]
                 answers = self._agreements(index, [changes[number].counted for number in hits], everything)
                 for number, after in zip(hits, answers, strict=True):
-                    if _is_better(before, after):
-                        gains[number] = gains.get(number, 0.0) + _gain(before, after) / max(1, len(wrong))
+                    if is_better(before, after):
+                        gains[number] = gains.get(number, 0.0) + gain(before, after) / max(1, len(wrong))
 
     def _agreements(self, index: int, texts: Sequence[str], indices: Sequence[int]) -> list[list[NDArray[np.bool_]]]:
         """Return, for each program and probe among `indices`, which numbers of its answer are right.
@@ -227,7 +240,7 @@ class MendingSearch:
                 read = [probes.read_answer(args, answer) for args, answer in zip(calls, answers, strict=False)]
                 read += [NO_ANSWER] * (len(calls) - len(read))
                 in_each_style = [
-                    [_right_numbers(probes, answer, right[k]) for k, answer in zip(indices, read, strict=True)]
+                    [right_numbers(probes, answer, right[k]) for k, answer in zip(indices, read, strict=True)]
                     for right in rights
                 ]
                 agreements.append(max(in_each_style, key=lambda marks: sum(float(mark.mean()) for mark in marks)))
@@ -248,28 +261,43 @@ class MendingSearch:
             self._drawn_answers[index] = [*read, *[NO_ANSWER] * (len(probes.calls) - len(read))]
         return [self._drawn_answers[index]]
 
-    def _failed_checks(self, source: str, is_late: bool = False) -> list[Check]:
+    def borne_out(self, change: ProgramChange, mended: frozenset[str]) -> frozenset[str]:
+        """Return those of the checks that a change mends which pass on the inputs of other seeds too.
+
+        A closed loop has the same runs for everybody.
+        """
+        held = [check for check in self._grader.checks if check.id in mended and not isinstance(check, ClosedLoop)]
+        for seed in range(self._seed + 1, self._seed + 1 + MAX_SEEDS):
+            failed = self.failed_checks(change.text, is_late=True, seed=seed, checks=held) if held else []
+            mended = mended.difference(check.id for check in failed)
+            held = [check for check in held if check.id in mended]
+        return mended
+
+    def failed_checks(
+        self, source: str, is_late: bool = False, seed: int | None = None, checks: Sequence[Check] = ()
+    ) -> list[Check]:
         """Return the checks that a program fails, without shrinking; all of them where it does not load.
 
-        Raises OutOfTimeError where the time is spent, unless it may be late.
+        They are all checks, of this search's seed, unless others are given. Raises OutOfTimeError where the time is
+        spent, unless it may be late.
         """
         if self._spent() and not is_late:
             raise OutOfTimeError
-        grader = self._grader
-        kit = grader.kit(stream(self._seed, "kit"))
+        seed, checks = self._seed if seed is None else seed, checks or self._grader.checks
+        kit = self._grader.kit(stream(seed, "kit"))
         runner = Runner(self._programs, (source + self._suffix).encode(), kit, budget=NO_SHRINKING)
         failed = []
         try:
             _ = runner.program
-            for check in grader.checks:
-                finding = run_check(check, Bench(check.id, runner, stream(self._seed, check.id), kit))
+            for check in checks:
+                finding = run_check(check, Bench(check.id, runner, stream(seed, check.id), kit))
                 if not finding.passed:
                     failed.append(check)
                     runner.failed.add(check.id)
                     if finding.cause is Outcome.TIMEOUT:
-                        return [*failed, *grader.checks[len(failed) :]]
+                        return [*failed, *checks[len(failed) :]]
         except StudentFault:
-            return list(grader.checks)
+            return list(checks)
         finally:
             runner.close()
         return failed
@@ -298,46 +326,6 @@ def _parses(source: str) -> bool:
     except (SyntaxError, ValueError, RecursionError, MemoryError):
         return False
     return True
-
-
-def _right_numbers(probes: Probes, answer: ProbeAnswer, right: ProbeAnswer) -> NDArray[np.bool_]:
-    """Return which numbers of an answer are right: one mark where it is not compared number by number."""
-    whole = probes.same(answer, right)
-    mine, wanted = _leaves(answer), _leaves(right)
-    if probes.same is not same_probe_answer or wanted is None:
-        return np.array([whole])
-    if whole or mine is None or mine.size != wanted.size:
-        return np.full(max(1, wanted.size), whole)
-    return np.asarray(np.abs(mine - wanted) <= TOLERANCE * np.maximum(1.0, np.abs(wanted)))
-
-
-def _leaves(value: ProbeAnswer) -> Floats | None:
-    """Return the numbers of an answer in one row; None where it holds anything else."""
-    if isinstance(value, list | tuple):
-        parts = [_leaves(part) for part in value]
-        return np.concatenate(parts) if parts and all(part is not None for part in parts) else None  # type: ignore[arg-type]
-    if isinstance(value, ProbeFault | str) or value is None:
-        return None
-    try:
-        return read_array(value).ravel()
-    except UnreadableError:
-        return None
-
-
-def _is_better(before: Sequence[NDArray[np.bool_]], after: Sequence[NDArray[np.bool_]]) -> bool:
-    """Whether more numbers are right, and none is no longer."""
-    if any(len(old) != len(new) for old, new in zip(before, after, strict=True)):
-        return all(new.all() or not old.any() for old, new in zip(before, after, strict=True)) and any(
-            new.all() and not old.all() for old, new in zip(before, after, strict=True)
-        )
-    return all(bool((new >= old).all()) for old, new in zip(before, after, strict=True)) and any(
-        bool(new.sum() > old.sum()) for old, new in zip(before, after, strict=True)
-    )
-
-
-def _gain(before: Sequence[NDArray[np.bool_]], after: Sequence[NDArray[np.bool_]]) -> float:
-    """Return how many answers are mended; the part of the numbers where one is mended in part."""
-    return sum(float(new.mean()) - float(old.mean()) for old, new in zip(before, after, strict=True))
 
 
 def time_limit(seconds: float, processor_seconds: float) -> Callable[[], bool]:

@@ -6,7 +6,7 @@ They claim what was tried and no more: a change elsewhere may only make up for t
 from __future__ import annotations
 
 from collections.abc import Collection, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from graders.core.code.changes import ProgramChange
 from graders.core.code.mending import Mending
@@ -68,13 +68,16 @@ MAX_LINE, MAX_LINES = 90, 3
 class Place:
     """Lines that are changed together, first those of the first change; the checks that pass then and failed before.
 
-    `others` are lines of which each, changed alone, has the same effect. If `is_second`, another place is changed too.
+    `others` are lines of which each, changed alone, has the same effect. If `is_second`, another place is changed too;
+    if `beside_right_ones`, right functions stand in the place of some. `leaves_nothing`: no check fails then.
     """
 
     changes: tuple[ProgramChange, ...]
     mended: frozenset[str]
     others: tuple[ProgramChange, ...] = ()
     is_second: bool = False
+    beside_right_ones: bool = False
+    leaves_nothing: bool = False
 
     @property
     def lines(self) -> list[int]:
@@ -96,24 +99,32 @@ class Place:
         return f"la ligne {' ou '.join(map(str, self.either))}"
 
 
-def places_of(mending: Mending) -> list[Place]:
-    """Return the places of the steps; one place where a step mends nothing without the next one."""
+def places_of(mendings: Sequence[Mending]) -> list[Place]:
+    """Return the places of the steps; one place where a step mends nothing without the next one, or for the same lines
+    of several functions."""
+    places: dict[tuple[int, ...], Place] = {}
+    for place in (place for mending in mendings for place in _places_of(mending)):
+        known = places.setdefault(tuple(place.lines), place)
+        places[tuple(place.lines)] = replace(known, mended=known.mended | place.mended)
+    return list(places.values())
+
+
+def _places_of(mending: Mending) -> list[Place]:
+    beside, nothing = mending.beside_right_ones, not mending.left
     if not all(step.mended for step in mending.steps):
-        return [Place(tuple(step.change for step in mending.steps), mending.mended)]
-    return [Place((step.change,), step.mended, step.rivals, k > 0) for k, step in enumerate(mending.steps)]
+        changes = tuple(step.change for step in mending.steps)
+        return [Place(changes, mending.mended, beside_right_ones=beside, leaves_nothing=nothing)]
+    return [
+        Place((step.change,), step.mended, step.rivals, k > 0, beside, nothing) for k, step in enumerate(mending.steps)
+    ]
 
 
 def describe_place(
-    place: Place,
-    mending: Mending,
-    source: str,
-    titles: Mapping[str, str],
-    values: Mapping[int, str],
-    failed: Collection[str],
+    place: Place, source: str, titles: Mapping[str, str], values: Mapping[int, str], failed: Collection[str]
 ) -> Slip:
     """Return a place in words: what changing it makes of the checks that `failed`, and where to look there."""
-    is_all = not mending.left and place.mended.issuperset(failed)
-    others = ", les autres fonctions une fois justes" if mending.beside_right_ones and not is_all else ""
+    is_all = place.leaves_nothing and place.mended.issuperset(failed) and not place.beside_right_ones
+    others = ", les autres fonctions une fois justes" if place.beside_right_ones else ""
     title = f"Changer {'ensuite ' if place.is_second else ''}{place.told_lines()} {_outcome(place, is_all)}{others}"
     where = " ".join(f"Ligne {number} : « {_quoted(source, number)} »." for number in place.either)
     seen = f" {values[place.lines[0]]}" if place.lines[0] in values and len(place.either) == 1 else ""

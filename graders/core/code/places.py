@@ -6,17 +6,24 @@ They never tell the change that mends the program: the line and the kind of thin
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 
+from graders.core.code.call_graph import find_shared_helpers
 from graders.core.code.checks import Check
 from graders.core.code.diagnosis import EXPLAINS, LIKELY, lowercase_title, tell_remainder
 from graders.core.code.experiments import Experimenter
 from graders.core.code.grading import CodeGrader
-from graders.core.code.isolation import isolate_functions, name_isolated, replacing_suffix, tell_shares
+from graders.core.code.isolation import (
+    IsolatedFunctions,
+    isolate_functions,
+    name_isolated,
+    replacing_suffix,
+    tell_shares,
+)
 from graders.core.code.mending import Mending, MendingSearch
 from graders.core.code.place_words import LOOK, PLACE, describe_place, places_of
 from graders.core.code.probes import explains_itself
@@ -58,23 +65,21 @@ def _says_enough(check: CheckResult) -> bool:
     return bool(check.repeats) or explains_itself(check.message)
 
 
-def describe_mending(
-    mending: Mending, source: str, checks: Sequence[CheckResult], values: Mapping[int, str] | None = None
+def describe_mendings(
+    mendings: Sequence[Mending], source: str, checks: Sequence[CheckResult], values: Mapping[int, str] | None = None
 ) -> Diagnosis:
     """Return the diagnosis of the places found; `values` are what is worth seeing at a line, in French."""
     titles, failed = _titles(checks), _at_fault(checks)
-    places = places_of(mending)
-    first, *others = [describe_place(place, mending, source, titles, values or {}, failed) for place in places]
+    places = places_of(mendings)
+    first, *others = [describe_place(place, source, titles, values or {}, failed) for place in places]
     paragraphs = [first.explanation, first.question]
     for other in others:
         paragraphs += [f"{other.title}. {other.explanation}", other.question]
-    if mending.last_name is not None:
-        named = mending.last_name
-        paragraphs.append(f"Ce qui reste, une fois l'autre ligne écrite autrement : {named.title}. {named.explanation}")
+    paragraphs += [_tell_last(named) for named in _last_names(mendings)]
     title = AND_ALSO.join([first.title, *(lowercase_title(other.title) for other in others)])
     explains = tuple(tuple(sorted(place.mended)) for place in places)
     return tell_remainder(
-        Diagnosis(PLACE, title, "\n\n".join(paragraphs), None, explains), checks, _named_last(mending)
+        Diagnosis(PLACE, title, "\n\n".join(paragraphs), None, explains), checks, besides=_named_last(mendings)
     )
 
 
@@ -96,36 +101,65 @@ def find_place(
     if not is_worth_searching(verdict) and not _may_hide_others(grader, verdict):
         return None
     isolated = isolate_functions(grader, source, programs, verdict.seed, spent)
-    named, functions, suffix = None, _unexplained(grader, verdict), ""
+    named, functions = None, _unexplained(grader, verdict)
     if isolated is not None and isolated.guilty():
         named = name_isolated(grader, isolated, verdict.checks)
         functions = isolated.unexplained()
-        suffix = replacing_suffix(grader, isolated.explained()) if functions else ""
     elif functions and len(grader.functions) == 1:
         pair = grader.name_mistakes(source, programs, verdict.seed, spent)
         if pair.ids and pair.certain and not pair.facts:
             named, functions = grader.describe_mistakes(pair), []
-    facts, mending, values = [], None, dict[int, str]()
+    facts, mendings, values = [], list[Mending](), dict[int, str]()
     if functions:
         calls = _example_calls(grader, verdict)
         examples = {name: [call for _, of, call in calls if of == name] for name in functions}
         facts = Experimenter(grader, programs, verdict.seed, spent, examples).find_facts(source, functions)
-        search = MendingSearch(grader, programs, verdict.seed, spent, suffix)
-        mending = search.search(source, functions)
-        if mending is not None and calls:
-            line, (title, function, arguments) = mending.steps[0].change.line, calls[0]
-            if words := _value_words(search.values_at(source, line, function, arguments)):
+        mendings = _search(grader, source, verdict, programs, spent, functions, isolated)
+        if mendings and calls:
+            line, (title, function, arguments) = mendings[0].steps[0].change.line, calls[0]
+            looking = MendingSearch(grader, programs, verdict.seed, spent)
+            if words := _value_words(looking.values_at(source, line, function, arguments)):
                 values[line] = f"Dans l'exemple de « {title} », {words}."
-    operators = " ; ".join(step.change.operator or step.change.mistake for step in mending.steps) if mending else ""
-    found = _told_together(grader, verdict, source, named, mending, values, facts)
+    steps = [step for mending in mendings for step in mending.steps]
+    operators = " ; ".join(step.change.operator or step.change.mistake for step in steps)
+    found = _told_together(grader, verdict, source, named, mendings, values, facts)
     if isolated is not None and isolated.guilty():
         found = found or (verdict.diagnosis if len(isolated.guilty()) > 1 else None)
         if found is not None:
             found = tell_shares(isolated, verdict.checks, _without_remainder(found))
             explained = {check for ids in found.explains for check in ids}
-            doubtful = isolated.doubtful().union(isolated.consequences(explained, grader.checks), _named_last(mending))
-            found = tell_remainder(found, verdict.checks, doubtful, is_quoted=True)
+            doubtful = isolated.doubtful() | isolated.consequences(explained, grader.checks)
+            last = _named_last(mendings)
+            found = tell_remainder(found, verdict.checks, doubtful, besides=last, is_quoted=True)
     return None if found is None or found == verdict.diagnosis else FoundPlace(found, operators)
+
+
+def _search(
+    grader: CodeGrader, source: str, verdict: Verdict, programs: Programs, spent: Callable[[], bool],
+    functions: Sequence[str], isolated: IsolatedFunctions | None,
+) -> list[Mending]:  # fmt: skip
+    """Return the changes that mend these functions: each of them beside right ones, where each is known by itself.
+
+    In a program with mistakes in several functions, a change of a right line may make up for the mistake of another.
+    What several functions share comes first: one change there may mend them all.
+    """
+    if isolated is None or not isolated.guilty():
+        mending = MendingSearch(grader, programs, verdict.seed, spent).search(source, functions)
+        return [] if mending is None else [mending]
+
+    def beside_right_ones(chosen: Collection[str], helpers: Collection[str] = ()) -> Mending | None:
+        others = frozenset(isolated.guilty()).difference(chosen)
+        suffix = replacing_suffix(grader, others) if others else ""
+        apart = isolated.own.keys() - set(chosen)
+        return MendingSearch(grader, programs, verdict.seed, spent, suffix, apart).search(source, chosen, helpers)
+
+    guilty = [name for name in functions if isolated.own[name].failed]
+    if helpers := find_shared_helpers(source.encode(), guilty, grader.functions):
+        shared = beside_right_ones(guilty, helpers)
+        if shared is not None and not shared.left:
+            return [shared]
+    found = (beside_right_ones([name]) for name in functions)
+    return [mending for mending in found if mending is not None]
 
 
 def _may_hide_others(grader: CodeGrader, verdict: Verdict) -> bool:
@@ -139,14 +173,14 @@ def _may_hide_others(grader: CodeGrader, verdict: Verdict) -> bool:
 
 
 def _told_together(
-    grader: CodeGrader, verdict: Verdict, source: str, named: Diagnosis | None, mending: Mending | None,
+    grader: CodeGrader, verdict: Verdict, source: str, named: Diagnosis | None, mendings: Sequence[Mending],
     values: Mapping[int, str], facts: Sequence[SeenFact],
 ) -> Diagnosis | None:  # fmt: skip
     """Return one diagnosis of a program's names, places and facts; None where the verdict tells as much."""
     known = named or verdict.diagnosis
-    place = describe_mending(mending, source, verdict.checks, values) if mending is not None else None
-    if place is not None and mending is not None and known is not None and not _is_disproved(known, place):
-        known = named = _with_places(known, mending, source, verdict.checks, values)
+    place = describe_mendings(mendings, source, verdict.checks, values) if mendings else None
+    if place is not None and known is not None and not _is_disproved(known, place):
+        known = named = _with_places(known, mendings, source, verdict.checks, values)
     elif place is not None:
         known = named = place
     if named is not None:
@@ -155,18 +189,19 @@ def _told_together(
 
 
 def _with_places(
-    named: Diagnosis, mending: Mending, source: str, checks: Sequence[CheckResult], values: Mapping[int, str]
-) -> Diagnosis:
+    named: Diagnosis, mendings: Sequence[Mending], source: str, checks: Sequence[CheckResult],
+    values: Mapping[int, str],
+) -> Diagnosis:  # fmt: skip
     """Return named mistakes with the places found: another mistake where one mends checks that no name explains."""
     titles, failed = _titles(checks), _at_fault(checks)
     explained = {check for ids in named.explains for check in ids}
     named = _without_remainder(named)
     lines = set[int]()
-    for found in places_of(mending):
+    for found in places_of(mendings):
         if found.lines[0] in lines:
             continue
         lines.add(found.lines[0])
-        place = describe_place(found, mending, source, titles, values, failed)
+        place = describe_place(found, source, titles, values, failed)
         if found.mended <= explained:
             where = place.explanation.partition(LOOK)[0].strip()
             told = f"Dans votre programme : {lowercase_title(place.title)}. {where}"
@@ -176,17 +211,23 @@ def _with_places(
             explains = (*named.explains, tuple(sorted(found.mended - explained)))
             named = replace(named, title=title, explains=explains, certain=False)
         named = replace(named, explanation=f"{named.explanation}\n\n{told}")
-    last = mending.last_name
-    if last is not None and last.title not in named.titles:
-        told = f"Ce qui reste, une fois l'autre ligne écrite autrement : {last.title}. {last.explanation}"
-        named = replace(named, explanation=f"{named.explanation}\n\n{told}")
-    return tell_remainder(named, checks, _named_last(mending))
+    for last in _last_names(mendings):
+        if last.title not in named.titles:
+            named = replace(named, explanation=f"{named.explanation}\n\n{_tell_last(last)}")
+    return tell_remainder(named, checks, besides=_named_last(mendings))
 
 
-def _named_last(mending: Mending | None) -> set[str]:
-    """Return the checks that the name of what the last step mends explains: they do not remain."""
-    name = mending.last_name if mending is not None else None
-    return set() if name is None else {check for ids in name.explains for check in ids}
+def _last_names(mendings: Sequence[Mending]) -> list[Diagnosis]:
+    return [mending.last_name for mending in mendings if mending.last_name is not None]
+
+
+def _tell_last(named: Diagnosis) -> str:
+    return f"Ce qui reste, une fois l'autre ligne écrite autrement : {named.title}. {named.explanation}"
+
+
+def _named_last(mendings: Sequence[Mending]) -> set[str]:
+    """Return the checks that the names of what the last steps mend explain: they do not remain."""
+    return {check for name in _last_names(mendings) for ids in name.explains for check in ids}
 
 
 def _without_remainder(diagnosis: Diagnosis) -> Diagnosis:

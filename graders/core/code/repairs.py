@@ -9,7 +9,7 @@ from __future__ import annotations
 import ast
 import copy
 import itertools
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import TypeVar
 
@@ -69,7 +69,8 @@ def find_repairs(
 ) -> Iterator[Repair]:
     """Yield candidate repairs until the time is `spent`.
 
-    None for a mistake that is no edit, and for a program that does not compile or is too long.
+    None for a mistake that is no edit, and for a program that does not compile or is too long. A repair calls the
+    program's own functions, of those that the exercise asks: the model's would hide the mistakes that these have.
     """
     if len(source) > MAX_SOURCE:
         return
@@ -85,11 +86,13 @@ def find_repairs(
     def hurried(way: Iterator[_T]) -> Iterator[_T]:
         return itertools.takewhile(lambda _: not spent(), way)
 
+    asked = frozenset[str]().union(*(edit.functions for edit in model.edits))
+    own = asked.intersection(node.name for node in nodes)
     seen, left = set[str](), hurried(itertools.repeat(None, MAX_VISITED))
     for differences, helpers in _edits(model, mistake):
         for chosen in itertools.islice(_combinations(differences, within, helpers, left), MAX_COMBINATIONS):
             for named in hurried(_with_guessed_names(chosen, helpers, words[chosen[0].node])):
-                repair = _repaired(source, named, helpers)
+                repair = _repaired(source, named, helpers, own)
                 if repair is not None and repair.text not in seen:
                     seen.add(repair.text)
                     yield repair
@@ -210,8 +213,8 @@ def _matches(
 class _NameTranslator(ast.NodeTransformer):
     """Translates nodes of the model into the names of a program; `missing` where a name has no translation."""
 
-    def __init__(self, names: Names, helpers: Mapping[str, ast.FunctionDef]) -> None:
-        self._names, self._helpers = names, helpers
+    def __init__(self, names: Names, helpers: Mapping[str, ast.FunctionDef], own: Collection[str]) -> None:
+        self._names, self._helpers, self._own = names, helpers, own
         self.missing, self.used = False, set[str]()
 
     def visit_Name(self, node: ast.Name) -> ast.expr:
@@ -220,7 +223,7 @@ class _NameTranslator(ast.NodeTransformer):
         if node.id in self._helpers:
             self.used.add(node.id)
             return ast.Name(_renamed(node.id), ast.Load())
-        self.missing = self.missing or node.id not in MODULES
+        self.missing = self.missing or not (node.id in MODULES or node.id in self._own)
         return node
 
 
@@ -228,11 +231,15 @@ def _renamed(helper: str) -> str:
     return f"_model_{helper}"
 
 
-def _repaired(source: str, locations: Sequence[_Location], helpers: Mapping[str, ast.FunctionDef]) -> Repair | None:
-    """Return the program repaired at all of these locations; None where a name is missing, or they overlap."""
+def _repaired(
+    source: str, locations: Sequence[_Location], every: Mapping[str, ast.FunctionDef], own: Collection[str]
+) -> Repair | None:
+    """Return the program repaired at all of these locations, with copies of those `every` functions of the model that
+    are not the program's `own`; None where a name is missing, or they overlap."""
+    helpers = {name: node for name, node in every.items() if name not in own}
     pieces, used = [], set[str]()
     for location in locations:
-        words = _NameTranslator(location.names, helpers)
+        words = _NameTranslator(location.names, helpers, own)
         text = ast.unparse(ast.fix_missing_locations(words.visit(copy.deepcopy(location.right))))
         if words.missing:
             return None

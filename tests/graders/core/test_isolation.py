@@ -99,7 +99,7 @@ def test_both_mistakes_are_told_with_the_points_of_each_function() -> None:
     assert name == verdict.diagnosis.title
     assert place == "changer la ligne 15 fait réussir 2 vérifications, les autres fonctions une fois justes"
     assert "Changer la ligne 15 fait réussir 2 vérifications" in found.diagnosis.explanation
-    assert "jugée avec les autres justes : fusionner 7 sur 15, enchainer 7." in found.diagnosis.explanation
+    assert "jugée avec les autres justes : fusionner 7 sur 14, enchainer 7." in found.diagnosis.explanation
     assert not set(found.diagnosis.explains[0]) & set(found.diagnosis.explains[1])
     assert "sans explication" not in found.diagnosis.explanation
 
@@ -182,9 +182,29 @@ def test_checks_that_fail_through_a_function_that_is_told_are_not_left_without_e
 
 
 def test_a_name_that_no_function_shows_beside_right_ones_is_withdrawn() -> None:
-    """Every function calls the one that is wrong: `relatif` then answers as with a wrong sign, and has none."""
+    """Every function calls the one that is wrong: `relatif` then answers as with a wrong sign, and has none.
+
+    The wrong helper of several functions is the place, not the lines that call it.
+    """
     verdict, found = place_of("l20/poses", HALF_TURN)
     assert found is not None
     assert "un signe est faux" in [title.lower() for title in verdict.diagnosis.titles]
     assert "un signe est faux" not in [title.lower() for title in found.diagnosis.titles]
     assert "relatif n'a rien de faux" in found.diagnosis.explanation
+    assert found.diagnosis.titles == ("Changer la ligne 3 suffit",)
+
+
+def test_no_line_of_another_function_makes_up_for_the_wrong_one() -> None:
+    """`fusionner` alone is wrong in its weights, `enchainer` alone in the order of two lines: none mends the other."""
+    grader = CODE["l19/gain"]
+    source = "import numpy as np\n" + GAIN.replace("/ variances ** 2", "// variances")
+    verdict = grader.grade(source.encode(), LOCAL, seed=3, version="v").verdict
+    found = find_place(grader, source, verdict, LOCAL, lambda: False)
+    assert found is not None
+    told = {
+        check: title
+        for ids, title in zip(found.diagnosis.explains, found.diagnosis.titles, strict=True)
+        for check in ids
+    }
+    assert "ligne 8 " in told["fusion_quelconques"]
+    assert "ligne 15 " in told["chaine_quelconques"]

@@ -5,8 +5,9 @@ from __future__ import annotations
 import pytest
 
 from graders.core.code.changes import ProgramChange, count_turns, find_changes, noted_line
+from graders.core.code.diagnosis import tell_remainder
 from graders.core.code.mending import Mending, MendingSearch, MendingStep, in_lines_of
-from graders.core.code.places import describe_mending, find_place, is_worth_searching, join_place
+from graders.core.code.places import describe_mendings, find_place, is_worth_searching, join_place
 from graders.core.contract.local import LOCAL
 from graders.core.contract.verdict import CheckResult, Diagnosis, Verdict
 from tests.support.shipped import CODE
@@ -50,7 +51,7 @@ def test_two_changes_are_found_one_after_the_other() -> None:
     assert mending is not None
     assert sorted(step.change.line for step in mending.steps) == [3, 6]
     assert mending.left == frozenset()
-    words = describe_mending(mending, source, verdict_of(source).checks)
+    words = describe_mendings([mending], source, verdict_of(source).checks)
     first, second = words.titles
     assert first.startswith("Changer la ligne ")
     assert second.startswith("changer ensuite la ligne ")
@@ -110,7 +111,7 @@ def test_a_function_that_draws_is_held_against_the_solution_with_the_same_draws(
 def test_two_lines_that_only_together_mend_are_told_together() -> None:
     change = ProgramChange("", "", 2, "", "axes_echanges", (3,))
     mending = Mending((MendingStep(change, frozenset({"a"})),), frozenset())
-    words = describe_mending(mending, "def f(g):\n    n, m = g.shape\n    return g[n - 1, 0]\n", ())
+    words = describe_mendings([mending], "def f(g):\n    n, m = g.shape\n    return g[n - 1, 0]\n", ())
     assert words.title == "Changer les lignes 2 et 3 suffisent"
     assert "« n, m = g.shape »" in words.explanation
     assert "« return g[n - 1, 0] »" in words.explanation
@@ -122,7 +123,7 @@ def test_two_lines_that_each_mend_all_are_both_told() -> None:
     source = PROGRAM.replace("return m + u, v + q", "w = -(v + q)\n    return m + u, w")
     mending = mending_of(source)
     assert mending is not None
-    told = describe_mending(mending, source, verdict_of(source).checks)
+    told = describe_mendings([mending], source, verdict_of(source).checks)
     assert told.titles == ("Changer la ligne 3 ou 4 suffit",)
 
 
@@ -158,7 +159,7 @@ def sigma_dtheta(sigma_g, sigma_d, L):
 def test_a_kind_of_change_that_may_make_up_for_another_line_says_so(unlikely: bool) -> None:
     change = ProgramChange("", "", 2, "angle", unlikely=unlikely)
     mending = Mending((MendingStep(change, frozenset({"a"})),), frozenset())
-    words = describe_mending(mending, "def f(g):\n    return 2 * g\n", ())
+    words = describe_mendings([mending], "def f(g):\n    return 2 * g\n", ())
     assert ("cherchez parmi les lignes qui calculent ou emploient les mêmes" in words.explanation) == unlikely
 
 
@@ -167,9 +168,25 @@ def test_what_the_last_name_explains_does_not_remain() -> None:
     name = Diagnosis("angle", "L'angle n'est pas ramené", "Il sort de l'intervalle.", None, (("b",),))
     mending = Mending((MendingStep(change, frozenset({"a"})),), frozenset({"b", "c"}), name)
     checks = tuple(CheckResult(letter, letter.upper(), False, 0.0, 1.0) for letter in "abc")
-    words = describe_mending(mending, "def f(g):\n    return 2 * g\n", checks).explanation
+    words = describe_mendings([mending], "def f(g):\n    return 2 * g\n", checks).explanation
     assert "Ce qui reste, une fois l'autre ligne écrite autrement : L'angle n'est pas ramené." in words
     assert "Cela explique 2 des 3 points perdus. Reste sans explication : « C »." in words
+
+
+def test_points_of_checks_that_wait_or_may_fail_for_the_same_reason_are_not_counted() -> None:
+    named = Diagnosis("angle", "L'angle n'est pas ramené", "Il sort.", None, (("a",),))
+    checks = [CheckResult(letter, letter.upper(), False, 0.0, 1.0) for letter in "abc"]
+    checks.append(CheckResult("d", "D", False, 0.0, 8.0, neutral=True))
+    words = tell_remainder(named, checks, ["b"]).explanation
+    assert "Cela explique au moins 1 des 3 points perdus. Reste sans explication : « C »." in words
+    assert "Les autres points attendent que le reste soit juste : « D »." in words
+    assert "Cela explique 2 des 3 points" in tell_remainder(named, checks, besides=["b"]).explanation
+
+
+def test_a_check_that_passes_on_the_inputs_of_one_seed_only_is_not_mended(monkeypatch: pytest.MonkeyPatch) -> None:
+    search, (first, second, *_) = MendingSearch(CODE[EXERCISE], LOCAL, 3, lambda: False), CODE[EXERCISE].checks
+    monkeypatch.setattr(search, "failed_checks", lambda text, is_late, seed, checks: checks[1:] if seed == 5 else [])
+    assert search.borne_out(ProgramChange("", "", 2, "signe"), frozenset((first.id, second.id))) == {first.id}
 
 
 def test_the_lines_of_a_second_change_are_those_of_the_program_as_it_was() -> None:
