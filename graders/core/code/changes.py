@@ -141,11 +141,16 @@ def noted_line(source: str, line: int) -> tuple[str, list[str]] | None:
     if statement is None:
         return None
     start = text.span(statement)[0]
-    counters = [*turn_counters(text), (start, f"{NOTE}; ".encode())]
+    counters = [(start, f"{NOTE}; ".encode())]
     read = sorted((node for node in ast.walk(statement) if isinstance(node, ast.Name)), key=text.span)
     names = [node.id for node in read]
     known = [name for name in dict.fromkeys(names) if name in text.variables(statement)]
-    return _counted(text, Change(0, 0, "", ""), sorted(counters)), known
+    return with_insertions(text, counters), known
+
+
+def with_insertions(text: ProgramText, added: Sequence[tuple[int, bytes]]) -> str:
+    """Return a program whose loops count their turns, with further texts at these byte offsets."""
+    return _counted(text, Change(0, 0, "", ""), sorted([*turn_counters(text), *added], key=lambda pair: pair[0]))
 
 
 def count_turns(source: str) -> str:

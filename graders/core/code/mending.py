@@ -14,36 +14,32 @@ from collections.abc import Callable, Collection, Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 
-import numpy as np
-from numpy.typing import NDArray
-
-from graders.core.code.agreement import gain, is_better, right_numbers
 from graders.core.code.bench import Bench
-from graders.core.code.changes import ProgramChange, count_turns, find_changes, noted_line
+from graders.core.code.changes import ProgramChange, find_changes, noted_line
 from graders.core.code.checks import Check
 from graders.core.code.grading import NO_SHRINKING, CodeGrader
+from graders.core.code.line_values import LineValues, compare_values, seen_at, seen_everywhere
 from graders.core.code.loops import ClosedLoop
-from graders.core.code.mutants import NO_ANSWER
 from graders.core.code.pair_search import OutOfTimeError
-from graders.core.code.probes import ProbeAnswer
 from graders.core.code.runner import Runner
 from graders.core.code.running import run_check
+from graders.core.code.screening import ProbeScreen
 from graders.core.code.variants import VariantCaller
 from graders.core.contract.outcomes import Outcome
-from graders.core.contract.program import Programs, StudentFault
+from graders.core.contract.program import Programs, Reply, StudentFault
 from graders.core.contract.streams import stream
 from graders.core.contract.values import Arguments
 from graders.core.contract.verdict import Diagnosis
 from graders.core.syntax_trees import parse_source
 
-#: Probes whose wrong answer selects changes; changes run through the checks; changes of one program in all.
-MAX_PIVOTS, MAX_VERIFIED, MAX_STEPS = 3, 8, 2
+#: Changes run through the checks; changes of one program in all.
+MAX_VERIFIED, MAX_STEPS = 8, 2
 #: Other lines that are tried where one change mends all that fails.
 MAX_OTHER_LINES = 2
 #: Changes after which another one is searched; those that are run through the checks though the time is spent.
 MAX_BEGUN, MAX_LATE = 2, 3
-#: Changed programs that answer in one exchange, between two looks at the time.
-SLICE = 200
+#: Kinds of changes after which a line is another one.
+REORDERING = ("ordre des lignes", "indentation")
 #: Other seeds on whose inputs a mended check must pass too.
 MAX_SEEDS = 4
 
@@ -89,7 +85,7 @@ class MendingSearch:
     ) -> None:  # fmt: skip
         self._grader, self._programs, self._seed, self._spent, self._apart = grader, programs, seed, spent, apart
         self._caller, self._suffix = VariantCaller(programs, suffix), suffix
-        self._drawn_answers: dict[int, list[ProbeAnswer]] = {}
+        self._screen = ProbeScreen(grader, programs, self._caller, spent)
         self.tried = 0
 
     def search(self, source: str, functions: Collection[str] = (), helpers: Collection[str] = ()) -> Mending | None:
@@ -146,18 +142,24 @@ class MendingSearch:
         changes = find_changes(source, sorted(helpers) or functions, model, self._spent, self._apart)
         self.tried += len(changes)
         tried: list[tuple[ProgramChange, frozenset[str]]] = []
-        screened = self._screened(source, changes, functions)
+        seen: dict[str, LineValues] = {}
+        screened = self._screen.mending(source, changes, functions)
         for change in screened[:MAX_VERIFIED]:
             if self._spent() and tried:
                 break
             left = frozenset(check.id for check in self.failed_checks(change.text, is_late=len(tried) < MAX_LATE))
-            if left <= failed:
+            if not left <= failed:
+                continue
+            if left < failed:
                 left = failed - self.borne_out(change, failed - left)
-                tried.append((change, left))
+                seen[change.text] = self._line_values(source, change, functions)
+            if seen.get(change.text) is LineValues.RIGHT:
+                continue
+            tried.append((change, left))
             if not left:
                 tried += self._at_other_lines(change, screened[screened.index(change) + 1 :], failed)
                 break
-        tried.sort(key=lambda pair: (len(pair[1]), pair[0].unlikely))
+        tried.sort(key=lambda pair: (len(pair[1]), seen.get(pair[0].text) is not LineValues.WRONG, pair[0].unlikely))
         if not tried:
             return []
         best, left = tried[0]
@@ -181,85 +183,31 @@ class MendingSearch:
         found = []
         for other in sorted(by_line.values(), key=others.index)[:MAX_OTHER_LINES]:
             with suppress(OutOfTimeError):
-                if not self.failed_checks(other.text) and self.borne_out(other, failed) == failed:
-                    found.append((other, frozenset[str]()))
+                if self.failed_checks(other.text) or self.borne_out(other, failed) != failed:
+                    continue
+                found.append((other, frozenset[str]()))
         return found
 
-    def _screened(self, source: str, changes: Sequence[ProgramChange], functions: Sequence[str]) -> list[ProgramChange]:
-        """Return the changes that mend numbers of the answers to probes and spoil none, the most mending first.
-
-        Those that were seen until the time was spent.
-        """
-        gains: dict[int, float] = {}
-        with suppress(OutOfTimeError):
-            self._add_gains(source, changes, functions, gains)
-        order = sorted(gains, key=lambda number: (-round(gains[number], 6), number))
-        return [changes[number] for number in order]
-
-    def _add_gains(
-        self, source: str, changes: Sequence[ProgramChange], functions: Sequence[str], gains: dict[int, float]
-    ) -> None:
-        prober = self._grader.prober
-        for index, probes in enumerate(prober.probes if prober else ()):
-            if probes.function not in functions:
-                continue
-            everything = range(len(probes.calls))
-            before = self._agreements(index, [count_turns(source)], everything)[0]
-            wrong = [k for k in everything if not before[k].all()]
-            pivots, left = wrong[:MAX_PIVOTS], range(len(changes)) if wrong else ()
-            for begin in range(0, len(left), SLICE):
-                numbers = left[begin : begin + SLICE]
-                seen = self._agreements(index, [changes[number].counted for number in numbers], pivots)
-                hits = [
-                    number
-                    for number, marks in zip(numbers, seen, strict=True)
-                    if any(is_better([before[k]], [after]) for k, after in zip(pivots, marks, strict=True))
-                ]
-                answers = self._agreements(index, [changes[number].counted for number in hits], everything)
-                for number, after in zip(hits, answers, strict=True):
-                    if is_better(before, after):
-                        gains[number] = gains.get(number, 0.0) + gain(before, after) / max(1, len(wrong))
-
-    def _agreements(self, index: int, texts: Sequence[str], indices: Sequence[int]) -> list[list[NDArray[np.bool_]]]:
-        """Return, for each program and probe among `indices`, which numbers of its answer are right.
-
-        They are those of the style in which most are right.
-        """
-        assert self._grader.prober is not None
-        probes = self._grader.prober.probes[index]
-        rights = self._right_answers(index)
-        calls = [probes.calls[k] for k in indices]
-        draws = list(indices) if probes.random else ()
-        agreements = []
-        for begin in range(0, len(texts), SLICE):
-            if self._spent():
-                raise OutOfTimeError
-            for answers in self._caller.answers(
-                texts[begin : begin + SLICE], probes.function, calls, probes.kit, draws
-            ):
-                read = [probes.read_answer(args, answer) for args, answer in zip(calls, answers, strict=False)]
-                read += [NO_ANSWER] * (len(calls) - len(read))
-                in_each_style = [
-                    [right_numbers(probes, answer, right[k]) for k, answer in zip(indices, read, strict=True)]
-                    for right in rights
-                ]
-                agreements.append(max(in_each_style, key=lambda marks: sum(float(mark.mean()) for mark in marks)))
-        return agreements
-
-    def _right_answers(self, index: int) -> Sequence[Sequence[ProbeAnswer]]:
-        """Return the right answers to the probes `index`, in each style; those of the same draws where it draws."""
-        assert self._grader.prober is not None
-        probes = self._grader.prober.probes[index]
-        if not probes.random:
-            return self._grader.prober.right_answers_by_style(index)
-        if index not in self._drawn_answers:
-            solution, draws = count_turns(self._grader.solution), range(len(probes.calls))
-            answers = VariantCaller(self._programs).answers(
-                [solution], probes.function, probes.calls, probes.kit, draws
-            )[0]
-            read = [probes.read_answer(args, answer) for args, answer in zip(probes.calls, answers, strict=False)]
-            self._drawn_answers[index] = [*read, *[NO_ANSWER] * (len(probes.calls) - len(read))]
-        return [self._drawn_answers[index]]
+    def _line_values(self, source: str, change: ProgramChange, functions: Sequence[str]) -> LineValues:
+        """Return what the values of a changed line, in the calls of some wrong probes, say of it."""
+        texts = [
+            seen_at(source, change.line),
+            seen_at(change.text, change.line),
+            seen_everywhere(self._grader.solution),
+        ]
+        if change.further or change.operator in REORDERING or None in texts or self._grader.prober is None:
+            return LineValues.UNKNOWN
+        *mine, solution = [text for text in texts if text is not None]
+        rows: list[list[Sequence[Sequence[float]]]] = [[], [], []]
+        for index, probes in enumerate(self._grader.prober.probes):
+            pivots = self._screen.pivots.get((source, index), ())
+            if probes.function in functions and pivots and not probes.random:
+                calls = [probes.calls[k] for k in pivots]
+                seen = self._caller.seen(mine, probes.function, calls, probes.kit)
+                seen += VariantCaller(self._programs).seen([solution], probes.function, calls, probes.kit)
+                for row, answers in zip(rows, seen, strict=len(seen) == len(rows)):
+                    row += [answer.value if isinstance(answer, Reply) else () for answer in answers]
+        return compare_values(*rows)
 
     def borne_out(self, change: ProgramChange, mended: frozenset[str]) -> frozenset[str]:
         """Return those of the checks that a change mends which pass on the inputs of other seeds too.

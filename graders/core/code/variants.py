@@ -15,8 +15,10 @@ from graders.core.contract.values import Arguments
 #: Turns of all loops of one call; characters of one driver file; deaths after which no driver is launched again.
 MAX_TURNS, MAX_DRIVER, MAX_DEATHS = 20_000, 120_000, 8
 CALL, LOOK = "appeler_une_variante", "regarder_une_variante"
-#: The call by which a program has the variables of a place noted.
-NOTE = "_noter(locals())"
+#: The call by which a program has the variables of a place noted, and the function that notes values.
+NOTE, SEE, SEEN = "_noter(locals())", "_voir", "voir_une_variante"
+#: Values that one call notes, and numbers of one value.
+MAX_SEEN = 200
 _DRIVER = """
 _textes, _modules, _de_base, _tours = {texts!r}, {{}}, dict(globals()), [0]
 _suite = compile({suffix!r}, "solution.py", "exec")
@@ -47,6 +49,36 @@ def {look}(numero, fonction, arguments, demandes):
     {call}(numero, fonction, arguments)
     noms = notes[0] if notes else {{}}
     return [[nom, float(noms[nom])] for nom in demandes if nom in noms and isinstance(noms[nom], (int, float))]
+"""
+
+
+_SEEING = """
+_vues = []
+
+def _aplatir(valeur):
+    if hasattr(valeur, "ravel"):
+        valeur = valeur.ravel().tolist()
+    if isinstance(valeur, (list, tuple)):
+        return [nombre for partie in valeur for nombre in _aplatir(partie)]
+    return [float(valeur)]
+
+def _voir(*valeurs):
+    rendu = valeurs if len(valeurs) > 1 else valeurs[0]
+    if len(_vues) < {seen}:
+        try:
+            nombres = _aplatir(rendu)
+            if 0 < len(nombres) <= {seen}:
+                _vues.append(nombres)
+        except (TypeError, ValueError, RecursionError):
+            pass
+    return rendu
+
+_de_base["_voir"] = _voir
+
+def {look}(numero, fonction, arguments):
+    _vues.clear()
+    {call}(numero, fonction, arguments)
+    return list(_vues)
 """
 
 
@@ -87,6 +119,22 @@ class VariantCaller:
         finally:
             program.close()
         return [(name, value) for name, value in noted]
+
+    def seen(
+        self, texts: Sequence[str], function: str, calls: Sequence[Arguments], kit: KitSettings
+    ) -> list[list[Answer]]:
+        """Return, for each text, the values that it notes in each call (`SEE`): rows of numbers, or a fault."""
+        driver = _driver(texts, self._suffix) + _SEEING.format(seen=MAX_SEEN, look=SEEN, call=CALL)
+        asked = [(k, function, list(call)) for k in range(len(texts)) for call in calls]
+        try:
+            program = self._programs.open(driver.encode(), kit)
+        except StudentFault:
+            return []
+        try:
+            answers = [a for _, block in program.call_batches([PlannedCalls(SEEN, asked)]) for a in block]
+        finally:
+            program.close()
+        return [answers[k : k + len(calls)] for k in range(0, len(answers), len(calls))]
 
     def _call_chunk(
         self,

@@ -2,16 +2,21 @@
 
 from __future__ import annotations
 
+import numpy as np
 import pytest
 
 from graders.core.code.changes import ProgramChange, count_turns, find_changes, noted_line
 from graders.core.code.diagnosis import tell_remainder
+from graders.core.code.line_values import LineValues, compare_values, seen_at, seen_everywhere
 from graders.core.code.mending import Mending, MendingSearch, MendingStep, in_lines_of
 from graders.core.code.places import describe_mendings, find_place, is_worth_searching, join_place
+from graders.core.code.variants import VariantCaller
 from graders.core.contract.local import LOCAL
+from graders.core.contract.program import KitSettings
 from graders.core.contract.verdict import CheckResult, Diagnosis, Verdict
 from tests.support.shipped import CODE
 
+KIT = KitSettings("l19")
 EXERCISE = "l19/predire_corriger"
 PROGRAM = """
 def predire(m, v, u, q):
@@ -187,6 +192,40 @@ def test_a_check_that_passes_on_the_inputs_of_one_seed_only_is_not_mended(monkey
     search, (first, second, *_) = MendingSearch(CODE[EXERCISE], LOCAL, 3, lambda: False), CODE[EXERCISE].checks
     monkeypatch.setattr(search, "failed_checks", lambda text, is_late, seed, checks: checks[1:] if seed == 5 else [])
     assert search.borne_out(ProgramChange("", "", 2, "signe"), frozenset((first.id, second.id))) == {first.id}
+
+
+DISTANCE = """def distance(x, y):
+    d = x - y
+    return (d @ d) ** 0.5
+"""
+
+
+@pytest.mark.parametrize(
+    ("wrong", "changed", "expected"),
+    [
+        # The sum is wrong, and an absolute value of the difference, which is right, makes up for it.
+        (("d @ d", "d.sum() ** 2 / 2"), ("d = x - y", "d = np.abs(x - y)"), LineValues.RIGHT),
+        (("x - y", "x + y"), ("x + y", "x - y"), LineValues.WRONG),
+        (("x - y", "x + y"), ("x + y", "x + 2 * y"), LineValues.UNKNOWN),
+    ],
+)
+def test_a_line_whose_values_the_solution_computes_too_is_right(
+    wrong: tuple[str, str], changed: tuple[str, str], expected: LineValues
+) -> None:
+    source = DISTANCE.replace(*wrong)
+    texts = [seen_at(source, 2), seen_at(source.replace(*changed), 2), seen_everywhere(DISTANCE)]
+    calls = [(np.array([1.5, k]), np.array([4.2, 0.3])) for k in (2.0, 3.0)]
+    seen = VariantCaller(LOCAL).seen([text or "" for text in texts], "distance", calls, KIT)
+    assert compare_values(*[[answer.value for answer in answers] for answers in seen]) is expected
+
+
+@pytest.mark.parametrize(
+    ("statement", "shown"),
+    [("a, b = x\n    return a", "a, b = x; _voir(a, b)"), ("return (x + 1)", "return (_voir(x + 1))"), ("pass", None)],
+)
+def test_a_statement_shows_what_it_sets_or_returns(statement: str, shown: str | None) -> None:
+    text = seen_at(f"def f(x):\n    {statement}\n", 2)
+    assert (text is None) if shown is None else text is not None and text.splitlines()[1].strip() == shown
 
 
 def test_the_lines_of_a_second_change_are_those_of_the_program_as_it_was() -> None:

@@ -1,0 +1,95 @@
+"""What a line computes, held against what the exercise's solution computes in the same calls.
+
+A line whose values the solution computes too is right as it stands, whatever a change there mends: the change makes up
+for a mistake of another line. One whose values are the solution's only when it is changed is the wrong one.
+"""
+
+from __future__ import annotations
+
+import ast
+from collections.abc import Iterable, Iterator, Sequence
+from enum import Enum
+
+from graders.core.alterations.text import ProgramText
+from graders.core.code.changes import with_insertions
+from graders.core.code.variants import SEE
+
+#: Numbers of a call in the form in which they are compared.
+Seen = frozenset[tuple[float, ...]]
+
+
+class LineValues(Enum):
+    """What the values of a line say of it."""
+
+    RIGHT, WRONG, UNKNOWN = "right", "wrong", "unknown"
+
+
+def seen_at(source: str, line: int) -> str | None:
+    """Return a program that shows what the statement of a line sets or returns; None where no simple one is there."""
+    text = _text(source)
+    statements = _simple_statements(text) if text is not None else ()
+    found = [node for node in statements if node.lineno <= line <= (node.end_lineno or 0)]
+    return None if text is None or not found else _seeing(text, found[-1:])
+
+
+def seen_everywhere(source: str) -> str | None:
+    """Return a program that shows what each of its statements sets or returns."""
+    text = _text(source)
+    return None if text is None else _seeing(text, list(_simple_statements(text)))
+
+
+def compare_values(
+    before: Sequence[Iterable[Sequence[float]]],
+    after: Sequence[Iterable[Sequence[float]]],
+    solution: Sequence[Iterable[Sequence[float]]],
+) -> LineValues:
+    """Compare the values of a line in some calls, before and after a change, with all values of the solution.
+
+    Those that the change leaves say nothing, nor do counts and indices, which are everywhere; the solution may leave
+    out some that it need not compute.
+    """
+    rows = [
+        (mine - changed, changed - mine, right)
+        for mine, changed, right in zip(map(_read, before), map(_read, after), map(_read, solution), strict=False)
+    ]
+    telling = [(bool(lost & right), bool(gained & right)) for lost, gained, right in rows if lost | gained]
+    if telling and all(was and not becomes for was, becomes in telling):
+        return LineValues.RIGHT
+    if telling and all(becomes and not was for was, becomes in telling):
+        return LineValues.WRONG
+    return LineValues.UNKNOWN
+
+
+def _text(source: str) -> ProgramText | None:
+    try:
+        return ProgramText(source)
+    except (SyntaxError, ValueError, RecursionError, MemoryError):
+        return None
+
+
+def _simple_statements(text: ProgramText) -> Iterator[ast.Assign | ast.AugAssign | ast.Return]:
+    for node in ast.walk(text.tree):
+        if isinstance(node, ast.Assign | ast.AugAssign) or (isinstance(node, ast.Return) and node.value is not None):
+            yield node
+
+
+def _seeing(text: ProgramText, statements: Iterable[ast.Assign | ast.AugAssign | ast.Return]) -> str:
+    added: list[tuple[int, bytes]] = []
+    for statement in statements:
+        if isinstance(statement, ast.Return):
+            assert statement.value is not None
+            start, end = text.span(statement.value)
+            added += [(start, f"{SEE}(".encode()), (end, b")")]
+        else:
+            targets = statement.targets if isinstance(statement, ast.Assign) else [statement.target]
+            shown = "".join(f"; {SEE}({text.source_of(target)})" for target in targets)
+            added.append((text.span(statement)[1], shown.encode()))
+    return with_insertions(text, added)
+
+
+def _read(values: Iterable[Sequence[float]]) -> Seen:
+    return frozenset(tuple(float(f"{number:.7g}") + 0.0 for number in row) for row in values if _is_rich(row))
+
+
+def _is_rich(value: Sequence[float]) -> bool:
+    return any(number != round(number) for number in value if abs(number) < float("inf"))

@@ -1,0 +1,154 @@
+"""Which changes of a program mend its answers to probes, number by number, and spoil none."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from contextlib import suppress
+
+import numpy as np
+from numpy.typing import NDArray
+
+from graders.core.code.changes import ProgramChange, count_turns
+from graders.core.code.grading import CodeGrader
+from graders.core.code.mutants import NO_ANSWER
+from graders.core.code.pair_search import OutOfTimeError
+from graders.core.code.probes import TOLERANCE, ProbeAnswer, ProbeFault, Probes, same_probe_answer
+from graders.core.code.variants import VariantCaller
+from graders.core.contract.program import Programs
+from graders.core.contract.values import Floats, UnreadableError, read_array
+
+#: Probes whose wrong answer selects changes.
+MAX_PIVOTS = 3
+#: Changed programs that answer in one exchange, between two looks at the time.
+SLICE = 200
+
+
+class ProbeScreen:
+    """Screens changed programs, which a `caller` calls, until the time is `spent`.
+
+    `pivots`: for each source and number of probes that were screened, the probes whose wrong answers selected changes.
+    """
+
+    def __init__(
+        self, grader: CodeGrader, programs: Programs, caller: VariantCaller, spent: Callable[[], bool]
+    ) -> None:
+        self._grader, self._programs, self._caller, self._spent = grader, programs, caller, spent
+        self._drawn_answers: dict[int, list[ProbeAnswer]] = {}
+        self.pivots: dict[tuple[str, int], Sequence[int]] = {}
+
+    def mending(self, source: str, changes: Sequence[ProgramChange], functions: Sequence[str]) -> list[ProgramChange]:
+        """Return the changes that mend numbers of the answers to probes and spoil none, the most mending first.
+
+        Those that were seen until the time was spent.
+        """
+        gains: dict[int, float] = {}
+        with suppress(OutOfTimeError):
+            self._add_gains(source, changes, functions, gains)
+        order = sorted(gains, key=lambda number: (-round(gains[number], 6), number))
+        return [changes[number] for number in order]
+
+    def _add_gains(
+        self, source: str, changes: Sequence[ProgramChange], functions: Sequence[str], gains: dict[int, float]
+    ) -> None:
+        prober = self._grader.prober
+        for index, probes in enumerate(prober.probes if prober else ()):
+            if probes.function not in functions:
+                continue
+            everything = range(len(probes.calls))
+            before = self._agreements(index, [count_turns(source)], everything)[0]
+            wrong = [k for k in everything if not before[k].all()]
+            pivots, left = wrong[:MAX_PIVOTS], range(len(changes)) if wrong else ()
+            self.pivots[source, index] = pivots
+            for begin in range(0, len(left), SLICE):
+                numbers = left[begin : begin + SLICE]
+                seen = self._agreements(index, [changes[number].counted for number in numbers], pivots)
+                hits = [
+                    number
+                    for number, marks in zip(numbers, seen, strict=True)
+                    if any(_is_better([before[k]], [after]) for k, after in zip(pivots, marks, strict=True))
+                ]
+                answers = self._agreements(index, [changes[number].counted for number in hits], everything)
+                for number, after in zip(hits, answers, strict=True):
+                    if _is_better(before, after):
+                        gains[number] = gains.get(number, 0.0) + _gain(before, after) / max(1, len(wrong))
+
+    def _agreements(self, index: int, texts: Sequence[str], indices: Sequence[int]) -> list[list[NDArray[np.bool_]]]:
+        """Return, for each program and probe among `indices`, which numbers of its answer are right.
+
+        They are those of the style in which most are right.
+        """
+        assert self._grader.prober is not None
+        probes = self._grader.prober.probes[index]
+        rights = self._right_answers(index)
+        calls = [probes.calls[k] for k in indices]
+        draws = list(indices) if probes.random else ()
+        agreements = []
+        for begin in range(0, len(texts), SLICE):
+            if self._spent():
+                raise OutOfTimeError
+            for answers in self._caller.answers(
+                texts[begin : begin + SLICE], probes.function, calls, probes.kit, draws
+            ):
+                read = [probes.read_answer(args, answer) for args, answer in zip(calls, answers, strict=False)]
+                read += [NO_ANSWER] * (len(calls) - len(read))
+                in_each_style = [
+                    [_right_numbers(probes, answer, right[k]) for k, answer in zip(indices, read, strict=True)]
+                    for right in rights
+                ]
+                agreements.append(max(in_each_style, key=lambda marks: sum(float(mark.mean()) for mark in marks)))
+        return agreements
+
+    def _right_answers(self, index: int) -> Sequence[Sequence[ProbeAnswer]]:
+        """Return the right answers to the probes `index`, in each style; those of the same draws where it draws."""
+        assert self._grader.prober is not None
+        probes = self._grader.prober.probes[index]
+        if not probes.random:
+            return self._grader.prober.right_answers_by_style(index)
+        if index not in self._drawn_answers:
+            solution, draws = count_turns(self._grader.solution), range(len(probes.calls))
+            answers = VariantCaller(self._programs).answers(
+                [solution], probes.function, probes.calls, probes.kit, draws
+            )[0]
+            read = [probes.read_answer(args, answer) for args, answer in zip(probes.calls, answers, strict=False)]
+            self._drawn_answers[index] = [*read, *[NO_ANSWER] * (len(probes.calls) - len(read))]
+        return [self._drawn_answers[index]]
+
+
+def _right_numbers(probes: Probes, answer: ProbeAnswer, right: ProbeAnswer) -> NDArray[np.bool_]:
+    """Return which numbers of an answer are right: one mark where it is not compared number by number."""
+    whole = probes.same(answer, right)
+    mine, wanted = _leaves(answer), _leaves(right)
+    if probes.same is not same_probe_answer or wanted is None:
+        return np.array([whole])
+    if whole or mine is None or mine.size != wanted.size:
+        return np.full(max(1, wanted.size), whole)
+    return np.asarray(np.abs(mine - wanted) <= TOLERANCE * np.maximum(1.0, np.abs(wanted)))
+
+
+def _leaves(value: ProbeAnswer) -> Floats | None:
+    """Return the numbers of an answer in one row; None where it holds anything else."""
+    if isinstance(value, list | tuple):
+        parts = [_leaves(part) for part in value]
+        return np.concatenate(parts) if parts and all(part is not None for part in parts) else None  # type: ignore[arg-type]
+    if isinstance(value, ProbeFault | str) or value is None:
+        return None
+    try:
+        return read_array(value).ravel()
+    except UnreadableError:
+        return None
+
+
+def _is_better(before: Sequence[NDArray[np.bool_]], after: Sequence[NDArray[np.bool_]]) -> bool:
+    """Whether more numbers are right, and none is no longer."""
+    if any(len(old) != len(new) for old, new in zip(before, after, strict=True)):
+        return all(new.all() or not old.any() for old, new in zip(before, after, strict=True)) and any(
+            new.all() and not old.all() for old, new in zip(before, after, strict=True)
+        )
+    return all(bool((new >= old).all()) for old, new in zip(before, after, strict=True)) and any(
+        bool(new.sum() > old.sum()) for old, new in zip(before, after, strict=True)
+    )
+
+
+def _gain(before: Sequence[NDArray[np.bool_]], after: Sequence[NDArray[np.bool_]]) -> float:
+    """Return how many answers are mended; the part of the numbers where one is mended in part."""
+    return sum(float(new.mean()) - float(old.mean()) for old, new in zip(before, after, strict=True))
