@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
-from typing import NamedTuple
+from typing import NamedTuple, TypeVar
 from uuid import UUID
 
 from graders.core.contract.outcomes import OPENS_HINTS, Blame, Outcome, blamed_on
-from server.gradebook.histories import Attempts, AttemptsByPair, computed_once
+from server.gradebook.histories import Attempts, computed_once
 
 FAILURES = frozenset(outcome.value for outcome in blamed_on(Blame.STUDENT))
 #: Failures of programs that run and answer wrongly.
@@ -18,14 +18,17 @@ WRONG_ANSWERS = frozenset((Outcome.WRONG_ANSWER.value, Outcome.INVALID_OUTPUT.va
 Pair = tuple[UUID, str]
 
 
-def group_by_student(attempts: AttemptsByPair) -> Mapping[UUID, Mapping[str, Attempts]]:
-    """Return the attempts of each student, by exercise."""
-    by_student: dict[UUID, dict[str, Attempts]] = {}
-    student, own = None, dict[str, Attempts]()
-    for (account, exercise), series in attempts.items():
+Value = TypeVar("Value")
+
+
+def group_by_student(by_pair: Mapping[Pair, Value]) -> Mapping[UUID, Mapping[str, Value]]:
+    """Return what belongs to each student, such as their attempts, by exercise."""
+    by_student: dict[UUID, dict[str, Value]] = {}
+    student, own = None, dict[str, Value]()
+    for (account, exercise), value in by_pair.items():
         if account is not student:
             student, own = account, by_student.setdefault(account, {})
-        own[exercise] = series
+        own[exercise] = value
     return by_student
 
 

@@ -43,7 +43,7 @@ class ClassProgress:
 
     def concerns(self, student: BoardStudent, exercise: str) -> bool:
         """Whether an exercise that counts is given to the class, or to a group of the student."""
-        groups = self._groups.get(exercise)
+        groups = self._groups.get(exercise) if self.scope.groups else None
         return groups is None or not groups.isdisjoint(student.groups)
 
     @cached_property

@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import astuple, dataclass
+from dataclasses import dataclass
 from datetime import datetime
 from enum import StrEnum
 from functools import cached_property
-from hashlib import blake2b
 from typing import NamedTuple
 from uuid import UUID
 
@@ -81,31 +80,34 @@ class MisconceptionStats:
 
 @dataclass(frozen=True)
 class Board:
-    """The board of a class at one time. `cells`: one for each student and exercise, in their orders."""
+    """The board of a class at one time. `rows`: the cells of each student, in the order of the exercises.
+
+    `version`: boards with the same one show the same, at whatever time they were read.
+    """
 
     class_id: UUID
     generated_at: datetime
     students: tuple[BoardStudent, ...]
     exercises: tuple[str, ...]
-    cells: Mapping[tuple[UUID, str], ProgressCell]
+    rows: Mapping[UUID, tuple[ProgressCell, ...]]
     counts: ClassCounts
     misconceptions: tuple[MisconceptionStats, ...]
+    version: str
 
     @cached_property
-    def version(self) -> str:
-        """A version tag of what is shown: equal for boards that show the same, at whatever time they were read."""
-        shown = [tuple(cell) for cell in self.cells.values()], astuple(self.counts), self.misconceptions
-        return blake2b(repr((self.students_shown, self.exercises, shown)).encode(), digest_size=12).hexdigest()
-
-    @cached_property
-    def rows(self) -> Mapping[UUID, Sequence[ProgressCell]]:
-        """The cells of each student."""
-        cells, width = list(self.cells.values()), len(self.exercises)
-        return {student.id: cells[index * width : (index + 1) * width] for index, student in enumerate(self.students)}
+    def cells(self) -> Mapping[tuple[UUID, str], ProgressCell]:
+        """One cell for each student and exercise, in their orders."""
+        return {(cell.student, cell.exercise): cell for row in self.rows.values() for cell in row}
 
     def changed_since(self, before: Board) -> Sequence[ProgressCell]:
         """Return the cells that are not in `before`, or are other ones there."""
-        return [cell for pair, cell in self.cells.items() if before.cells.get(pair) != cell]
+        changed: list[ProgressCell] = []
+        for student, row in self.rows.items():
+            earlier = before.rows.get(student, ())
+            if row != earlier:
+                known = {cell.exercise: cell for cell in earlier}
+                changed += (cell for cell in row if known.get(cell.exercise) != cell)
+        return changed
 
     @cached_property
     def titles(self) -> Mapping[tuple[str, str], str]:

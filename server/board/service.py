@@ -6,6 +6,7 @@ from collections.abc import Collection, Hashable, Mapping, Sequence
 from dataclasses import dataclass
 from datetime import datetime
 from functools import cached_property
+from hashlib import blake2b
 from uuid import UUID
 
 from sqlalchemy.orm import Session
@@ -15,7 +16,7 @@ from server.assignments.service import load_counting_exercises
 from server.behaviour import service as behaviour
 from server.behaviour.schemas import UnnamedGroup
 from server.board import insights
-from server.board.attempts import Pair
+from server.board.attempts import Pair, group_by_student
 from server.board.progress import ClassProgress
 from server.board.repository import ClassPulse, Scope
 from server.board.schemas import (
@@ -31,8 +32,8 @@ from server.board.stuck import progress_state
 from server.classes import repository as classes
 from server.classes.models import SchoolClass
 from server.course import Course
-from server.gradebook.histories import load_attempts, load_revisions
-from server.gradebook.team_work import TeamAttempts, load_team_attempts
+from server.gradebook.histories import Attempts, attempt_totals, load_attempts, load_revisions
+from server.gradebook.team_work import TeamAttempt, TeamAttempts, load_team_attempts
 from server.identity.models import Account
 from server.marks.repository import load_exercise_overrides
 from server.marks.schemas import ActiveOverride
@@ -55,55 +56,88 @@ class BoardInputs:
         return self.progress.version, self.progress.stuck, *inputs
 
     @cached_property
+    def tag(self) -> str:
+        """What `version` holds, the texts of the course aside, as a short text that other processes write alike."""
+        progress, exercises = self.progress, self.progress.course.exercises
+        parts = (
+            [(student.id.hex, student.name, student.groups) for student in progress.students],
+            [(name, exercises[name].version if name in exercises else "") for name in progress.scope.exercises],
+            sorted((name, sorted(groups)) for name, groups in progress.scope.groups),
+            progress.scope.until,
+            sorted((account.hex, revision) for account, revision in progress.revisions.items()),
+            sorted((account.hex, name) for account, name in progress.stuck),
+            sorted((account.hex, name, row.points, row.excused) for (account, name), row in self.overrides.items()),
+            sorted((account.hex, name, row.partner, row.score) for (account, name), row in self.team_attempts.items()),
+        )
+        return blake2b(repr(parts).encode(), digest_size=12).hexdigest()
+
+    @cached_property
     def board(self) -> Board:
         progress = self.progress
-        cells = {
-            (student.id, exercise): self._cell(student, exercise)
-            for student in progress.students
-            for exercise in progress.scope.exercises
-        }
+        rows = self._rows()
         excused = {pair for pair, override in self.overrides.items() if override.excused}
         return Board(
             class_id=progress.scope.class_id,
             generated_at=progress.now,
             students=progress.students,
             exercises=progress.scope.exercises,
-            cells=cells,
-            counts=_count_students(progress, cells, excused),
+            rows=rows,
+            counts=_count_students(progress, rows, excused),
             misconceptions=progress.misconceptions,
+            version=self.tag,
         )
 
-    def _cell(self, student: BoardStudent, exercise: str) -> ProgressCell:
-        pair = student.id, exercise
-        totals, override = self.progress.standings.get(pair), self.overrides.get(pair)
-        shared = self.team_attempts.get(pair) if totals is None else None
-        score = shared.score if shared else None if totals is None else totals.best_score
-        automatic = None if score is None else round(MAX_POINTS * score, 4)
-        state = progress_state(totals, stuck=pair in self.progress.stuck)
-        if shared:
+    def _rows(self) -> Mapping[UUID, tuple[ProgressCell, ...]]:
+        attempts, overrides = group_by_student(self.progress.attempts), group_by_student(self.overrides)
+        shared, rows = group_by_student(self.team_attempts), {}
+        for student in self.progress.students:
+            sent, marked = attempts.get(student.id, {}), overrides.get(student.id, {})
+            received = shared.get(student.id, {})
+            rows[student.id] = tuple(
+                self._cell(student, name, sent.get(name), marked.get(name), received.get(name))
+                for name in self.progress.scope.exercises
+            )
+        return rows
+
+    def _cell(
+        self,
+        student: BoardStudent,
+        exercise: str,
+        attempts: Attempts | None,
+        override: ActiveOverride | None,
+        shared: TeamAttempt | None,
+    ) -> ProgressCell:
+        """`attempts`: those of the student; `shared`: that of a partner."""
+        points, count, state, misconception, partner = None, 0, ProgressState.none, None, ""
+        if attempts:
+            totals = attempt_totals(attempts)
+            points, count, misconception = (
+                round(MAX_POINTS * totals.best_score, 4),
+                totals.attempts,
+                totals.last_diagnosis,
+            )
+            state = progress_state(totals, stuck=(student.id, exercise) in self.progress.stuck)
+        elif shared:
+            points, partner = round(MAX_POINTS * shared.score, 4), shared.partner
             state = ProgressState.solved if shared.score == 1 else ProgressState.trying
-        return ProgressCell(
-            student=student.id,
-            exercise=exercise,
-            points=automatic if override is None else override.points,
-            attempts=totals.attempts if totals else 0,
-            state=state,
-            is_concerned=self.progress.concerns(student, exercise),
-            misconception=totals.last_diagnosis if totals else None,
-            partner=shared.partner if shared else "",
-        )
+        if override:
+            points = override.points
+        is_concerned = self.progress.concerns(student, exercise)
+        return ProgressCell(student.id, exercise, points, count, state, misconception, is_concerned, partner)
 
 
 def _count_students(
-    progress: ClassProgress, cells: Mapping[Pair, ProgressCell], excused: Collection[Pair]
+    progress: ClassProgress, rows: Mapping[UUID, Sequence[ProgressCell]], excused: Collection[Pair]
 ) -> ClassCounts:
     """Count the students; nobody needs exercises to finish that they are excused from, or that are for others."""
     started = finished = stuck = 0
-    for student in progress.students:
-        row = [cells[student.id, exercise] for exercise in progress.scope.exercises]
+    for row in rows.values():
         states = {cell.state for cell in row}
-        needed = [cell for cell in row if progress.concerns(student, cell.exercise)] if progress.scope.groups else row
-        required = {cell.state for cell in needed if (cell.student, cell.exercise) not in excused}
+        required = {
+            cell.state
+            for cell in row
+            if cell.is_concerned and not (excused and (cell.student, cell.exercise) in excused)
+        }
         started += bool(states - {ProgressState.none})
         finished += required == {ProgressState.solved}
         stuck += ProgressState.stuck in states

@@ -107,7 +107,7 @@ def board_page(reader: Reader, access: ClassAccess, query: BoardQuery, base: str
         rule=RULE,
         waiting=classes.count_students(db, [school_class.id])[school_class.id][1],
         code=join_code_view(school_class, base) if not progress.students and access.has(Right.see_code) else None,
-        version=FRAGMENTS.get_or_render(("board version", inputs.version), lambda: inputs.board.version),
+        version=inputs.tag,
         stream=f"{links.href}/evenements{'?erreurs=toutes' if query.everything else ''}",
         again=_href(links, query),
         generated=iso_moment(progress.now),
@@ -164,7 +164,7 @@ def _board_body(board: Board, links: BoardLinks, query: BoardQuery) -> BoardBody
         search_fields=tuple(_fields(query, q="", page=1).items()),
         unsearched=_href(links, query, q="", page=1),
         is_long=len(board.students) > FEW_STUDENTS,
-        leaves_out=not all(cell.is_concerned for cell in board.cells.values()),
+        leaves_out=not all(cell.is_concerned for row in board.rows.values() for cell in row),
     )
 
 
@@ -192,13 +192,14 @@ def _sort_link(links: BoardLinks, query: BoardQuery, column: str, label: str) ->
 
 
 def _ordered(board: Board, students: Sequence[BoardStudent], query: BoardQuery) -> Sequence[BoardStudent]:
-    cells, rows = board.cells, board.rows
+    rows = board.rows
     if query.column == BY_SUCCESS:
         ordered = sorted(students, key=lambda student: -_solved(rows[student.id]))
     elif query.column == BY_TROUBLE:
         ordered = sorted(students, key=lambda student: -_stuck(rows[student.id]))
     elif query.column in board.exercises:
-        ordered = sorted(students, key=lambda student: _trouble(cells[student.id, query.column]))
+        place = board.exercises.index(query.column)
+        ordered = sorted(students, key=lambda student: _trouble(rows[student.id][place]))
     else:
         ordered = list(students)
     return ordered[::-1] if query.backwards else ordered
