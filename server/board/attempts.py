@@ -9,7 +9,7 @@ from typing import NamedTuple, TypeVar
 from uuid import UUID
 
 from graders.core.contract.outcomes import OPENS_HINTS, Blame, Outcome, blamed_on
-from server.gradebook.histories import Attempts, computed_once
+from server.gradebook.histories import Attempts, attempt_totals, computed_once
 
 FAILURES = frozenset(outcome.value for outcome in blamed_on(Blame.STUDENT))
 #: Failures of programs that run and answer wrongly.
@@ -71,6 +71,11 @@ def misconception_episodes(attempts: Attempts) -> Sequence[tuple[str, Misconcept
         )
         episodes.append((misconception, episode))
     return episodes
+
+
+def is_solved(attempts: Attempts) -> bool:
+    """Whether one of the attempts, of which there may be none, has succeeded."""
+    return bool(attempts) and attempt_totals(attempts).first_success_at is not None
 
 
 @computed_once

@@ -12,12 +12,11 @@ from datetime import date, datetime, timedelta
 from types import MappingProxyType
 from uuid import UUID
 
-from graders.core.contract.outcomes import Outcome
 from server.base import school_time
-from server.board.attempts import FAILURES, Pair, is_unexplained
+from server.board.attempts import FAILURES, Pair, group_by_student, is_solved, is_unexplained
 from server.board.progress import ClassProgress
 from server.board.stuck import PRESENCE, failures_without_progress
-from server.gradebook.histories import Attempts, AttemptsByPair
+from server.gradebook.histories import Attempts, AttemptsByPair, computed_once
 
 #: Different failures without progress at the end of the period, from which a student is to be seen.
 MIN_FAILURES = 3
@@ -116,7 +115,12 @@ def build_review(
         for student in progress.students
         if student.id not in active and any(progress.concerns(student, exercise) for exercise in exercises)
     ]
-    elsewhere = {account for (account, _), series in progress.attempts.items() if _has_some(series, since, until)}
+    by_student = group_by_student(progress.attempts)
+    elsewhere = {
+        student.id
+        for student in quiet
+        if any(_has_some(series, since, until) for series in by_student.get(student.id, {}).values())
+    }
     silent = [student for student in quiet if student.id not in elsewhere]
     seen = {student.id: student.seen_at for student in silent if student.seen_at and student.seen_at >= since}
     present = {account for account, at in seen.items() if at <= until + PRESENCE}
@@ -145,23 +149,23 @@ def _attempts_in(
 ) -> Mapping[Pair, Attempts]:
     """Return the attempts until the end of the period, of the pairs with some in it."""
     wanted = frozenset(exercises)
-    sent = {
-        pair: tuple(attempt for attempt in series if attempt.sent_at <= until)
-        for pair, series in attempts.items()
-        if pair[1] in wanted
-    }
-    return {pair: series for pair, series in sent.items() if series and series[-1].sent_at >= since}
-
-
-def _is_solved(attempts: Attempts) -> bool:
-    return any(attempt.outcome == Outcome.OK for attempt in attempts)
+    period: dict[Pair, Attempts] = {}
+    for pair, all_series in attempts.items():
+        series = all_series
+        if pair[1] not in wanted or series[-1].sent_at < since:
+            continue
+        if series[-1].sent_at > until:
+            series = tuple(attempt for attempt in series if attempt.sent_at <= until)
+        if series and series[-1].sent_at >= since:
+            period[pair] = series
+    return period
 
 
 def _students_to_see(period: Mapping[Pair, Attempts]) -> tuple[StudentToSee, ...]:
     """Return the students without progress, each at the exercise where they failed most."""
     worst: dict[UUID, StudentToSee] = {}
     for (account, exercise), series in period.items():
-        failures = 0 if _is_solved(series) else len({attempt.digest for attempt in failures_without_progress(series)})
+        failures = 0 if is_solved(series) else len({attempt.digest for attempt in failures_without_progress(series)})
         known = worst.get(account)
         if failures >= MIN_FAILURES and (known is None or failures > known.failures):
             worst[account] = StudentToSee(account, exercise, failures, series[-1].diagnosis)
@@ -171,21 +175,20 @@ def _students_to_see(period: Mapping[Pair, Attempts]) -> tuple[StudentToSee, ...
 def _students_to_see_of_week(period: Mapping[Pair, Attempts], since: datetime) -> tuple[StudentToSee, ...]:
     """Return the students who make the same mistake on several days, and those who ended the week without progress at
     what they worked at last; each at the exercise of most days, then of most failures."""
-    ended_at: dict[UUID, datetime] = {}
-    for (account, _), series in period.items():
-        ended_at[account] = max(series[-1].sent_at, ended_at.get(account, since))
     worst: dict[UUID, StudentToSee] = {}
-    for (account, exercise), series in period.items():
-        last = series[-1]
-        if _is_solved(series) or last.outcome not in FAILURES:
-            continue
-        same = [attempt for attempt in series if attempt.sent_at >= since and attempt.diagnosis == last.diagnosis]
-        days = {school_time.to_local(attempt.sent_at).date() for attempt in same if attempt.diagnosis is not None}
-        failures = len({attempt.digest for attempt in failures_without_progress(series, timedelta.max)})
-        is_stuck = failures >= MIN_FAILURES_OF_WEEK and last.sent_at == ended_at[account]
-        if is_stuck or len(days) >= MIN_DAYS:
-            row = StudentToSee(account, exercise, failures, last.diagnosis, tuple(sorted(days)))
-            worst[account] = min(row, worst.get(account, row), key=_urgency)
+    for account, own in group_by_student(period).items():
+        ended_at = max(series[-1].sent_at for series in own.values())
+        for exercise, series in own.items():
+            last = series[-1]
+            if is_solved(series) or last.outcome not in FAILURES:
+                continue
+            same = [attempt for attempt in series if attempt.sent_at >= since and attempt.diagnosis == last.diagnosis]
+            days = {school_time.to_local(attempt.sent_at).date() for attempt in same if attempt.diagnosis is not None}
+            failures = len({attempt.digest for attempt in failures_without_progress(series, timedelta.max)})
+            is_stuck = failures >= MIN_FAILURES_OF_WEEK and last.sent_at == ended_at
+            if is_stuck or len(days) >= MIN_DAYS:
+                row = StudentToSee(account, exercise, failures, last.diagnosis, tuple(sorted(days)))
+                worst[account] = min(row, worst.get(account, row), key=_urgency)
     return tuple(sorted(worst.values(), key=_urgency))
 
 
@@ -217,9 +220,12 @@ def _mistakes_to_explain(period: Mapping[Pair, Attempts]) -> tuple[MistakeToExpl
 
 def _exercises_at_fault(period: Mapping[Pair, Attempts], exercises: Collection[str]) -> tuple[ExerciseAtFault, ...]:
     rows = []
+    by_exercise: dict[str, list[Attempts]] = defaultdict(list)
+    for (_, exercise), series in period.items():
+        by_exercise[exercise].append(series)
     for exercise in exercises:
-        own = [series for (_, name), series in period.items() if name == exercise]
-        failing = [series for series in own if not _is_solved(series)]
+        own = by_exercise[exercise]
+        failing = [series for series in own if not is_solved(series)]
         solved, unexplained = len(own) - len(failing), sum(map(is_unexplained, failing))
         is_at_fault = unexplained >= UNEXPLAINED_SHARE * len(own) or len(own) - solved >= UNSOLVED_SHARE * len(own)
         if len(own) >= MIN_TRIED and is_at_fault:
@@ -231,9 +237,17 @@ def _overcome_mistakes(period: Mapping[Pair, Attempts]) -> tuple[OvercomeMistake
     """Return the misconceptions that an attempt showed, and the latest attempt, a better one, shows no more."""
     overcame: dict[tuple[str, str], list[UUID]] = defaultdict(list)
     for (account, exercise), series in period.items():
-        for misconception in {attempt.diagnosis for attempt in series if attempt.diagnosis is not None}:
-            first = next(attempt for attempt in series if attempt.diagnosis == misconception)
-            if series[-1].diagnosis != misconception and series[-1].score > first.score:
-                overcame[exercise, misconception].append(account)
+        for misconception in _overcome_in(series):
+            overcame[exercise, misconception].append(account)
     rows: Sequence[OvercomeMistake] = [OvercomeMistake(*key, tuple(own)) for key, own in overcame.items()]
     return tuple(sorted(rows, key=lambda row: (-len(row.students), row.exercise, row.id)))
+
+
+@computed_once
+def _overcome_in(attempts: Attempts) -> Sequence[str]:
+    last, first_with = attempts[-1], {attempt.diagnosis: attempt for attempt in reversed(attempts)}
+    return [
+        misconception
+        for misconception, first in first_with.items()
+        if misconception is not None and last.diagnosis != misconception and last.score > first.score
+    ]

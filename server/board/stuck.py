@@ -14,9 +14,9 @@ from itertools import pairwise
 from statistics import median
 from uuid import UUID
 
-from server.board.attempts import FAILURES, group_by_student
+from server.board.attempts import FAILURES, group_by_student, is_solved
 from server.board.schemas import ProgressState
-from server.gradebook.histories import Attempts, AttemptsByPair, attempt_totals, computed_once
+from server.gradebook.histories import Attempts, AttemptsByPair, computed_once
 from server.gradebook.standings import StandingTotals
 
 #: Different failures without progress (a better score than all before), and their least duration.
@@ -142,7 +142,7 @@ def _judge_beginning(
     if silence < MIN_BEGINNING or not _is_present(seen_at, expected.started_at, now):
         return None
     by_exercise = {series[0].exercise: series for series in all_series}
-    left = [name for name in expected.exercises if not _is_solved(by_exercise.get(name, ()))]
+    left = [name for name in expected.exercises if not is_solved(by_exercise.get(name, ()))]
     if not left or silence < PACES_OF_BEGINNING * own_pace(all_series):
         return None
     return StuckStudent(account, left[0], now - silence, StuckSign.beginning, 0)
@@ -150,10 +150,6 @@ def _judge_beginning(
 
 def _is_present(seen_at: datetime, sent_at: datetime, now: datetime) -> bool:
     return seen_at >= sent_at - PRESENCE and now - max(seen_at, sent_at) <= PRESENCE
-
-
-def _is_solved(attempts: Attempts) -> bool:
-    return bool(attempts) and attempt_totals(attempts).first_success_at is not None
 
 
 def failures_without_progress(attempts: Attempts, pause: timedelta = BREAK) -> Attempts:

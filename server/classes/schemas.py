@@ -92,7 +92,7 @@ class Member:
     def name(self) -> str:
         return self.told_apart or self.plain_name
 
-    @property
+    @cached_property
     def plain_name(self) -> str:
         return display_name(self.membership.given_name, self.membership.family_name, self.account.name)
 
