@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import ast
+import re
 from collections.abc import Iterator, Sequence
 
 from graders.core.syntax_trees import parse_source
 
+FOR_LINTER = re.compile(r"[ \t]*# noqa\b.*")
 DEFINITIONS = (ast.FunctionDef, ast.ClassDef)
 
 
@@ -14,11 +16,12 @@ def write_program(source: bytes, repeats: int) -> bytes:
     """Return a program of the course in the form of a student's file.
 
     A mistake of the catalogue may be the solution followed by wrong functions: each function stays once, and the words
-    that its author put at the top of a specimen are left out. A program that was sent `repeats` times before prints a
-    mark, as students do who look for their mistake.
+    that its author put at the top of a specimen, or for a linter, are left out. A program that was sent `repeats` times
+    before prints a mark, as students do who look for their mistake.
     """
     mark = f'print("ici{f" {repeats}" if repeats > 1 else ""}")'
     try:
+        source = FOR_LINTER.sub("", source.decode()).encode()
         lines = _without_notes(source.decode().split("\n"), parse_source(source).body)
         lines = _with_line_before_return(lines, mark) if repeats else lines
     except (SyntaxError, ValueError):

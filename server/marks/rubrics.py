@@ -46,7 +46,7 @@ KEY_DIGITS = 12
 
 
 def copy_key(rubric: Rubric, student: UUID) -> str:
-    """Return the name of a copy in addresses, which tells nobody's name, and by which copies are ordered."""
+    """Return the name of a copy in addresses, which tells nobody's name; copies whose names are hidden stand by it."""
     return sha256(rubric.column_id.bytes + student.bytes).hexdigest()[:KEY_DIGITS]
 
 

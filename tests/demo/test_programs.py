@@ -26,6 +26,7 @@ def test_each_function_stays_once_and_the_words_of_the_author_go() -> None:
     assert write_program(SPECIMEN, 0) == b"def helper(x):\n    return x\n\n\ndef composer(a, b):\n    return a - b\n"
     used = b"def f():\n    return 1\n\n\nold = f\n\n\ndef f():\n    return old()\n"
     assert write_program(used, 0) == used, "the first version is used"
+    assert write_program(b"import math  # noqa: F401 (mistakes need it)\n", 0) == b"import math\n"
 
 
 def test_a_program_that_is_sent_again_differs() -> None:

@@ -45,7 +45,7 @@ from server.web.views import Reader
 router = APIRouter(include_in_schema=False)
 
 ASSIGNMENT = "/classes/{class_id}/devoirs/{aid}"
-TEAMS_A_PAGE = 30
+TEAMS_A_PAGE = 20
 MAX_LINES = 200
 UNKNOWN_STUDENT = "Cette personne n’est pas un élève de la classe."
 NOBODY = "Écrivez un binôme ou une équipe par ligne, les noms séparés par un point-virgule."

@@ -124,7 +124,8 @@ def hides_names(rubric: Rubric, column: ManualColumn) -> bool:
 def list_copies(
     db: Session, access: ClassAccess, assignment: Assignment, rubric: Rubric, column: ManualColumn
 ) -> tuple[CopyRow, ...]:
-    """List the copies in an order that tells nobody's name, those to which something was sent first."""
+    """List the copies by name, those to which something was sent first; in an order that tells no name while names are
+    hidden."""
     markings = rubrics_repository.load_markings(db, rubric.column_id)
     senders = desk.load_senders(db, access.school_class.id, assignment.id)
     items = rubrics_repository.items_of(rubric)
@@ -133,14 +134,14 @@ def list_copies(
     places = load_teams_of(db, [assignment]).get(assignment.id, ())
     present = {s.id: s for s in everyone if concerns(assignment, s.groups) or (assignment.id, s.id) in sittings}
     copies = {_copy_members(places, student, present, rubric) for student in present.values()}
-    ordered = sorted(
-        copies,
-        key=lambda members: (
-            senders.isdisjoint(member.id for member in members),
-            rubrics.copy_key(rubric, members[0].id),
-        ),
-    )
-    hidden = hides_names(rubric, column)
+    hidden, places_by_name = hides_names(rubric, column), {student: place for place, student in enumerate(present)}
+
+    def order(members: tuple[StudentRecord, ...]) -> tuple[bool, int, str]:
+        sent = not senders.isdisjoint(member.id for member in members)
+        by_name = min(places_by_name[member.id] for member in members)
+        return not sent, 0 if hidden else by_name, rubrics.copy_key(rubric, members[0].id)
+
+    ordered = sorted(copies, key=order)
     return tuple(
         _copy_row(
             rubric,
