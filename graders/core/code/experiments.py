@@ -26,6 +26,7 @@ from graders.core.code.seen_facts import (
     SeenFact,
     Variation,
     VariedAnswers,
+    are_coarse,
     columns_of,
     felt_fact,
     is_strong,
@@ -43,7 +44,6 @@ from graders.core.contract.values import Arguments, Floats, UnreadableError, Val
 MAX_CALLS, SLICE, MAX_FACTS = 12, 120, 2
 #: Further calls that bear a fact out, of each check and in all.
 MAX_DRAWN, MAX_FURTHER = 16, 60
-_FEELS, _FEELS_NOT = ("change", "il ne devrait pas", NOT_FELT), ("ne change pas", "il devrait", FELT)
 #: A varied call, the answer of the program, and that of the solution.
 _VariedAnswer = tuple[Variation, list[Floats] | None, list[Floats] | None]
 _NO_EXAMPLES: Mapping[str, Sequence[Arguments]] = MappingProxyType({})
@@ -163,10 +163,11 @@ class Experimenter:
                 further = _varied_rows(wider, view, change, self._varied(source, wider, [(index, change)]))
                 if len(further) < len(rows) or _felt_wrongly(further) is not feels:
                     continue
+                if feels and are_coarse(further):
+                    continue
                 told.add(index)
-                does, should, question = _FEELS if feels else _FEELS_NOT
                 chosen = [not same(row.mine, row.got) if feels else not same(row.wanted, row.right) for row in rows]
-                yield felt_fact(trial, view, _plainest(trial, rows, chosen), does, should, question)
+                yield felt_fact(trial, view, _plainest(trial, rows, chosen), further, NOT_FELT if feels else FELT)
                 if feels:
                     break
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import partial
@@ -173,10 +174,22 @@ def replaced_fact(
     return SeenFact(trial.function, title, proof, REPLACED)
 
 
+def are_coarse(rows: Sequence[VariedAnswers]) -> bool:
+    """Whether all right answers are whole numbers, as indices are: one may depend on an argument and not move."""
+    return all(bool(np.all(right == np.round(right))) for row in rows for right in (row.right, row.wanted))
+
+
 def felt_fact(
-    trial: FunctionTrial, view: ReturnedValue, row: VariedAnswers, does: str, should: str, question: str
+    trial: FunctionTrial, view: ReturnedValue, row: VariedAnswers, rows: Sequence[VariedAnswers], question: str
 ) -> SeenFact:
-    title = f"{capital_subject(view.words)} {does} quand {row.variation.change.words} : {should}"
+    """Return the fact that a value changes with an argument in some calls, of these `rows`, and should in others or
+    none; `row` is told."""
+    moved = sum(not same(each.mine, each.got) for each in rows)
+    must = sum(not same(each.wanted, each.right) for each in rows)
+    does = f"change dans {moved}" if moved else "ne change dans aucun"
+    should = f"il devrait dans {must}" if must else "il ne devrait dans aucun"
+    change = re.sub("^on ", "l’on ", row.variation.change.words)
+    title = f"{capital_subject(view.words)} {does} des {len(rows)} essais où {change} : {should}"
     before, after = trial.shown(trial.calls[row.variation.number]), trial.shown(row.variation.call)
     proof = (
         f"Pour {before}, on attend {shown_value(row.right)} et on obtient {shown_value(row.got)} ; pour {after}, on "
