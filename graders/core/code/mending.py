@@ -40,6 +40,8 @@ MAX_OTHER_LINES = 2
 MAX_BEGUN, MAX_LATE = 2, 3
 #: Kinds of changes after which a line is another one.
 REORDERING = ("ordre des lignes", "indentation")
+#: The kind of change that keeps what is given, or what was returned, as it is.
+COPY = "copie"
 #: Other seeds on whose inputs a mended check must pass too.
 MAX_SEEDS = 4
 
@@ -212,9 +214,13 @@ class MendingSearch:
     def borne_out(self, change: ProgramChange, mended: frozenset[str]) -> frozenset[str]:
         """Return those of the checks that a change mends which pass on the inputs of other seeds too.
 
-        A closed loop has the same runs for everybody.
+        A closed loop has the same runs for everybody. What a function passes that does nothing shows no place, unless
+        the change is a copy.
         """
-        held = [check for check in self._grader.checks if check.id in mended and not isinstance(check, ClosedLoop)]
+        checks = [check for check in self._grader.checks if check.id in mended]
+        if change.operator != COPY and not change.mistake and all(check.requires_other_check for check in checks):
+            return frozenset()
+        held = [check for check in checks if not isinstance(check, ClosedLoop)]
         for seed in range(self._seed + 1, self._seed + 1 + MAX_SEEDS):
             failed = self.failed_checks(change.text, is_late=True, seed=seed, checks=held) if held else []
             mended = mended.difference(check.id for check in failed)

@@ -188,6 +188,14 @@ def test_points_of_checks_that_wait_or_may_fail_for_the_same_reason_are_not_coun
     assert "Cela explique 2 des 3 points" in tell_remainder(named, checks, besides=["b"]).explanation
 
 
+@pytest.mark.parametrize(("operator", "count"), [("signe", 0), ("copie", 1)])
+def test_what_a_function_passes_that_does_nothing_shows_no_place(operator: str, count: int) -> None:
+    grader = CODE["l19/gain"]
+    intact = frozenset(check.id for check in grader.checks if check.requires_other_check)
+    change = ProgramChange(grader.solution, grader.solution, 2, operator)
+    assert len(MendingSearch(grader, LOCAL, 3, lambda: False).borne_out(change, intact)) == count
+
+
 def test_a_check_that_passes_on_the_inputs_of_one_seed_only_is_not_mended(monkeypatch: pytest.MonkeyPatch) -> None:
     search, (first, second, *_) = MendingSearch(CODE[EXERCISE], LOCAL, 3, lambda: False), CODE[EXERCISE].checks
     monkeypatch.setattr(search, "failed_checks", lambda text, is_late, seed, checks: checks[1:] if seed == 5 else [])
