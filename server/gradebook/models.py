@@ -15,7 +15,7 @@ class Grading(Base):
 
     The columns repeat the parts of the verdict that lists and sums need. `films`: recordings of the program by check;
     `filmed`: the checks that have one; None where there are none. `balise_version`: the version that graded; None
-    before 1.0.0.
+    before 1.0.0. `diagnosis`: the mistake that boards count, none where others resemble it.
     """
 
     __tablename__ = "grading"

@@ -171,7 +171,7 @@ def add_grading(db: Session, submission_id: UUID, graded: GradingResult) -> UUID
         "balise_version": VERSION,
         "outcome": verdict.outcome.value,
         "score": verdict.score if verdict.outcome.counts else None,
-        "diagnosis": verdict.misconception,
+        "diagnosis": verdict.counted_misconception,
         "seed": verdict.seed,
         "started_at": graded.started_at,
         "finished_at": graded.finished_at,

@@ -41,7 +41,7 @@ def record_grading(db: Session, submission_id: UUID, graded: GradingResult) -> U
         standings.recount(db, account_id, exercise)
     elif graded.verdict.outcome.counts:
         verdict = graded.verdict
-        attempt = CountedAttempt(sent_at, verdict.outcome.value, verdict.score, verdict.misconception)
+        attempt = CountedAttempt(sent_at, verdict.outcome.value, verdict.score, verdict.counted_misconception)
         standings.count_attempt(db, account_id, exercise, attempt)
     return account_id
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import closing
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
@@ -82,6 +82,17 @@ def test_a_submission_keeps_every_grading_and_one_counts(database: Database, ada
     with database.read() as db:
         assert service.load_progress(db, ada) == {EXERCISE: ExerciseProgress(1.0, 1, succeeded=True)}
         assert len(repository.list_gradings(db, submission)) == 2
+
+
+def test_a_mistake_that_others_resemble_is_not_counted(database: Database, ada: Account) -> None:
+    resembling = graded(diagnosis="sign")
+    told = Diagnosis("sign", "Peut-être : un signe est faux", "Son explication.")
+    verdict = replace(resembling.judgement.verdict, diagnosis=told)
+    submission = sent(database, ada.id)
+    record(database, submission, replace(resembling, judgement=Judgement(verdict)))
+    assert sums(database, ada.id)[EXERCISE].last_diagnosis is None
+    with database.read() as db:
+        assert db.scalars(select(Grading.diagnosis)).all() == [None]
 
 
 def test_only_a_submission_s_own_gradings_may_count(database: Database, ada: Account) -> None:

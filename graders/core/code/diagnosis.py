@@ -17,15 +17,15 @@ from graders.core.code.reenacting import Reenactment
 from graders.core.code.runner import Observation
 from graders.core.compare.slips import SLIPS, Slip
 from graders.core.contract.values import same_value
-from graders.core.contract.verdict import AND_ALSO, CheckResult, Diagnosis
+from graders.core.contract.verdict import AND_ALSO, LIKELY, CheckResult, Diagnosis
 
 MIN_AGREEMENT = 0.9
 #: First words of what a diagnosis leaves unexplained.
 EXPLAINS = "Cela explique"
 #: Said of a mistake that shows only where the other functions are right.
 _HIDDEN = "se voit avec les autres fonctions justes"
-#: Before the title of a mistake that others resemble, and said of it.
-LIKELY, _RESEMBLES = "Peut-être : ", "Votre fonction répond comme avec cette erreur ; d'autres donneraient cela aussi."
+#: Said of a mistake that others resemble.
+_RESEMBLES = "Votre fonction répond comme avec cette erreur ; d'autres donneraient cela aussi."
 
 
 @dataclass(frozen=True)

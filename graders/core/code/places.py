@@ -14,7 +14,7 @@ import numpy as np
 
 from graders.core.code.call_graph import find_shared_helpers
 from graders.core.code.checks import Check
-from graders.core.code.diagnosis import EXPLAINS, LIKELY, lowercase_title, tell_remainder
+from graders.core.code.diagnosis import EXPLAINS, lowercase_title, tell_remainder
 from graders.core.code.experiments import Experimenter
 from graders.core.code.grading import CodeGrader
 from graders.core.code.isolation import (
@@ -312,5 +312,5 @@ def join_place(diagnosis: Diagnosis | None, place: Diagnosis) -> Diagnosis:
 def _is_disproved(diagnosis: Diagnosis, place: Diagnosis) -> bool:
     """Whether one place mends all that several mistakes, or one that is only likely, are told to explain."""
     together = {frozenset(checks) for checks in diagnosis.explains}
-    is_one = len(place.explains) == 1 and (len(diagnosis.titles) > 1 or diagnosis.title.startswith(LIKELY))
+    is_one = len(place.explains) == 1 and (len(diagnosis.titles) > 1 or diagnosis.is_likely)
     return is_one and diagnosis.source is None and all(checks <= set(place.explains[0]) for checks in together)

@@ -125,6 +125,8 @@ class CheckResult:
 
 #: Between the titles of several mistakes, in the one title of a diagnosis.
 AND_ALSO = " — et aussi : "
+#: Before the title of a mistake that others resemble.
+LIKELY = "Peut-être : "
 #: The source of a diagnosis that a teacher writes.
 TEACHER = "teacher"
 
@@ -149,6 +151,11 @@ class Diagnosis:
     def titles(self) -> tuple[str, ...]:
         """The title of each mistake."""
         return tuple(self.title.split(AND_ALSO))
+
+    @property
+    def is_likely(self) -> bool:
+        """Whether other mistakes resemble the first one too."""
+        return self.title.startswith(LIKELY)
 
     def to_json(self) -> dict[str, Any]:
         return {
@@ -224,6 +231,11 @@ class Verdict:
     def misconception(self) -> str | None:
         """The id of the diagnosis, if there is one."""
         return self.diagnosis.id if self.diagnosis else None
+
+    @property
+    def counted_misconception(self) -> str | None:
+        """The misconception that teachers' boards count: none that is likely only."""
+        return None if self.diagnosis is None or self.diagnosis.is_likely else self.diagnosis.id
 
     @property
     def max_points(self) -> int:
