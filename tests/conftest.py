@@ -33,6 +33,8 @@ MEMORY, MEMORY_BYTES = Path("/dev/shm"), 4 << 30
 TESTS = Path(__file__).parent
 #: The folders whose tests carry the marker of their name; all the others are the platform's.
 PARTS = ("content", "contract")
+#: Fixtures that start a program of others: a test of the platform that asks for one is marked as a contract.
+STARTS_A_SERVER = {"postgres_server", "postgres_url"}
 
 sys.dont_write_bytecode = False
 gc.disable()  # until all is imported and collected
@@ -147,10 +149,12 @@ def _import_share(config: pytest.Config) -> None:
 
 @pytest.hookimpl(tryfirst=True)
 def pytest_itemcollected(item: pytest.Item) -> None:
-    """Mark each test by the part of the suite in which its folder lies."""
+    """Mark each test by the part of the suite in which its folder lies, or by the server that its fixtures start."""
     part = _part_of(item)
     if part in PARTS:
         item.add_marker(part)
+    elif isinstance(item, pytest.Function) and not STARTS_A_SERVER.isdisjoint(item.fixturenames):
+        item.add_marker("contract")
 
 
 def _part_of(item: pytest.Item) -> str:

@@ -41,6 +41,7 @@ os._exit(status)
 
 
 @pytest.mark.long
+@pytest.mark.contract  # a minute without a cache: whoever edits runs mypy by itself
 def test_mypy_is_strict_and_content() -> None:
     run(sys.executable, "-c", MYPY)
 

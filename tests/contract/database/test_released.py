@@ -17,6 +17,7 @@ import pytest
 from sqlalchemy import select
 
 from server.backup.move import move_rows
+from server.base.files import ROOT
 from server.base.http import SESSION_COOKIE
 from server.base.settings import Settings
 from server.course import Course
@@ -28,7 +29,7 @@ from tests.support.client import TestClient
 from tests.support.postgres import new_database
 from tests.support.quick import standing_app
 
-FOLDER = Path(__file__).parent / "released"
+FOLDER = ROOT / "tests" / "database" / "released"
 PAGES = ("/", "/compte", "/l20", "/l20/exercices/poses", "/l20/exercices/poses/essais", "/classes")
 CLASS_PAGES = ("", "/tableau", "/carnet", "/eleves", "/devoirs", "/semaine", "/objectifs", "/journal", "/questions")
 LOG_IN = "Se connecter"

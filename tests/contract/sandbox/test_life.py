@@ -19,9 +19,8 @@ import pytest
 from server.sandbox import FaultKind, Policy, ProgramFault, Sandbox, SandboxFault
 from server.sandbox.cgroups import usable_hierarchies
 from server.sandbox.child.namespaces import UNPRIVILEGED
-
-from .family import OTHERS, children, eventually, running, settle, templates
-from .limits import only
+from tests.sandbox.family import OTHERS, children, eventually, running, settle, templates
+from tests.sandbox.limits import only
 
 pytestmark = pytest.mark.usefixtures("alone")
 

@@ -18,8 +18,7 @@ from server.sandbox.child.inner import MAX_CONTROL_GROUPS, TRACEBACK
 from server.sandbox.child.libc import PR_SET_SECCOMP
 from server.sandbox.faults import TemplateFault
 from server.sandbox.wire import WireClosed
-
-from .family import (
+from tests.sandbox.family import (
     LEAVES,
     OTHERS,
     SOURCE,
@@ -31,7 +30,7 @@ from .family import (
     template_of,
     templates,
 )
-from .limits import FAR, only
+from tests.sandbox.limits import FAR, only
 
 pytestmark = pytest.mark.usefixtures("alone")
 
