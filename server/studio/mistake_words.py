@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from graders.core.declared.body_changes import CONSTANT, PREPARED, UNREAD
-from graders.core.declared.call_changes import LIST_END, LOOK, RAW_TEXT
+from graders.core.declared.call_changes import LIST_END, LOOK, ONCE, RAW_TEXT, SORTED
 
 _ALIKE = "Votre programme répond comme un programme juste dont {what} : {advice}"
 _STEP = (
@@ -127,6 +127,16 @@ _WORDS = {
         "Un élément est lu sans être retiré",
         "un élément serait lu sans être retiré",
         "regardez ce que contient la liste après l’appel.",
+    ),
+    ONCE: (
+        "Une valeur déjà là n’est pas ajoutée",
+        "une valeur déjà présente ne serait pas ajoutée",
+        "l’énoncé demande de l’ajouter à chaque fois.",
+    ),
+    SORTED: (
+        "Les valeurs sont rangées",
+        "les valeurs seraient rangées à mesure qu’on les ajoute",
+        "l’énoncé demande l’ordre dans lequel elles arrivent.",
     ),
     RAW_TEXT: (
         "Le texte est lu comme il est tapé",

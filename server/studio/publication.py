@@ -21,6 +21,8 @@ from server.studio.drafts import ExerciseDraft, program_digest
 ALPHABET, SUFFIX_LENGTH = "23456789abcdefghjkmnpqrstvwxyz", 6
 #: Changes of whole functions that a fault names.
 SHOWN_CHANGES = 4
+UNREADABLE = "Corrigez d’abord ce qui ne se lit pas : c’est dit plus bas, avec sa place."
+NOT_ANSWERED = "La solution ne répond pas encore comme les exemples le disent : voyez ce qui est marqué ✗."
 #: The name of a published exercise in addresses: no exercise of a course is looked up in the database.
 AUTHORED_SLUG = re.compile(rf"[a-z][a-z0-9_]{{0,40}}_[{ALPHABET}]{{{SUFFIX_LENGTH}}}")
 
@@ -54,7 +56,7 @@ def publication_faults(
     if not draft.statement.strip():
         yield "Écrivez l’énoncé."
     if report.problem or report.solution or not all(case.agrees for case in report.cases):
-        yield "La solution ne répond pas encore comme les exemples le disent : voyez ce qui est marqué ✗."
+        yield UNREADABLE if report.problem else NOT_ANSWERED
         return
     if report.starter:
         yield f"{report.starter} Videz le corps des fonctions du fichier de départ."

@@ -34,6 +34,7 @@ ONCE = SOLUTION.replace("d.get(m, 0) + 1", "1")
         ({"titre": ""}, "Donnez un titre"),
         ({"enonce": ""}, "Écrivez l’énoncé"),
         ({"v-0-c-1-attendu": "{}"}, "ne répond pas encore comme les exemples"),
+        ({"v-0-c-1-appel": "compter_mots(cos)"}, "Corrigez d’abord ce qui ne se lit pas : c’est dit plus bas"),
         ({"depart": SOLUTION}, "Le départ a déjà tous les points"),
         ({**MISTAKE, "e-0-programme": SOLUTION}, "n’est pas refusée"),
         ({**MISTAKE, "e-0-explication": ""}, "un titre et une explication"),

@@ -19,11 +19,12 @@ from graders.core.declared.declaration import DeclaredCheck, is_whole_program
 from graders.core.declared.judging import Case
 from graders.core.declared.playing import Played
 from graders.core.declared.scenario_values import NestedCall, Reference, value_text
+from graders.core.declared.state_changes import STALE, forget_calls, insert_first
 from graders.core.syntax_trees import evaluate_literal, parse_source
 
 CONSTANT, UNREAD, PREPARED = "résultat constant", "paramètre non lu", "paramètre modifié"
 #: The operators of this module.
-WHOLE_BODY = frozenset({CONSTANT, UNREAD, PREPARED})
+WHOLE_BODY = frozenset({CONSTANT, UNREAD, PREPARED, STALE})
 #: Values that a body may always return, besides those of the examples; values of the examples of one function;
 #: characters of a value; changes in all.
 USUAL_CONSTANTS, MAX_VALUES, MAX_VALUE, MAX_BODY_CHANGES = ("None", "True", "False", "0"), 3, 200, 40
@@ -114,7 +115,16 @@ def change_bodies(
                 alteration = Alteration(solution, altered, change.operator, False, method.node.lineno, method.name)
                 is_asked = method.is_asked and change.operator != PREPARED
                 found.setdefault(altered, BodyChange(alteration, words, is_asked))
+    for change, node, words in _forgetful(text, functions):
+        alteration = Alteration(solution, text.apply(change), STALE, False, node.lineno, node.name)
+        found.setdefault(alteration.altered, BodyChange(alteration, words, is_asked=False))
     return list(found.values())[:MAX_BODY_CHANGES]
+
+
+def _forgetful(text: ProgramText, functions: Sequence[str]) -> Iterator[tuple[Change, ast.FunctionDef, str]]:
+    for node in text.tree.body:
+        if isinstance(node, ast.ClassDef) and node.name in functions:
+            yield from forget_calls(text, node)
 
 
 @dataclass(frozen=True)
@@ -203,7 +213,7 @@ def _unread(text: ProgramText, method: _Method, seen: Sequence[SeenCall]) -> Ite
         default = text.source_of(by_default[parameter.arg]) if parameter.arg in by_default else ""
         value = default or (usual[0][0] if usual else "")
         if value and _is_read(method, parameter):
-            change = _first(text, method.node, f"{parameter.arg} = {value}", UNREAD)
+            change = insert_first(text, method.node, f"{parameter.arg} = {value}", UNREAD)
             yield change, f"`{parameter.arg}` de `{method.called}` vaut toujours `{_short(value)}`"
 
 
@@ -216,7 +226,7 @@ def _prepared(text: ProgramText, method: _Method, seen: Sequence[SeenCall]) -> I
             continue
         for does_apply, expression, words in _PREPARATIONS:
             if does_apply(values):
-                change = _first(text, method.node, f"{name} = {expression.format(name)}", PREPARED)
+                change = insert_first(text, method.node, f"{name} = {expression.format(name)}", PREPARED)
                 yield change, f"`{method.called}` {words.format(f'`{name}`')}"
 
 
@@ -246,15 +256,6 @@ _PREPARATIONS: tuple[tuple[Callable[[Sequence[Value]], bool], str, str], ...] = 
 
 def _is_read(method: _Method, parameter: ast.arg) -> bool:
     return any(isinstance(part, ast.Name) and part.id == parameter.arg for part in ast.walk(method.node))
-
-
-def _first(text: ProgramText, node: ast.FunctionDef, statement: str, operator: str) -> Change:
-    """Return the change that puts a statement before the others of a function."""
-    has_docstring = len(node.body) > 1 and ast.get_docstring(node, clean=False) is not None
-    start = text.span(node.body[1] if has_docstring else node.body[0])[0]
-    indent = text.slice(text.raw.rfind(b"\n", 0, start) + 1, start)
-    between = "; " if indent.strip() else f"\n{indent}"
-    return Change(start, start, f"{statement}{between}", operator)
 
 
 def _can_be_written(text: str) -> bool:

@@ -10,6 +10,7 @@ from graders.core.alterations.alterations import Alteration
 from graders.core.alterations.text import ProgramText
 
 LIST_END, LOOK, RAW_TEXT = "bout de la liste", "élément non retiré", "texte non préparé"
+ONCE, SORTED = "valeur déjà là", "valeurs rangées"
 #: Calls that remove an element, and the index of that element where they have no argument.
 REMOVERS = {"pop": "-1", "popleft": "0", "heappop": "0"}
 #: Methods that prepare a text.
@@ -46,7 +47,11 @@ def _others(text: ProgramText, node: ast.AST) -> Iterator[tuple[str, str]]:
             elif method == "pop" and _is_number(node.args[0], 0):
                 yield f"{owner}.pop()", LIST_END
             elif method == "append" and len(node.args) == 1:
-                yield f"{owner}.insert(0, {text.source_of(node.args[0])})", LIST_END
+                value = text.source_of(node.args[0])
+                yield f"{owner}.insert(0, {value})", LIST_END
+                if isinstance(node.func.value, ast.Attribute) and isinstance(text.parent(node), ast.Expr):
+                    yield f"{owner}.append({value}) if {value} not in {owner} else None", ONCE
+                    yield f"({owner}.append({value}), {owner}.sort())", SORTED
     elif isinstance(node, ast.Subscript) and isinstance(node.ctx, ast.Load):
         ends = {0: "-1", -1: "0"}
         other = next((word for end, word in ends.items() if _is_number(node.slice, end)), "")

@@ -250,7 +250,7 @@ class _CaseReader:
         if self._functions and "__" not in text and callable(getattr(builtins, text, None)):
             return Reference(text, ("builtins", text))
         advice = import_advice(text) if hasattr(np, text) else "un texte s’écrit entre guillemets"
-        raise refusal(node, f"« {text} » n’est pas connu ici ; {advice}")
+        raise MalformedDeclaration(f"« {text} » n’est pas connu ici ; {advice}")
 
     def _imported(self, node: ast.expr, text: str) -> tuple[str, str]:
         """Return the module and the attribute of what an imported name, or a path below it, stands for."""

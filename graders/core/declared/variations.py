@@ -19,6 +19,8 @@ from graders.core.syntax_trees import evaluate_literal, parse_expression, parse_
 MAX_VARIATIONS, VARIATION_SEED = 80, 1000
 #: Inputs made of what the cases of a check hold: calls of one in another, arguments of one in another.
 MAX_MIXED = 24
+#: How often a long case asks everything.
+LONG_ROUNDS = 4
 #: Below this, a number is a step or a precision: a thousand times as much, or as little, shows what it does.
 SMALL = 0.05
 
@@ -40,7 +42,30 @@ def vary_cases(check: DeclaredCheck, solution: str = "") -> list[Scenario]:
     for scenario in itertools.islice(ordered, 4 * MAX_VARIATIONS):
         if scenario.text() not in seen and len(chosen) < MAX_VARIATIONS:
             chosen.setdefault(scenario.text(), scenario)
-    return list(chosen.values())
+    return [*chosen.values(), *_long_cases(check.cases, _free_calls(solution))]
+
+
+def _long_cases(cases: Sequence[Scenario], free: Mapping[str, list[str]]) -> Iterator[Scenario]:
+    """Yield a case of each class in which something is added several times, some of it twice, before all is asked."""
+    for maker, calls in _calls_of_objects(cases):
+        added = {call.callee: call for call in calls if call.arguments}
+        asked = [Statement("call", callee=f"{maker.into}.{method}") for method in free.get(maker.callee, ())]
+        for call in added.values():
+            other = list(itertools.islice(_vary_call(call), 2))
+            if asked and len(other) == 2:
+                yield Scenario((maker, other[0], call, other[0], other[1], *asked * LONG_ROUNDS))
+
+
+def _calls_of_objects(cases: Sequence[Scenario]) -> list[tuple[Statement, list[Statement]]]:
+    """Return each way in which the cases make an object, with the calls of its methods."""
+    found: dict[str, tuple[Statement, list[Statement]]] = {}
+    for case in cases:
+        maker, *others = case.statements
+        if maker.into and maker.callee:
+            called = [each for each in others if each.kind == "call" and not each.into]
+            _, calls = found.setdefault(repr(maker), (maker, []))
+            calls += (each for each in called if each.callee.startswith(f"{maker.into}.") and not each.named)
+    return list(found.values())
 
 
 def _free_calls(solution: str) -> Mapping[str, list[str]]:

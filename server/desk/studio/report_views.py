@@ -7,6 +7,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from graders.core.declared.declaration import DEFAULT_DRAWS
+from graders.core.declared.state_changes import STALE
 from graders.core.declared.trial_report import TrialReport, TriedCase, TriedChange
 from server.desk.studio.forms import REASON_FIELD
 from server.studio.completion import DRAWN_POINTS
@@ -105,6 +106,7 @@ def _offered_mistakes(changes: Sequence[TriedChange], draft: ExerciseDraft) -> l
     """
     known = {mistake.program.strip() for mistake in draft.mistakes}
     refused = [change for change in changes if change.refusal and change.program.strip() not in known]
+    refused = [change for change in refused if change.operator != STALE]  # no student writes it so
     refused.sort(key=lambda change: (not change.refusal.startswith(("Pour ", "Dans ")), bool(change.words)))
     distinct = {change.refusal: change for change in reversed(refused)}
     alike = {change.behaviour or change.refusal: change for change in reversed(refused)}

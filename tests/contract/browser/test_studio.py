@@ -81,3 +81,21 @@ def test_programs_are_typed_in_the_editor_of_students(visit: NewVisit, server: S
     plain.page.context.add_cookies(page.context.cookies())
     plain.page.goto(page.url)
     expect(plain.page.get_by_label("Votre solution")).to_have_value("def f(x):\n        return 1")
+
+
+@pytest.mark.slow
+def test_a_proposed_case_is_ticked_until_its_author_unticks_it(visit: NewVisit, server: Server) -> None:
+    visitor = enters(visit(), server.open_database(), new_account(server.open_database(), Role.teacher))
+    page = visitor.open("/mes-exercices")
+    page.get_by_role("button", name="Nouvel exercice").click()
+    page.wait_for_url("**/mes-exercices/*-*")
+    page.locator(EDITOR).fill("def f(a, b):\n    return a * b")
+    page.locator("[name=v-0-c-0-appel]").fill("f(2, 2)")
+    page.locator("[name=v-0-c-1-appel]").fill("f(0, 0)")
+    box, expect = page.locator("[name=cas]").first, sync_api.expect
+    expect(box).to_be_checked()
+    box.uncheck()
+    page.fill("#titre", "Produit")
+    expect(page.locator("[data-report]")).not_to_contain_text("Donnez un titre")
+    expect(page.locator("[data-trying]")).to_have_count(0)
+    expect(box).not_to_be_checked()

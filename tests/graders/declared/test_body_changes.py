@@ -1,4 +1,4 @@
-"""Programs that always return the same, or do not read a parameter: tried, and shown by a proposed case."""
+"""Programs that always return the same, ignore a parameter or a call: tried, and shown by a proposed case."""
 
 from __future__ import annotations
 
@@ -38,6 +38,12 @@ def tried(sandbox: Sandbox, functions: str, solution: str, *cases: str) -> Trial
     [
         ("`est_vide` renvoie toujours `True`", ("Pile", STACK, PUSHED, "p = Pile(); p.est_vide()"), "est_vide"),
         ("`est_vide` renvoie toujours `None`", ("Pile", STACK, PUSHED), "est_vide"),
+        (
+            "`est_vide` ne tient pas compte de `depiler`",
+            ("Pile", STACK, PUSHED, "p = Pile(); p.empiler(3); p.est_vide()"),
+            "p.depiler(); p.est_vide()",
+        ),
+        ("`depiler` ne tient pas compte de `est_vide`", ("Pile", STACK, PUSHED), ""),
         ("`empiler` ne fait rien", ("Pile", STACK, "p = Pile(); p.empiler(3); p.est_vide()", PUSHED), ""),
         ("`f` renvoie `x`", ("f", "def f(x):\n    return abs(x)\n", "f(1)", "f(2)"), "f(-1)"),
         ("`f` renvoie toujours `0`", ("f", "def f(x):\n    return x % 2\n", "f(4)", "f(2)"), "f(5)"),
@@ -87,6 +93,8 @@ def test_a_case_shows_a_function_that_looks_at_nothing(
     ("after", "declared", "changed"),
     [
         ("return self.t[-1]", ("Pile", STACK, PUSHED, "p = Pile(); p.est_vide()"), "p.depiler(); p.depiler()"),
+        ("(self.t.append(x), self.t.sort())", ("Pile", STACK, PUSHED, "p = Pile(); p.est_vide()"), "p.empiler"),
+        ("self.t.append(x) if x not in self.t else None", ("Pile", STACK, PUSHED), "p.empiler"),
         ("return t[0] + t[0]", ("f", "def f(t):\n    return t.pop(0) + t[0]\n", "f([1, 1])", "f([2, 2])"), "f("),
         ("return s.split()", ("f", "def f(s):\n    return s.upper().split()\n", "f('A')", "f('B B')"), ""),
     ],
