@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import pytest
 
-from graders.core.code import piggyback
+from graders.core.code import piggyback, simplifying
 from graders.core.code.grading import CodeGrader
 from graders.core.code.piggyback import HANG_SECONDS, MAX_ANSWER_SECONDS, MAX_EXPECTED_SECONDS, PiggybackCalls
 from graders.core.compare.shrinking import Budget
@@ -26,6 +26,7 @@ def _any_pace(monkeypatch: pytest.MonkeyPatch) -> None:
     """A busy machine would answer too late for the probes to travel."""
     for limit in ("MAX_ANSWER_SECONDS", "MAX_EXPECTED_SECONDS"):
         monkeypatch.setattr(piggyback, limit, math.inf)
+    monkeypatch.setattr(simplifying, "MAX_BATCH_SECONDS", 1e9)
 
 
 def judged(source: str, programs: Watched, grader: CodeGrader = POSES) -> Verdict:

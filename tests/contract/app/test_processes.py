@@ -14,7 +14,7 @@ import pytest
 
 from server.cli import main
 from server.course import Course, Exercise
-from tests.support.live import AUDIT, RUNNING, WAITING, Live, alive, balise, children, count, rows, until
+from tests.support.live import AUDIT, RUNNING, WAITING, Live, alive, balise, children, count, rows, state_of, until
 from tests.support.service import EXERCISE
 
 
@@ -120,9 +120,10 @@ def figures_are_drawn_by_another_process(live: Live, course: Course) -> None:
 
 
 def send_slow_ones(live: Live, headers: dict[str, str], exercise: Exercise) -> list[str]:
-    slow = "import time\ntime.sleep(0.4)\n" + exercise.solution
+    """The last of them are still waiting when the others have been graded beside a test that is held up."""
     sent = []
-    for _ in range(8):
+    for seconds in (0.4, 0.4, 0.4, 0.4, 0.4, 1.5, 1.5, 1.5):
+        slow = f"import time\ntime.sleep({seconds})\n" + exercise.solution
         answer = live.client.post("/api/v1/submissions", json={"exercise": EXERCISE, "code": slow}, headers=headers)
         assert answer.status_code == 202
         sent.append(answer.json()["id"])
@@ -130,12 +131,23 @@ def send_slow_ones(live: Live, headers: dict[str, str], exercise: Exercise) -> l
 
 
 def kill_a_worker(live: Live, data: Path) -> None:
-    until(lambda: count(data, RUNNING, "job") == 1, "one is being graded")
     victim = live.workers()[0]
+    until(lambda: is_stopped_in_a_grading(victim, data), "one is being graded")
+    ((job,),) = rows(data, f"SELECT id FROM job WHERE {RUNNING}")
     below = children(victim)
     os.kill(victim, signal.SIGKILL)
     until(lambda: not any(map(alive, [victim, *below])), "the worker's own processes are gone")
-    until(lambda: count(data, "tries = 2", "job") >= 1, "what it was grading is taken again")
+    until(lambda: count(data, f"id = '{job}' AND tries < 2", "job") == 0, "what it was grading is taken again")
+
+
+def is_stopped_in_a_grading(worker: int, data: Path) -> bool:
+    """Stop a worker; let it go on where it has just ended one grading and not begun another."""
+    os.kill(worker, signal.SIGSTOP)
+    until(lambda: state_of(worker) == "T", "it is stopped")
+    if count(data, RUNNING, "job") == 1:
+        return True
+    os.kill(worker, signal.SIGCONT)
+    return False
 
 
 def kill_the_server(live: Live, data: Path) -> None:

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from graders.core.code import simplifying
 from graders.core.code.batch_judging import concatenate_blocks
 from graders.core.code.bench import Bench
 from graders.core.code.checks import Cases, Check, Untouched
@@ -39,6 +40,12 @@ from tests.support.shipped import CODE
 slow = partial(pytest.param, marks=pytest.mark.slow)
 KIT = KitSettings("l20", {"libres": None, "portee_max": 12.0, "seed": 0})
 Call = tuple[str, str]
+
+
+@pytest.fixture(autouse=True)
+def _batches_are_as_large_on_a_busy_machine(monkeypatch: pytest.MonkeyPatch) -> None:
+    """How many calls go in one exchange follows from the time that they take."""
+    monkeypatch.setattr(simplifying, "MAX_BATCH_SECONDS", 1e9)
 
 
 class Watched:
