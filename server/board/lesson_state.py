@@ -53,9 +53,9 @@ class ExerciseCount:
 class LessonState:
     """A lesson at one time. `stuck`: the longest first; `visited`: those left out as they were just seen.
 
-    `mistakes`: those that most students still make; `overcome`: those of the last minutes that nobody makes any more,
-    where there is room.
-    `finished` have solved all exercises of the day, the latest last; `absent` were not there since it began.
+    `mistakes`: those that most students still make, then most of the stuck; `overcome`: those of the last minutes that
+    nobody makes any more, where there is room. `finished` have solved all exercises of the day, the latest last;
+    `absent` were not there since it began.
     `helpers`: by stuck student, who has finished and could help them.
     """
 
@@ -79,7 +79,10 @@ def build_state(progress: ClassProgress, lesson: LiveLesson, visits: Mapping[UUI
     today = {pair: series for pair, series in progress.attempts.items() if pair[1] in wanted}
     solved = _solved_times(today)
     finished = _finished(progress, solved, lesson.exercises)
-    mistakes = lesson_mistakes(progress, expected)
+    are_stuck = {row.account for row in stuck}
+    mistakes = sorted(
+        lesson_mistakes(progress, expected), key=lambda row: (-len(row.still), -len(are_stuck.intersection(row.still)))
+    )
     current = tuple(row for row in mistakes if row.still)[:MAX_MISTAKES]
     return LessonState(
         stuck=shown,

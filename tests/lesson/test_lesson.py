@@ -163,6 +163,7 @@ def test_the_page_names_who_is_stuck_and_on_what(site: Site, course: Course, mar
     mistakes = text.split('class="mistake-row"')
     assert len(mistakes) == 2
     assert '<strong class="mistake-count">6</strong>' in mistakes[1]
+    assert mistakes[1].count(" (10 min)") == 6, "those who are stuck on it, as their cards say"
     assert f"{href}/erreurs/{EXERCISE}/{WRONG}/projeter" in mistakes[1]
     assert f"{href}/reprise?exercice={EXERCISE.replace('/', '%2F')}&amp;eleve=" in mistakes[1], "to those who have it"
     seen = re.findall(r'name="eleve" value="([^"]+)"', text)

@@ -34,7 +34,8 @@ class StuckRow:
 
 @dataclass(frozen=True)
 class MistakeRow:
-    """A mistake of the lesson: `still` are the names of those who make it, of `ever` who did; `href`: its page.
+    """A mistake of the lesson: `still` names those who make it, of `ever` who did, with the minutes of those who are
+    stuck on it; `href`: its page.
 
     `project_href` is empty where fewer than `fewest` ever made it. `remedial_href` leads to the form that gives an
     exercise to those who make it still.

@@ -115,7 +115,7 @@ def lesson_parts(db: Session, progress: ClassProgress, school_class: SchoolClass
     changes = lesson_loading.load_changes(db, progress, [(row.account, row.exercise) for row in shown])
     links = BoardLinks(progress.course, class_href(school_class), progress.students)
     names = {student.id: student.name for student in progress.students}
-    ranks = {row.account: rank for rank, row in enumerate(state.stuck)}
+    stuck = {row.account: row for row in state.stuck}
     helpers = state.helpers if lesson.next_step == Afterwards.help else {}
     return LessonParts(
         elapsed=format_duration((progress.now - lesson.started_at).total_seconds() / 60),
@@ -125,7 +125,7 @@ def lesson_parts(db: Session, progress: ClassProgress, school_class: SchoolClass
         ),
         more_stuck=tuple(names[row.account] for row in state.stuck[SHOWN_STUCK:]),
         visited=len(state.visited),
-        mistakes=tuple(_mistake_row(progress, links, names, ranks, mistake) for mistake in state.mistakes),
+        mistakes=tuple(_mistake_row(progress, links, names, stuck, mistake) for mistake in state.mistakes),
         overcome=tuple(
             (mistake_title(progress.course, row.exercise, row.id), misconception_href(links.href, row.exercise, row.id))
             for row in state.overcome
@@ -158,7 +158,7 @@ def _stuck_row(
         exercise_id=row.exercise,
         name=names[row.account],
         exercise=links.title(row.exercise),
-        minutes=max(0, round((progress.now - row.since).total_seconds() / 60)),
+        minutes=minutes_since(row, progress),
         sign=row.sign,
         failures=row.failures,
         attempts=len(attempts),
@@ -169,6 +169,10 @@ def _stuck_row(
     )
 
 
+def minutes_since(row: StuckStudent, progress: ClassProgress) -> int:
+    return max(0, round((progress.now - row.since).total_seconds() / 60))
+
+
 def mistake_title(course: Course, exercise: str, misconception: str) -> str:
     return find_misconception(course, exercise, misconception).diagnosis.title
 
@@ -177,15 +181,20 @@ def _mistake_row(
     progress: ClassProgress,
     links: BoardLinks,
     names: Mapping[UUID, str],
-    ranks: Mapping[UUID, int],
+    stuck: Mapping[UUID, StuckStudent],
     mistake: LessonMistake,
 ) -> MistakeRow:
-    """Build the row of a mistake; names stand in the order of the stuck, then of the others."""
+    """Build the row of a mistake; the stuck are named first, the longest first, and since when."""
     href = misconception_href(links.href, mistake.exercise, mistake.id)
+    held = [row for row in stuck.values() if row.account in mistake.still and row.exercise == mistake.exercise]
+    others = [account for account in mistake.still if account not in {row.account for row in held}]
     return MistakeRow(
         title=mistake_title(progress.course, mistake.exercise, mistake.id),
         exercise=links.title(mistake.exercise),
-        still=tuple(names[account] for account in sorted(mistake.still, key=lambda each: ranks.get(each, len(ranks)))),
+        still=(
+            *(f"{names[row.account]} ({minutes_since(row, progress)} min)" for row in held),
+            *(names[account] for account in others),
+        ),
         ever=mistake.ever,
         href=href,
         project_href=f"{href}/projeter" if mistake.may_be_projected else "",
