@@ -53,7 +53,7 @@ def test_a_film_of_a_lesson_names_whom_to_help(visit: NewVisit, server: Server, 
     with database.write() as db:
         db.add(row)
     programs = {name: LessonPrograms(the_course().exercises[name], seed=11) for name in DAY}
-    visitor = enters(visit(at=server), database, teacher)
+    visitor = enters(visit(at=server, timezone_id="Europe/Paris"), database, teacher)
     named, faults = 0, []
     for minute in MINUTES:
         _go_to(database, made, lesson, accounts, row.id, minute, programs)
