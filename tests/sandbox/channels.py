@@ -206,6 +206,7 @@ def regarde(_):
 import builtins, decimal, gc, random, resource, signal, warnings
 import numpy as np
 def laisse():
+    usuelle = os.getpriority(os.PRIO_PROCESS, 0)
     np.random.seed(3141)
     random.seed(3141)
     np.marque = builtins.marque = sys.marque = random.marque = sys.modules[MARQUE] = 1
@@ -221,8 +222,8 @@ def laisse():
     signal.signal(signal.SIGUSR1, signal.SIG_IGN)
     signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGUSR2})
     tente(lambda: os.nice(5), lambda: os.chdir("/dev"), lambda: libc.sethostname(MARQUE.encode(), 7))
-    return None
-def regarde(_):
+    return usuelle
+def regarde(usuelle):
     seme, seme_np = random.Random(3141).random(), np.random.RandomState(3141).random_sample()
     return [nom for nom, la in {
         "modules": any(hasattr(m, "marque") for m in (np, builtins, sys, random)) or MARQUE in sys.modules,
@@ -238,7 +239,7 @@ def regarde(_):
         "masque": os.umask(0o22) == 0o777,
         "signaux": signal.getsignal(signal.SIGUSR1) == signal.SIG_IGN,
         "signaux retenus": bool(signal.pthread_sigmask(signal.SIG_BLOCK, ())),
-        "priorite": os.getpriority(os.PRIO_PROCESS, 0) == 5,
+        "priorite": isinstance(usuelle, int) and os.getpriority(os.PRIO_PROCESS, 0) != usuelle,
         "place": os.getcwd() == "/dev",
         "nom": os.uname().nodename == MARQUE[:7],
     }.items() if la]
