@@ -166,12 +166,13 @@ def tell_remainder(
     """Return the diagnosis with how many of the lost points it explains, and the other failed checks, if any.
 
     Those `besides` are explained too; nothing is said of the `doubtful` ones, which may fail for the same reason, nor
-    are the points counted of checks without a fault. If `is_quoted`, the first other check is told with its message.
+    where the diagnosis explains no check in particular; the points of checks without a fault are not counted. If
+    `is_quoted`, the first other check is told with its message.
     """
     explained = {check for ids in diagnosis.explains for check in ids}.union(besides)
     lost = [check for check in checks if not (check.passed or check.neutral)]
     left = [check for check in lost if check.id not in explained.union(doubtful)]
-    if not left:
+    if not left or explained.isdisjoint(check.id for check in lost):
         return diagnosis
     named = " ; ".join(f"« {check.title} »" for check in left)
     remains = "Restent sans explication" if len(left) > 1 else "Reste sans explication"

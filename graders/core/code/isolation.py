@@ -30,9 +30,14 @@ for _nom in {replaced!r}:
 """
 
 
-def replacing_suffix(grader: CodeGrader, replaced: Collection[str]) -> str:
-    """Return what, behind a program, puts the solution's functions in the place of these, calling its others."""
-    own = [name for name in grader.functions if name not in replaced]
+def replacing_suffix(grader: CodeGrader, source: str, replaced: Collection[str]) -> str:
+    """Return what, behind a program, puts the solution's functions in the place of these.
+
+    They call those of the program's others that the replaced ones call: through any other, a check would fail that the
+    program's own functions pass.
+    """
+    others = [name for name in grader.functions if name not in replaced]
+    own = [name for name in others if find_callers(source.encode(), [name]).intersection(replaced)]
     return _SUFFIX.format(solution=grader.solution, own=own, replaced=sorted(replaced))
 
 
@@ -103,7 +108,7 @@ def isolate_functions(
         if spent():
             return None
         others = [name for name in grader.functions if name != function]
-        named = grader.name_mistakes(source + replacing_suffix(grader, others), programs, seed, spent)
+        named = grader.name_mistakes(source + replacing_suffix(grader, source, others), programs, seed, spent)
         own[function] = replace(named, failed=named.failed & whole.failed)
     dependent = {
         function for name in own for function in find_callers(source.encode(), [name]) if function in grader.functions

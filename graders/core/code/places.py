@@ -27,7 +27,7 @@ from graders.core.code.isolation import (
 from graders.core.code.mending import Mending, MendingSearch
 from graders.core.code.place_words import LOOK, PLACE, describe_place, places_of
 from graders.core.code.probes import explains_itself
-from graders.core.code.seen_facts import SeenFact
+from graders.core.code.seen_facts import SeenFact, is_conditional
 from graders.core.compare import words as render
 from graders.core.contract.program import Programs
 from graders.core.contract.values import Arguments
@@ -120,6 +120,8 @@ def find_place(
             looking = MendingSearch(grader, programs, verdict.seed, spent)
             if words := _value_words(looking.values_at(source, line, function, arguments)):
                 values[line] = f"Dans l'exemple de « {title} », {words}."
+    if any(not mending.left for mending in mendings):  # a line is told that alone mends all: this would lead away
+        facts = [fact for fact in facts if not is_conditional(fact)]
     steps = [step for mending in mendings for step in mending.steps]
     operators = " ; ".join(step.change.operator or step.change.mistake for step in steps)
     found = _told_together(grader, verdict, source, named, mendings, values, facts)
@@ -149,7 +151,7 @@ def _search(
 
     def beside_right_ones(chosen: Collection[str], helpers: Collection[str] = ()) -> Mending | None:
         others = frozenset(isolated.guilty()).difference(chosen)
-        suffix = replacing_suffix(grader, others) if others else ""
+        suffix = replacing_suffix(grader, source, others) if others else ""
         apart = isolated.own.keys() - set(chosen)
         return MendingSearch(grader, programs, verdict.seed, spent, suffix, apart).search(source, chosen, helpers)
 

@@ -12,7 +12,7 @@ import numpy as np
 
 from graders.core.compare import words as render
 from graders.core.compare.changed_arguments import ArgumentChange
-from graders.core.compare.series import MANY_CALLS, MIN_WRONG, Series, same, tell_answers, tell_relations
+from graders.core.compare.series import CONDITIONS, MANY_CALLS, MIN_WRONG, Series, same, tell_answers, tell_relations
 from graders.core.contract.program import KitSettings
 from graders.core.contract.values import Arguments, Floats, Value
 from graders.typography import elided
@@ -144,6 +144,11 @@ def is_strong(fact: SeenFact) -> bool:
     return "commence bien" not in fact.title and any(words in fact.title for words in _STRONG)
 
 
+def is_conditional(fact: SeenFact) -> bool:
+    """Whether a fact says no more than in which calls the answers are wrong."""
+    return any(words in fact.title for words in CONDITIONS)
+
+
 def related_fact(trial: FunctionTrial, view: ReturnedValue) -> SeenFact | None:
     series = trial.series(view)
     tell = tell_relations if trial.unique and len(trial.calls) >= MANY_CALLS else tell_answers
@@ -151,13 +156,17 @@ def related_fact(trial: FunctionTrial, view: ReturnedValue) -> SeenFact | None:
     if told is None:
         return None
     k = trial.plainest(number for number, wrong in enumerate(series.wrong) if wrong)
-    wrong, example = sum(series.wrong), "" if trial.unique else " par exemple"
-    share = f", dont {wrong} faux" if wrong < len(trial.calls) else ""
+    tries, wrong, example = len(trial.calls), sum(series.wrong), "" if trial.unique else " par exemple"
+    title = f"{capital_subject(view.words)} {told}"
+    seen = f"C’est ainsi dans les {tries} essais{f', dont {wrong} faux' if wrong < tries else ''}."
+    if told.startswith(CONDITIONS):  # seen in these calls: elsewhere, another cause may make it right
+        title = f"Dans {tries} essais, {title[:1].lower()}{title[1:]}"
+        seen = f"{wrong} de ces {tries} essais sont faux."
     proof = (
-        f"C’est ainsi dans les {len(trial.calls)} essais{share}. Par exemple, pour {trial.shown(trial.calls[k])}, "
+        f"{seen} Par exemple, pour {trial.shown(trial.calls[k])}, "
         f"on attend{example} {shown_value(series.right[k])} et on obtient {shown_value(series.got[k])}."
     )
-    return SeenFact(trial.function, f"{capital_subject(view.words)} {told}", proof, _QUESTION)
+    return SeenFact(trial.function, title, proof, _QUESTION)
 
 
 def replaced_fact(

@@ -18,7 +18,8 @@ from graders.typography import elided
 #: Relative and absolute error up to which two numbers are the same: finite differences leave a millionth.
 EXACT = 1e-5
 #: Relative error below which answers are nearly right everywhere; wrong calls, and right ones, that establish a fact.
-NEARLY, MIN_WRONG, MIN_RIGHT = 0.05, 2, 2
+NEARLY, MIN_WRONG, MIN_RIGHT = 0.05, 2, 3
+CONDITIONS = WRONG_WHEN, RIGHT_WHEN = "n’est faux que quand", "n’est juste que quand"
 #: Answers of which a common step says something; calls after which « chaque fois » may be said.
 MANY, MANY_CALLS = 4, 8
 
@@ -294,10 +295,10 @@ def _conditions(series: Series) -> Iterator[str]:
         return
     for words, holds in _properties(series):
         if holds == wrong:
-            yield f"n’est faux que quand {words}"
+            yield f"{WRONG_WHEN} {words}"
             return
         if [not held for held in holds] == wrong:
-            yield f"n’est juste que quand {words}"
+            yield f"{RIGHT_WHEN} {words}"
             return
 
 

@@ -133,10 +133,11 @@ def test_a_factor_may_be_given_by_an_argument_and_a_column_be_wrong_alone() -> N
 
 
 def test_the_calls_that_alone_are_wrong_are_told_by_what_they_have_in_common() -> None:
-    calls: list[tuple[object, ...]] = [(0.0,), (1.0,), (2.0,), (0.0,)]
-    got = [np.array(7.0), np.array(1.0), np.array(2.0), np.array(8.0)]
-    right = [np.array(1.0), np.array(1.0), np.array(2.0), np.array(3.0)]
+    calls: list[tuple[object, ...]] = [(0.0,), (1.0,), (2.0,), (0.0,), (3.0,)]
+    got = [np.array(value) for value in (7.0, 1.0, 2.0, 8.0, 5.0)]
+    right = [np.array(value) for value in (1.0, 1.0, 2.0, 3.0, 5.0)]
     assert told(got, right, calls) == ["n’est faux que quand x est nul"]
+    assert told(got[:4], right[:4], calls[:4]) == []  # two right calls are alike in too many ways
 
 
 def test_a_change_that_leaves_a_call_as_it_is_or_makes_no_number_is_none() -> None:

@@ -91,6 +91,20 @@ def test_a_mistake_that_another_function_hides_is_named_beside_a_right_one() -> 
     assert isolate_functions(grader, source, LOCAL, 3, lambda: True) is None
 
 
+def test_a_wrong_function_fails_those_checks_of_others_that_the_program_runs_it_for() -> None:
+    grader = CODE["l20/planifier"]
+    wrong = grader.solution.replace("(couts[a] + couts[b]) / 2.0", "couts[a] + couts[b]")
+    apart = wrong.replace(
+        "cout([case, voisine], couts)", "np.hypot(di, dj) * (1.0 + (couts[case] + couts[voisine]) / 2.0)"
+    )
+    own, calling = (isolate_functions(grader, source, LOCAL, 3, lambda: False) for source in (apart, wrong))
+    assert own is not None
+    assert calling is not None
+    prices = {check.id for check in grader.checks if check.functions == ("cout",)}
+    assert own.own["cout"].failed == prices
+    assert calling.own["cout"].failed > prices
+
+
 def test_both_mistakes_are_told_with_the_points_of_each_function() -> None:
     source = "import numpy as np\n" + GAIN
     verdict, found = place_of("l19/gain", source)
@@ -144,7 +158,9 @@ def test_the_solution_beside_itself_fails_nothing(exercise: str) -> None:
     grader = CODE[exercise]
     for function in grader.functions:
         others = [name for name in grader.functions if name != function]
-        assert not grader.name_mistakes(grader.solution + replacing_suffix(grader, others), LOCAL, 3).failed
+        assert not grader.name_mistakes(
+            grader.solution + replacing_suffix(grader, grader.solution, others), LOCAL, 3
+        ).failed
 
 
 def test_beside_another_mistake_nothing_is_said_to_be_right() -> None:
@@ -208,3 +224,15 @@ def test_no_line_of_another_function_makes_up_for_the_wrong_one() -> None:
     }
     assert "ligne 8 " in told["fusion_quelconques"]
     assert "ligne 15 " in told["chaine_quelconques"]
+
+
+def test_where_one_line_mends_all_no_condition_leads_away() -> None:
+    """Joseph's form without r: column 0 happens to be right in three trials, in which P has a 0."""
+    grader = CODE["l19/etendu"]
+    right = "(np.eye(2) - K @ H) @ P"
+    assert right in grader.solution
+    source = grader.solution.replace(right, "(np.eye(2) - K @ H) @ P @ (np.eye(2) - K @ H).T + K @ K.T")
+    _, found = place_of("l19/etendu", source)
+    assert found is not None
+    assert "changer la ligne 18 suffit" in found.diagnosis.explanation
+    assert "que quand" not in found.diagnosis.explanation

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -186,6 +188,7 @@ def test_points_of_checks_that_wait_or_may_fail_for_the_same_reason_are_not_coun
     assert "Cela explique au moins 1 des 3 points perdus. Reste sans explication : « C »." in words
     assert "Les autres points attendent que le reste soit juste : « D »." in words
     assert "Cela explique 2 des 3 points" in tell_remainder(named, checks, besides=["b"]).explanation
+    assert tell_remainder(replace(named, explains=()), checks) == replace(named, explains=())
 
 
 @pytest.mark.parametrize(("operator", "count"), [("signe", 0), ("copie", 1)])
