@@ -9,7 +9,7 @@ What is computed of a series of attempts alone (`computed_once`) lives as long a
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass
 from datetime import datetime
 from functools import wraps
@@ -58,14 +58,7 @@ AttemptsByPair = Mapping[tuple[UUID, str], Attempts]
 
 
 class AttemptSeries(tuple[GradedAttempt, ...]):
-    """Attempts as a history holds them. `computed`: what functions marked `computed_once` have returned of them."""
-
-    computed: dict[Callable[..., Any], Any]
-
-    def __new__(cls, attempts: Iterable[GradedAttempt]) -> AttemptSeries:
-        series = super().__new__(cls, attempts)
-        series.computed = {}
-        return series
+    """Attempts as a history holds them. Functions marked `computed_once` leave in it what they have returned of it."""
 
 
 Result = TypeVar("Result")
@@ -73,14 +66,16 @@ Result = TypeVar("Result")
 
 def computed_once(compute: Callable[[Attempts], Result]) -> Callable[[Attempts], Result]:
     """Compute what depends on attempts alone, and never changes, once for each series of a history."""
+    name = f"{compute.__module__}.{compute.__qualname__}"
 
     @wraps(compute)
     def find_or_compute(attempts: Attempts) -> Result:
         if not isinstance(attempts, AttemptSeries):
             return compute(attempts)
-        if compute not in attempts.computed:
-            attempts.computed[compute] = compute(attempts)
-        found: Result = attempts.computed[compute]
+        computed = vars(attempts)
+        if name not in computed:
+            computed[name] = compute(attempts)
+        found: Result = computed[name]
         return found
 
     return find_or_compute

@@ -48,11 +48,11 @@ def server(data: Path) -> Iterator[str]:
 
 
 @contextmanager
-def serving(data: Path) -> Iterator[tuple[str, int]]:
-    """The same, with the number of its process."""
-    environment = {**os.environ, "BALISE_SUBMISSION_REFILL_SECONDS": "0", "PYTHONPATH": str(PROJECT)}
+def serving(data: Path, project: Path = PROJECT) -> Iterator[tuple[str, int]]:
+    """The same, with the number of its process; `project`: the checkout that serves."""
+    environment = {**os.environ, "BALISE_SUBMISSION_REFILL_SECONDS": "0", "PYTHONPATH": str(project)}
     command = [sys.executable, "-m", "server", "serve", "--port", "0", "--data", str(data)]
-    with subprocess.Popen(command, stdout=subprocess.PIPE, text=True, env=environment) as process:
+    with subprocess.Popen(command, stdout=subprocess.PIPE, text=True, env=environment, cwd=project) as process:
         assert process.stdout
         for line in process.stdout:
             if found := re.search(r"prête : (http://\S+?)/?$", line):

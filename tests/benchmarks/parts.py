@@ -139,7 +139,7 @@ def lessons(wanted: Wanted) -> list[Row]:
     from tests.benchmarks import bench_lessons as bench
 
     seconds = 20.0 if wanted.quick else bench.SECONDS
-    return bench.rows(bench.LESSONS, bench.STUDENTS, seconds, bench.PAUSE, wanted.rounds(10))
+    return bench.rows(bench.Asked(seconds=seconds, rounds=wanted.rounds(10)))
 
 
 def turns(wanted: Wanted) -> list[Row]:
