@@ -92,7 +92,7 @@ class LateAdjustedPoints:
 
 
 NOT_COUNTED = LateAdjustedPoints(None)
-OUTSIDE = SendTiming(TimingKind.outside)
+OUTSIDE, ON_TIME = SendTiming(TimingKind.outside), SendTiming(TimingKind.on_time)
 
 
 @dataclass(frozen=True)
@@ -156,6 +156,8 @@ class Rules:
         An attempt that arrived before the opening is on time: exercises may be done before they are assigned.
         """
         now = self._judge(at)
+        if not self.earlier and not self.shared:
+            return now
         then = next((past.rules._judge(at) for past in self.earlier if past.since <= at < past.until), now)
         team = [each.rules.judge(at) for each in self.shared if each.covers(at)]
         best = max(now, then, *team, key=lambda timing: timing.favour)
@@ -167,7 +169,7 @@ class Rules:
             return SendTiming(TimingKind.closed)
         days = self.count_days_late(at)
         if not days or at < self.opens_at:
-            return SendTiming(TimingKind.on_time)
+            return ON_TIME
         if self.late is LatePolicy.refuse:
             return SendTiming(TimingKind.refused_late, days)
         return SendTiming(TimingKind.late, days, days * self.late_per_day if self.late is LatePolicy.penalty else 0.0)

@@ -90,7 +90,9 @@ class AssignmentMarker:
                 sent = add_team_attempts(sent, exercise, attempts, shares)
             if is_test:
                 sent = [attempt for attempt in sent if windows.judge(attempt.sent_at) is not OUTSIDE]
-            override = overrides.get((*pair, self.assignment.id)) or overrides.get((*pair, None))
+            override = None
+            if overrides:
+                override = overrides.get((*pair, self.assignment.id)) or overrides.get((*pair, None))
             marks.append(mark_exercise(exercise, weight, sent, windows, counts, override))
         # A test ends for a student who has handed in, whose time is over, or once its results are out.
         ended = is_test and sitting_stage(self.assignment, rules, sitting, now) in ENDED_STAGES
@@ -124,6 +126,8 @@ def mark_exercise(
     override: ActiveOverride | None,
 ) -> ExerciseMark:
     """Return the mark of one student at one exercise, from the attempts and the override in force."""
+    if not attempts:
+        return ExerciseMark(exercise, weight, None, None, None, 0, override)
     result = mark_attempts(times, counts, attempts)
     counted_id = None if result.counted is None else result.counted.attempt
     counted = next((attempt for attempt in attempts if attempt.id == counted_id), None)
