@@ -131,7 +131,7 @@ def variables(text: ProgramText, node: ast.AST) -> Iterator[Change]:
 
 def exchanges(text: ProgramText, node: ast.AST) -> Iterator[Change]:
     """Two variables in each other's place, wherever a statement or an expression reads them."""
-    if not isinstance(node, ast.BinOp | ast.Tuple | ast.List | ast.Compare):
+    if not isinstance(node, ast.BinOp | ast.BoolOp | ast.Tuple | ast.List | ast.Compare):
         return
     read = [part for part in ast.walk(node) if isinstance(part, ast.Name) and isinstance(part.ctx, ast.Load)]
     names = list(dict.fromkeys(part.id for part in read if part.id in text.variables(node)))

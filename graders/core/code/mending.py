@@ -9,6 +9,7 @@ first must mend something alone. No change is ever shown: it proves where the mi
 from __future__ import annotations
 
 import difflib
+import itertools
 import time
 from collections.abc import Callable, Collection, Iterator, Sequence
 from contextlib import suppress
@@ -48,11 +49,15 @@ MAX_SEEDS = 4
 
 @dataclass(frozen=True)
 class MendingStep:
-    """A change, the ids of the checks that it mends, and the other changes of as much effect at other places."""
+    """A change, the ids of the checks that it mends, and the other changes of as much effect at other places.
+
+    `is_doubtful`: it is unlikely, and the values of the line do not bear it out.
+    """
 
     change: ProgramChange
     mended: frozenset[str]
     rivals: tuple[ProgramChange, ...] = ()
+    is_doubtful: bool = False
 
 
 @dataclass(frozen=True)
@@ -94,6 +99,7 @@ class MendingSearch:
         """Return the changes that mend checks of a failed program, in some functions if given; None without any.
 
         The changes are of these functions and of those that they call, but of the `helpers` only where some are given.
+        Where some check still fails, a doubtful change proves nothing: it may only pass by the mistake.
         """
         if not _parses(source):
             return None
@@ -105,7 +111,9 @@ class MendingSearch:
             steps = self._steps(source, left, MAX_STEPS, functions, helpers)
         except OutOfTimeError:
             return None
-        if not steps:
+        if left.difference(*(step.mended for step in steps)):
+            steps = list(itertools.takewhile(lambda step: not step.is_doubtful, steps))
+        if not any(step.mended for step in steps):
             return None
         left = left.difference(*(step.mended for step in steps))
         last_name = self._certain_name(steps[0].change.text) if len(steps) > 1 or left else None
@@ -166,7 +174,8 @@ class MendingSearch:
             return []
         best, left = tried[0]
         alike = tuple(change for change, other in tried[1:] if other == left)
-        steps = [MendingStep(best, failed - left, alike)] if left < failed else []
+        doubtful = {c.text for c, _ in tried if c.unlikely and seen.get(c.text) is not LineValues.WRONG}
+        steps = [MendingStep(best, failed - left, alike, best.text in doubtful)] if left < failed else []
         if most == 1 or not left:
             return steps
         for change, other in tried[:MAX_BEGUN]:
@@ -174,7 +183,8 @@ class MendingSearch:
                 break
             further = self._steps(change.text, other, most - 1, within, helpers)
             if further and (mended := (failed - other).union(*(step.mended for step in further))) > failed - left:
-                steps, left = [MendingStep(change, failed - other), *further], failed - mended
+                begun = MendingStep(change, failed - other, is_doubtful=change.text in doubtful)
+                steps, left = [begun, *further], failed - mended
         return steps
 
     def _at_other_lines(

@@ -139,7 +139,8 @@ def _outcome(place: Place, is_all: bool) -> str:
         return "suffisent" if len(place.lines) > 1 else "suffit"
     count = len(place.mended)
     verb = "font" if len(place.lines) > 1 else "fait"
-    return f"{verb} réussir {count} {'autres ' * place.is_second}vérification{'s' * (count > 1)}"
+    plural = "s" * (count > 1)
+    return f"{verb} réussir {count} {f'autre{plural} ' * place.is_second}vérification{plural}"
 
 
 def _proof(place: Place, titles: Mapping[str, str], is_all: bool) -> str:

@@ -14,7 +14,7 @@ from graders.core.code.mending import Mending, MendingSearch, MendingStep, in_li
 from graders.core.code.places import describe_mendings, find_place, is_worth_searching, join_place
 from graders.core.code.variants import VariantCaller
 from graders.core.contract.local import LOCAL
-from graders.core.contract.program import KitSettings
+from graders.core.contract.program import KitSettings, Reply
 from graders.core.contract.verdict import CheckResult, Diagnosis, Verdict
 from tests.support.shipped import CODE
 
@@ -113,6 +113,14 @@ def test_a_function_that_draws_is_held_against_the_solution_with_the_same_draws(
     assert mending is not None
     assert not mending.left
     assert source.splitlines()[mending.steps[0].change.line - 1].strip().startswith("garde.append")
+
+
+def test_one_check_that_a_second_change_mends_is_told_in_the_singular() -> None:
+    steps = tuple(
+        MendingStep(ProgramChange("", "", k, "angle"), frozenset({check})) for k, check in ((1, "a"), (2, "b"))
+    )
+    words = describe_mendings([Mending(steps, frozenset({"c"}))], "def f(g):\n    return 2 * g\n", ())
+    assert words.titles[1].endswith("réussir 1 autre vérification")
 
 
 def test_two_lines_that_only_together_mend_are_told_together() -> None:
@@ -227,7 +235,8 @@ def test_a_line_whose_values_the_solution_computes_too_is_right(
     texts = [seen_at(source, 2), seen_at(source.replace(*changed), 2), seen_everywhere(DISTANCE)]
     calls = [(np.array([1.5, k]), np.array([4.2, 0.3])) for k in (2.0, 3.0)]
     seen = VariantCaller(LOCAL).seen([text or "" for text in texts], "distance", calls, KIT)
-    assert compare_values(*[[answer.value for answer in answers] for answers in seen]) is expected
+    rows = [[answer.value for answer in answers if isinstance(answer, Reply)] for answers in seen]
+    assert compare_values(*rows) is expected
 
 
 @pytest.mark.parametrize(
@@ -237,6 +246,18 @@ def test_a_line_whose_values_the_solution_computes_too_is_right(
 def test_a_statement_shows_what_it_sets_or_returns(statement: str, shown: str | None) -> None:
     text = seen_at(f"def f(x):\n    {statement}\n", 2)
     assert (text is None) if shown is None else text is not None and text.splitlines()[1].strip() == shown
+
+
+@pytest.mark.parametrize(("doubtful", "left", "count"), [(True, "b", 0), (True, "", 1), (False, "b", 1)])
+def test_an_unlikely_change_that_leaves_a_failure_proves_nothing(
+    doubtful: bool, left: str, count: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    search, failed = MendingSearch(CODE[EXERCISE], LOCAL, 3, lambda: False), CODE[EXERCISE].checks[: 1 + len(left)]
+    step = MendingStep(ProgramChange(PROGRAM, PROGRAM, 2, "variable"), frozenset((failed[0].id,)), (), doubtful)
+    monkeypatch.setattr(search, "failed_checks", lambda source: failed)
+    monkeypatch.setattr(search, "_steps", lambda *_: [step])
+    mending = search.search(PROGRAM)
+    assert (0 if mending is None else len(mending.steps)) == count
 
 
 def test_the_lines_of_a_second_change_are_those_of_the_program_as_it_was() -> None:
