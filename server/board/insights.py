@@ -11,7 +11,7 @@ from statistics import correlation
 from typing import NamedTuple
 from uuid import UUID
 
-from server.board.attempts import FirstSuccess, Pair, first_success, improvements_after_hints
+from server.board.attempts import FirstSuccess, Pair, first_success, group_by_student, improvements_after_hints
 from server.board.schemas import (
     FEWEST_FOR_A_CORRELATION,
     FEWEST_FOR_A_SHARE,
@@ -57,11 +57,11 @@ def _best_scores(
 ) -> tuple[Mapping[str, Mapping[UUID, float]], Mapping[UUID, ScoreSum]]:
     """Return the best score of each student, by exercise; and the sum of each student's best scores."""
     scores: dict[str, dict[UUID, float]] = defaultdict(dict)
-    sums: dict[UUID, ScoreSum] = defaultdict(lambda: ScoreSum(0.0, 0))
-    for (account_id, exercise), totals in standings.items():
-        scores[exercise][account_id] = totals.best_score
-        total, count = sums[account_id]
-        sums[account_id] = ScoreSum(total + totals.best_score, count + 1)
+    sums: dict[UUID, ScoreSum] = {}
+    for account_id, own in group_by_student(standings).items():
+        for exercise, totals in own.items():
+            scores[exercise][account_id] = totals.best_score
+        sums[account_id] = ScoreSum(sum(totals.best_score for totals in own.values()), len(own))
     return scores, sums
 
 

@@ -8,14 +8,13 @@ from datetime import datetime, timedelta
 from enum import StrEnum
 from uuid import UUID
 
-from graders.core.contract.outcomes import Outcome
 from server.board.attempts import FAILURES
 from server.board.catalogue import find_misconception
 from server.board.stuck import failures_without_progress
 from server.course import Course, Module
 from server.course.objectives import Objective
 from server.course.practice import practised_objectives
-from server.gradebook.histories import Attempts
+from server.gradebook.histories import Attempts, attempt_totals
 
 #: Exercises to solve for an objective, or all where it has fewer.
 MIN_SOLVED = 2
@@ -109,7 +108,7 @@ def find_states(
 
 
 def _solved_at(attempts: Attempts) -> datetime | None:
-    return next((attempt.sent_at for attempt in attempts if attempt.outcome == Outcome.OK), None)
+    return attempt_totals(attempts).first_success_at if attempts else None
 
 
 def _find_state(

@@ -97,17 +97,19 @@ class ExerciseMark:
     override: ActiveOverride | None
     sent: int = 0
 
-    @cached_property
+    @property
     def effective(self) -> EffectivePoints:
         return EffectivePoints(None if self.counted is None else self.counted.points, self.override)
 
-    @cached_property
+    @property
     def points(self) -> float | None:
-        return self.effective.points
+        if self.override is not None:
+            return self.effective.points
+        return None if self.counted is None else self.counted.points
 
-    @cached_property
+    @property
     def excused(self) -> bool:
-        return self.effective.excused
+        return self.override is not None and self.effective.excused
 
     @property
     def refused(self) -> bool:
