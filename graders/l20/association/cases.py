@@ -145,7 +145,7 @@ def is_clear(args: Arguments) -> bool:
 def joint_by_hand(rng: np.random.Generator) -> Iterator[Arguments]:
     """The statement's, in which the first pair that is tried may leave nobody for the other; one alone between two; two
     of one landmark; a spurious one; D² near either side of a threshold; without an error in common, without any, a
-    sensor that is poor along y, landmarks of which one is known less."""
+    sensor that is poor along y, landmarks of which one is known less; pairs whose order C must follow."""
     common, R = np.kron(np.ones((2, 2)), np.eye(2)), 0.04 * np.eye(2)
     two, apart = matrix((0, 0), (3, 0)), matrix((0, 0), (9, 0))
     yield matrix((1.8, 0), (4.6, 0)), two, common, R
@@ -164,6 +164,13 @@ def joint_by_hand(rng: np.random.Generator) -> Iterator[Arguments]:
     yield matrix((0, 7)), matrix((0, 0), (0, 10)), np.diag([0.01, 0.01, 1.0, 4.0]), R
     three = np.kron(np.ones((3, 3)), np.eye(2))
     yield matrix((1.1, 0), (3.2, 0.1), (6.5, 0)), matrix((0, 0), (1.5, 0), (5, 0)), three, R
+    # Found by search: rows of C in another order than the pairs choose other landmarks. The best D², each threshold and
+    # each D² of as many pairs are at least a factor of two apart.
+    close, unequal = matrix((0, 0), (2, 0)), common + np.diag([0.0, 0.0, 9.0, 9.0])
+    yield matrix((2, 0), (6, 0)), close, unequal, R
+    yield matrix((6, 0), (2, 0)), close, unequal, R
+    row = matrix((0, 0), (2, 0), (4, 0))
+    yield matrix((1, 0), (5.5, 0), (0, 0)), row, three + np.diag([0.0, 0.0, 4.0, 4.0, 9.0, 9.0]), R
 
 
 #: As SCANS, for all measurements together.

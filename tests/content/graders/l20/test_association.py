@@ -20,6 +20,9 @@ from tests.support.verdicts import checked, failed, model_with, named, verdict_o
 EXERCISE = "l20/association"
 verdict = partial(verdict_of, EXERCISE)
 edited = partial(model_with, EXERCISE)
+IN_THE_ORDER_OF_THE_MAP = (
+    CODE[EXERCISE].folder / "specimens/wrong_answer/masque_dans_l_ordre_de_la_carte.py"
+).read_text(encoding="utf-8")
 NOISE = "M = C[np.ix_(lignes, lignes)] + np.kron(np.eye(len(paires)), R)"
 
 
@@ -84,6 +87,7 @@ def test_an_association_is_compared_as_whole_numbers() -> None:
     ("source", "name", "checks"),
     [
         (edited(NOISE, "M = np.kron(np.eye(len(paires)), R)"), "commune_oubliee", {"ensemble_exemples"}),
+        (IN_THE_ORDER_OF_THE_MAP, "ordre_de_c", {"ensemble_exemples"}),
         (edited("np.flatnonzero(np.min(D, axis=1) > porte)", "np.flatnonzero(associer(z, amers, S, niveau) < 0)"),
          "non_associees", {"nouveaux_exemples", "nouveaux_quelconques"}),
         (edited("    return D\n\n\ndef associer(", "    z += 1.0\n    return D\n\n\ndef associer("),
