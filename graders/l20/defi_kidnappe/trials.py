@@ -11,7 +11,9 @@ from graders.core.code.bench import Bench
 from graders.core.code.checks import Rejection
 from graders.core.contract.values import Floats
 from graders.l20 import journeys
-from graders.l20.mcl.answers import STEP, stepped
+from graders.l20.defi_kidnappe import runs
+from graders.l20.mcl.answers import MOST, STEP, seeded, stepped
+from graders.l20.mcl.runs import PARTICLES
 from graders.l20.mcl.scenes import ALWAYS, SPREAD, Step, judged, scan_of, step
 from graders.l20.mcl.steps import plain_steps
 from graders.l20.mcl.telling import cloud_figure, number, observed, pose_text
@@ -38,9 +40,41 @@ def astray() -> tuple[Step, ...]:
 
 @observed(STEP)
 def well_formed(bench: Bench) -> None:
-    """Particles (n, 3), and weights of sum 1. The clouds are large: some filters always sow the same number anew."""
-    for scene in plain_steps(LARGE):
-        stepped(bench, scene.inputs)
+    """Particles (n, 3), and weights of sum 1; a cloud that grows at each step makes a whole journey.
+
+    The clouds are large: some filters always sow the same number anew.
+    """
+    grown = [len(stepped(bench, scene.inputs)[0]) > len(scene.particles) for scene in plain_steps(LARGE)]
+    if all(grown):
+        with bench.on(runs.kit(bench, 0)) as own:
+            _stays_below_the_most(own)
+
+
+def _stays_below_the_most(bench: Bench) -> None:
+    """The first hidden run, to its last step, for as long as the cloud grows at each step. Raises Rejection.
+
+    The hidden runs stop when the robot is found, before most clouds without end are too large.
+    """
+    journey = runs.carried_away(0)
+    particles = seeded(bench, PARTICLES)
+    weights = np.full(len(particles), 1.0 / len(particles))
+    for k, (move, scan) in enumerate(zip(journey.moves, journey.scans, strict=True)):
+        try:
+            args = {"particules": particles, "poids": weights, "u": move, "scan": scan}
+            after, weights = stepped(bench, args)
+        except Rejection as found:
+            raise Rejection(
+                f"Le premier essai part de initialiser({PARTICLES}) ; votre nuage y grossit à chaque pas. Au pas "
+                f"{k + 1} sur {len(journey)}, {found.message}",
+                inputs={"n": PARTICLES, "pas": k + 1},
+                expected=f"{MOST} particules au plus, et leurs poids de somme 1",
+                got=found.got,
+                slip=found.slip,
+                cause=found.cause,
+            ) from found
+        if len(after) <= len(particles):
+            return
+        particles = after
 
 
 @observed(STEP)

@@ -75,6 +75,19 @@ def test_the_solution_passes_its_steps_and_finds_the_robot_on_film() -> None:
     assert any(mark["label"] == "enlèvement" for mark in scene["charts"][0]["marks"])
 
 
+@pytest.mark.parametrize(("added", "most", "refused"), [(500, 10**9, True), (100, 900, False)])
+def test_a_cloud_that_grows_must_stay_below_the_most_to_the_end_of_a_run(added: int, most: int, refused: bool) -> None:
+    source = GRADER.solution.replace(
+        "    return particules, poids\n\n\ndef estimer",
+        f"    if len(poids) < {most}:\n"
+        f"        particules = np.vstack([particules, initialiser({added})])\n"
+        "        poids = np.full(len(particules), 1 / len(particules))\n"
+        "    return particules, poids\n\n\ndef estimer",
+    )
+    assert source != GRADER.solution
+    assert ("forme" in failing(source, 2)) is refused
+
+
 @pytest.mark.parametrize("name", ["sans_injection", "injectees_sans_poids", "produit_qui_s_annule"])
 def test_mistakes_of_the_challenge_are_named_without_a_loop(name: str) -> None:
     source = next(m.source for m in GRADER.misconceptions if m.id == name)
