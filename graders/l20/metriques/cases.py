@@ -23,6 +23,8 @@ QUARTER = math.pi / 2
 TELLING = 7
 #: How far apart the singular values of the two clouds are, and from zero, as a share of the largest.
 GAP = 0.15
+#: Metres: the least error that is asked.
+LEAST_ERROR = 0.01
 #: Of a simplified trajectory.
 SHORTEST_STEP = 0.4
 
@@ -53,11 +55,11 @@ def right_rpe(estimate: Floats, truth: Floats, delta: int) -> float:
     return relative_pose_error(truth, estimate, delta, overlapping=True).translation.rmse
 
 
-def is_spread(estimate: Floats, truth: Floats) -> bool:
-    """Do both spread in the plane, so that the best rotation is well known?"""
+def is_well_posed(estimate: Floats, truth: Floats) -> bool:
+    """Do both spread in the plane, so that the best rotation is well known, and does it leave an error?"""
     found = alignment(estimate, truth)
     first, second = found.singular_values
-    return bool(second > GAP * first and first - second > GAP * first)
+    return bool(second > GAP * first and first - second > GAP * first and found.residual > len(truth) * LEAST_ERROR**2)
 
 
 def turns_over(estimate: Floats, truth: Floats) -> bool:
@@ -67,12 +69,12 @@ def turns_over(estimate: Floats, truth: Floats) -> bool:
 
 
 def is_pair(args: Arguments) -> bool:
-    """Do they spread in the plane, without a mirror?"""
-    return is_spread(*args) and not turns_over(*args)
+    """Are they well posed, without a mirror?"""
+    return is_well_posed(*args) and not turns_over(*args)
 
 
 def is_mirrored_pair(args: Arguments) -> bool:
-    return is_spread(*args) and turns_over(*args)
+    return is_well_posed(*args) and turns_over(*args)
 
 
 def is_on_the_move(args: Arguments) -> bool:
@@ -103,7 +105,7 @@ def walk(rng: np.random.Generator, n: int, *, mirror: bool = False) -> tuple[Flo
         frame = rng.uniform((-6.0, -6.0, 0.7), (6.0, 6.0, 2.4)) * (1.0, 1.0, rng.choice([-1.0, 1.0]))
         estimate = seen_from(frame, mirrored(estimate) if mirror else estimate)
         estimate, truth = _readable(estimate), _readable(truth)
-        if is_spread(estimate, truth) and turns_over(estimate, truth) == mirror:
+        if is_well_posed(estimate, truth) and turns_over(estimate, truth) == mirror:
             return estimate, truth
 
 

@@ -13,6 +13,7 @@ CONTRACTS = (
         NUMBER,
         (
             Boundary("une trajectoire en miroir", turns_over),
+            Boundary("un alignement parfait, dont l’ATE est nulle", free="il n’est pas demandé"),
             Boundary("des trajectoires droites, ou réduites à un point", free="elles ne sont pas demandées"),
             Boundary(
                 "un carré ou un cercle et son image en miroir, que toute rotation aligne aussi bien",

@@ -81,8 +81,10 @@ def test_the_pairs_keep_what_the_statement_promises(seed: int) -> None:
     rng = np.random.default_rng(seed)
     plain = [*cases.small_pairs(rng), *cases.any_pairs(rng)]
     assert all(map(cases.is_pair, plain))
-    assert all(map(cases.is_mirrored_pair, cases.mirrored_pairs(rng)))
-    assert min(cases.right_ate(*pair) for pair in plain) > 1e-3, "squares may be subtracted"
+    mirrored = [*cases.mirrored_pairs(rng)]
+    assert all(map(cases.is_mirrored_pair, mirrored))
+    assert min(cases.right_ate(*pair) for pair in (*plain, *mirrored)) > 1e-3, "squares may be subtracted"
+    assert not cases.is_pair((cases.seen_from((1, 2, 0.5), cases.BENT), cases.BENT)), "no alignment is perfect"
     longer = list(cases.longer_steps(rng))
     assert all(2 <= delta < len(truth) for _, truth, delta in longer)
     for poses in (poses for args in (*plain, *longer) for poses in args[:2]):
