@@ -55,7 +55,7 @@ class LessonState:
 
     `mistakes`: those that most students still make, then most of the stuck; `overcome`: those of the last minutes that
     nobody makes any more, where there is room. `finished` have solved all exercises of the day, the latest last;
-    `absent` were not there since it began.
+    `absent` were not there since it began; `working` are all others.
     `helpers`: by stuck student, who has finished and could help them.
     """
 
@@ -65,6 +65,7 @@ class LessonState:
     overcome: tuple[LessonMistake, ...]
     finished: tuple[UUID, ...]
     absent: tuple[UUID, ...]
+    working: tuple[UUID, ...]
     exercises: tuple[ExerciseCount, ...]
     students: int
     helpers: Mapping[UUID, UUID]
@@ -84,13 +85,16 @@ def build_state(progress: ClassProgress, lesson: LiveLesson, visits: Mapping[UUI
         lesson_mistakes(progress, expected), key=lambda row: (-len(row.still), -len(are_stuck.intersection(row.still)))
     )
     current = tuple(row for row in mistakes if row.still)[:MAX_MISTAKES]
+    absent = _absent(progress, lesson.started_at)
+    listed = {*(row.account for row in shown), *finished, *absent}
     return LessonState(
         stuck=shown,
         visited=tuple(row.account for row in stuck if row.account in just_seen),
         mistakes=current,
         overcome=tuple(row for row in mistakes if _is_just_overcome(row, progress.now))[: MAX_MISTAKES - len(current)],
         finished=finished,
-        absent=_absent(progress, lesson.started_at),
+        absent=absent,
+        working=tuple(student.id for student in progress.students if student.id not in listed),
         exercises=_count_by_exercise(lesson.exercises, today, solved),
         students=len(progress.students),
         helpers=pair_helpers(progress, shown, finished, MAX_HELPED),

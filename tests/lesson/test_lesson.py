@@ -163,7 +163,7 @@ def test_the_page_names_who_is_stuck_and_on_what(site: Site, course: Course, mar
     mistakes = text.split('class="mistake-row"')
     assert len(mistakes) == 2
     assert '<strong class="mistake-count">6</strong>' in mistakes[1]
-    assert mistakes[1].count(" (10 min)") == 6, "those who are stuck on it, as their cards say"
+    assert mistakes[1].count(" (10\N{NO-BREAK SPACE}min)") == 6, "those who are stuck on it, as their cards say"
     assert f"{href}/erreurs/{EXERCISE}/{WRONG}/projeter" in mistakes[1]
     assert f"{href}/reprise?exercice={EXERCISE.replace('/', '%2F')}&amp;eleve=" in mistakes[1], "to those who have it"
     seen = re.findall(r'name="eleve" value="([^"]+)"', text)
@@ -171,6 +171,7 @@ def test_the_page_names_who_is_stuck_and_on_what(site: Site, course: Course, mar
     again = text_of(browser, f"{href}/seance")
     assert seen[0] not in again, "who was just seen leaves the list"
     assert "1 élève vu" in again
+    assert ("Au travail" in text, "Au travail" in again) == (False, True), "each student is in some list"
     wall = text_of(browser, f"{href}/seance/projeter")
     assert not re.search("Ada|Alan|Grace|Lovelace|" + "|".join(map(str, students)), wall), "no name on the projector"
     assert "1 sur 7" in wall
@@ -188,7 +189,8 @@ def test_the_stream_sends_the_parts_and_the_end(site: Site, course: Course, mart
     get_service(site.app, LiveBoards).max_stream_seconds = 0.0
     browser, path = martin.browser(site), f"/classes/{made.id}/seance/evenements"
     parts = parts_of(browser.get(path).text)
-    assert parts.keys() == {"clock", "days", "stuck", "mistakes", "finished"}
+    assert parts.keys() == {"clock", "tabs", "days", "stuck", "mistakes", "finished"}
+    assert "Bloqués 1" in parts["tabs"]
     assert "stuck-row" in parts["stuck"]
     wall = parts_of(browser.get(path, params={"mur": "oui"}).text)
     assert wall.keys() == {"wall"}

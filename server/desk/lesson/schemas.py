@@ -66,7 +66,8 @@ class DayExercise:
 class LessonParts:
     """Everything on the page that changes while the lesson goes on. `elapsed`: since it began, in words.
 
-    `overcome`: title and address of each mistake of the last minutes that nobody makes any more.
+    `overcome`: title and address of each mistake of the last minutes that nobody makes any more. Each student is among
+    the stuck, the `finished`, the `absent` or the `working`.
     """
 
     elapsed: str
@@ -77,6 +78,7 @@ class LessonParts:
     overcome: tuple[tuple[str, str], ...]
     finished: tuple[str, ...]
     absent: tuple[str, ...]
+    working: tuple[str, ...]
     exercises: tuple[DayExercise, ...]
     next_words: str
     students: int

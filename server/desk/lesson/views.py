@@ -44,7 +44,7 @@ SHOWN_STUCK = 5
 SHOWN_LESSONS = 10
 NEXT_WORDS = {
     Afterwards.none: "rien de particulier",
-    Afterwards.help: "ils aident un camarade",
+    Afterwards.help: "aider un camarade",
     Afterwards.challenge: "défi : {title}",
 }
 
@@ -132,6 +132,7 @@ def lesson_parts(db: Session, progress: ClassProgress, school_class: SchoolClass
         ),
         finished=tuple(names[account] for account in reversed(state.finished)),
         absent=tuple(names[account] for account in state.absent),
+        working=tuple(names[account] for account in state.working),
         exercises=_day_exercises(links, state),
         next_words=next_words(progress.course, lesson),
         students=state.students,
@@ -192,7 +193,7 @@ def _mistake_row(
         title=mistake_title(progress.course, mistake.exercise, mistake.id),
         exercise=links.title(mistake.exercise),
         still=(
-            *(f"{names[row.account]} ({minutes_since(row, progress)} min)" for row in held),
+            *(f"{names[row.account]} ({minutes_since(row, progress)}\N{NO-BREAK SPACE}min)" for row in held),
             *(names[account] for account in others),
         ),
         ever=mistake.ever,
@@ -217,6 +218,7 @@ def render_parts(parts: LessonParts, access: ClassAccess) -> Mapping[str, str]:
     macros: Any = jinja_environment().get_template("classes/lesson_parts.html").module
     return {
         "clock": str(macros.clock(parts)),
+        "tabs": str(macros.tabs(parts)),
         "days": str(macros.days(parts)),
         "stuck": str(macros.stuck(parts, access.has(Right.run_lessons), access.has(Right.comment))),
         "mistakes": str(macros.mistakes(parts, access.has(Right.manage_assignments))),

@@ -133,7 +133,7 @@ def _take(
         faults += [[path.name, screen, *fault] for fault in find_layout_faults(page)]
         ends = page.evaluate(CARD_ENDS)[: whole_cards[screen]] if whole_cards else ()
         faults += [[path.name, screen, "card below the screen", str(end)] for end in ends if end > height]
-        tab = page.get_by_text("Erreurs, finis")
+        tab = page.locator('label[for="onglet-erreurs"]')
         if tab.is_visible():
             tab.click()
             page.screenshot(path=f"{path}-{screen}-erreurs.png")
