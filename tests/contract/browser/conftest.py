@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 import re
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
@@ -19,12 +20,13 @@ from tests.support.chromium import chromium
 from tests.support.served import Server
 
 if TYPE_CHECKING:
-    from playwright.sync_api import ConsoleMessage, Request
+    from playwright.sync_api import BrowserType, ConsoleMessage, Request
 
 sync_api = pytest.importorskip("playwright.sync_api", reason="playwright is not installed")
 Browser, Page = sync_api.Browser, sync_api.Page
 sync_api.expect.set_options(timeout=180_000)
 
+log = logging.getLogger(__name__)
 ROOT = Path(__file__).parents[3]
 #: One process shows all pages and another draws them: starting one for each page is a third of what a page costs.
 OPTIONS = (
@@ -35,6 +37,8 @@ OPTIONS = (
     "--process-per-site",
 )
 EXERCISE = "/l20/exercices/poses"
+#: A browser of the machine dies at its start once in some hundred: all tests of a process would fail by it.
+LAUNCHES = 3
 
 
 @pytest.fixture(scope="session")
@@ -43,9 +47,19 @@ def browser() -> Iterator[Browser]:
     if program is None:
         pytest.skip("no Chromium on this machine")
     with sync_api.sync_playwright() as playwright:
-        launched = playwright.chromium.launch(executable_path=program, args=OPTIONS)
+        launched = _launch(playwright.chromium, program)
         yield launched
         launched.close()
+
+
+def _launch(chromium_type: BrowserType, program: str) -> Browser:
+    """Start the browser, again where it dies at once."""
+    for _ in range(LAUNCHES - 1):
+        try:
+            return chromium_type.launch(executable_path=program, args=OPTIONS)
+        except sync_api.Error as error:
+            log.warning("the browser died at its start: %s", error.message)
+    return chromium_type.launch(executable_path=program, args=OPTIONS)
 
 
 @dataclass
