@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from datetime import datetime
 from itertools import pairwise
 from typing import NamedTuple, TypeVar
 from uuid import UUID
@@ -73,9 +74,14 @@ def misconception_episodes(attempts: Attempts) -> Sequence[tuple[str, Misconcept
     return episodes
 
 
+def solved_at(attempts: Attempts) -> datetime | None:
+    """Return when the first of the attempts, of which there may be none, has succeeded."""
+    return attempt_totals(attempts).first_success_at if attempts else None
+
+
 def is_solved(attempts: Attempts) -> bool:
     """Whether one of the attempts, of which there may be none, has succeeded."""
-    return bool(attempts) and attempt_totals(attempts).first_success_at is not None
+    return solved_at(attempts) is not None
 
 
 @computed_once

@@ -8,11 +8,11 @@ from dataclasses import dataclass
 from datetime import datetime, timedelta
 from uuid import UUID
 
-from server.board.attempts import Pair
+from server.board.attempts import Pair, is_solved, solved_at
 from server.board.progress import ClassProgress
 from server.board.schemas import FEWEST_TO_PROJECT
 from server.board.stuck import PRESENCE, Expected, StuckStudent
-from server.gradebook.histories import Attempts, AttemptsByPair, attempt_totals, computed_once
+from server.gradebook.histories import Attempts, AttemptsByPair, computed_once
 from server.lesson.models import LessonVisit, LiveLesson
 
 RECENT_MISTAKES = timedelta(minutes=15)
@@ -142,12 +142,8 @@ def _mistake(exercise: str, misconception: str, made_by: Sequence[Attempts]) -> 
 
 def _solved_times(attempts: AttemptsByPair) -> Mapping[Pair, datetime]:
     """Return when each student first solved each exercise that they have solved."""
-    times = {pair: _first_success(series) for pair, series in attempts.items()}
+    times = {pair: solved_at(series) for pair, series in attempts.items()}
     return {pair: time for pair, time in times.items() if time is not None}
-
-
-def _first_success(attempts: Attempts) -> datetime | None:
-    return attempt_totals(attempts).first_success_at if attempts else None
 
 
 def _finished(progress: ClassProgress, solved: Mapping[Pair, datetime], exercises: Sequence[str]) -> tuple[UUID, ...]:
@@ -179,7 +175,7 @@ def pair_helpers(
 
 
 def _solved(progress: ClassProgress, account: UUID, exercise: str) -> bool:
-    return _first_success(progress.attempts.get((account, exercise), ())) is not None
+    return is_solved(progress.attempts.get((account, exercise), ()))
 
 
 def _made(progress: ClassProgress, account: UUID, exercise: str, misconception: str) -> bool:

@@ -8,13 +8,13 @@ from datetime import datetime, timedelta
 from enum import StrEnum
 from uuid import UUID
 
-from server.board.attempts import FAILURES
+from server.board.attempts import FAILURES, solved_at
 from server.board.catalogue import find_misconception
 from server.board.stuck import failures_without_progress
 from server.course import Course, Module
 from server.course.objectives import Objective
 from server.course.practice import practised_objectives
-from server.gradebook.histories import Attempts, attempt_totals
+from server.gradebook.histories import Attempts
 
 #: Exercises to solve for an objective, or all where it has fewer.
 MIN_SOLVED = 2
@@ -103,25 +103,21 @@ def find_states(
     objectives: Sequence[PractisedObjective], own: Mapping[str, Attempts], finder: MistakeFinder
 ) -> tuple[ObjectiveState, ...]:
     """Return the state of a student in each objective; `own`: their attempts by exercise."""
-    solved_at = {exercise: at for exercise, series in own.items() if (at := _solved_at(series)) is not None}
-    return tuple(_find_state(practised, own, solved_at, finder) for practised in objectives)
-
-
-def _solved_at(attempts: Attempts) -> datetime | None:
-    return attempt_totals(attempts).first_success_at if attempts else None
+    solved_times = {exercise: at for exercise, series in own.items() if (at := solved_at(series)) is not None}
+    return tuple(_find_state(practised, own, solved_times, finder) for practised in objectives)
 
 
 def _find_state(
     practised: PractisedObjective,
     own: Mapping[str, Attempts],
-    solved_at: Mapping[str, datetime],
+    solved_times: Mapping[str, datetime],
     finder: MistakeFinder,
 ) -> ObjectiveState:
     tried = [exercise for exercise in practised.exercises if own.get(exercise)]
-    solved = [exercise for exercise in tried if exercise in solved_at]
-    failing = [exercise for exercise in tried if exercise not in solved_at]
+    solved = [exercise for exercise in tried if exercise in solved_times]
+    failing = [exercise for exercise in tried if exercise not in solved_times]
     mistakes, is_weak = [], False
-    for exercise in (*failing, *(name for name in practised.related if own.get(name) and name not in solved_at)):
+    for exercise in (*failing, *(name for name in practised.related if own.get(name) and name not in solved_times)):
         series = own[exercise]
         latest = series[-1].diagnosis
         if latest is not None and finder.belongs(practised.objective, exercise, latest):
@@ -130,7 +126,7 @@ def _find_state(
         elif latest is None and exercise in failing:
             run = [attempt for attempt in failures_without_progress(series) if attempt.diagnosis is None]
             is_weak |= len({attempt.digest for attempt in run}) >= MIN_UNEXPLAINED
-    times = sorted(solved_at[exercise] for exercise in solved)
+    times = sorted(solved_times[exercise] for exercise in solved)
     mastered_at = times[practised.required - 1] if len(times) >= practised.required else None
     if is_weak:
         state = Mastery.weak
