@@ -319,7 +319,6 @@ def _properties(series: Series) -> Iterator[tuple[str, list[bool]]]:
                     yield f"{name}[{k}] est nul", [array[k] == 0 for array in arrays]
                     yield f"{name}[{k}] est négatif", [array[k] < 0 for array in arrays]
             yield f"{name} contient un nombre négatif", [bool((array < 0).any()) for array in arrays]
-            yield f"{name} contient un 0", [bool((array == 0).any()) for array in arrays]
             yield f"{name} ne contient que des 0", [bool((array == 0).all()) for array in arrays]
             if arrays[0].ndim == 2:
                 yield f"{name} a plus de deux colonnes", [array.ndim == 2 and array.shape[1] > 2 for array in arrays]

@@ -31,13 +31,15 @@ KEY_DISTANCE, KEY_TURN = 0.3, 0.4
 @dataclass
 class Results:
     """`odometry` (n, 3) of all scans; then of the k key poses: which scans they are, `matches` (k - 1, 3) of each to
-    the one before, closed loops, and the optimised poses (k, 3). None where the stage has not succeeded."""
+    the one before, closed loops, and the optimised poses (k, 3) of `solved_keys`. None where a stage has failed.
+    """
 
     odometry: Floats | None = None
     keys: list[int] | None = None
     matches: Floats | None = None
     loops: list[Loop] | None = None
     poses: Floats | None = None
+    solved_keys: list[int] | None = None
 
 
 @dataclass
@@ -49,33 +51,52 @@ class Chain:
 
     @property
     def odometry(self) -> Floats:
-        return self._taken(self.own.odometry, lambda: _course().odometry)
+        return self._taken(self.own.odometry, lambda course: course.odometry)
 
     @property
     def keys(self) -> list[int]:
-        return self._taken(self.own.keys, lambda: _course().keys)
+        return self._taken(self.own.keys, lambda course: course.keys)
 
-    @property
-    def matches(self) -> Floats:
-        """As many as there are key poses, but one: the course's only go with the course's keys."""
-        return self._taken(self.own.matches if self._same_keys() else None, lambda: _course().matches)
+    def matched(self) -> tuple[list[int], Floats]:
+        """Return the key poses and their matches, which go together: both of the course where these are missing."""
+        if self.own.matches is not None:
+            return self.keys, self.own.matches
+        course = self._lend()
+        assert course.keys is not None
+        assert course.matches is not None
+        return course.keys, course.matches
 
-    @property
-    def loops(self) -> list[Loop]:
-        return self._taken(self.own.loops if self._same_keys() else None, lambda: _course().loops)
+    def closed(self) -> tuple[list[int], Floats, list[Loop]]:
+        """Return the key poses, their matches and the loops between them, which go together.
 
-    @property
-    def poses(self) -> Floats:
-        return self._taken(self.own.poses if self._same_keys() else None, lambda: _course().poses)
+        Where the loops are missing, those of the course are lent with its matches, unless its key poses are the same.
+        """
+        keys, matches = self.matched()
+        if self.own.loops is not None:
+            return keys, matches, self.own.loops
+        course = self._lend()
+        assert course.keys is not None
+        assert course.matches is not None
+        assert course.loops is not None
+        return course.keys, matches if keys == course.keys else course.matches, course.loops
 
-    def _same_keys(self) -> bool:
-        return self.own.matches is None or len(self.own.matches) == len(self.keys) - 1
+    def solved(self) -> tuple[list[int], Floats]:
+        """Return the optimised poses and which scans they are of."""
+        if self.own.poses is not None and self.own.solved_keys is not None:
+            return self.own.solved_keys, self.own.poses
+        course = self._lend()
+        assert course.keys is not None
+        assert course.poses is not None
+        return course.keys, course.poses
 
-    def _taken(self, own: T | None, course: Callable[[], T | None]) -> T:
+    def _lend(self) -> Results:
+        self.borrowed = True
+        return _course()
+
+    def _taken(self, own: T | None, course: Callable[[Results], T | None]) -> T:
         if own is not None:
             return own
-        self.borrowed = True
-        lent = course()
+        lent = course(self._lend())
         assert lent is not None, "the course's chain is whole"
         return lent
 

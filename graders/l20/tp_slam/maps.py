@@ -33,7 +33,8 @@ LEAST_FREE = 2000
 def mapping(bench: Bench) -> None:
     """The map of some key scans, in the frame of the first pose."""
     chain = chain_of(bench)
-    poses, keys = chain.poses[::EVERY], chain.keys[::EVERY]
+    all_keys, all_poses = chain.solved()
+    keys, poses = all_keys[::EVERY], all_poses[::EVERY]
     scans = journeys.simulated().scans[keys]
     shape, corner = frame()
     value = bench.call("carte", poses, scans, shape, corner, SIDE)

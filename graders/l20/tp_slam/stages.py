@@ -166,8 +166,9 @@ def matched(bench: Bench, calls: list[tuple[Floats, Floats, Floats]]) -> tuple[F
 def closing(bench: Bench) -> None:
     """Places seen again: enough of them, and not one that is false."""
     chain = chain_of(bench)
-    start, truth = journeys.added_up(chain.matches), truth_at(chain.keys)
-    loops = read_loops(bench, bench.call("fermetures", journeys.simulated().scans[chain.keys], start), len(start))
+    keys, matches = chain.matched()
+    start, truth = journeys.added_up(matches), truth_at(keys)
+    loops = read_loops(bench, bench.call("fermetures", journeys.simulated().scans[keys], start), len(start))
     missed = np.array([relative(relative(truth[a], truth[b]), z) for a, b, z in loops]).reshape(-1, 3)
     false = (np.hypot(missed[:, 0], missed[:, 1]) > TRUE_LOOP) | (np.abs(missed[:, 2]) > TRUE_LOOP_TURN)
     close = np.array([abs(a - b) < GAP for a, b, _ in loops], dtype=bool)
@@ -200,7 +201,7 @@ def closing(bench: Bench) -> None:
 def _refused(message: str, chain: Chain, loops: list[Loop], expected: str) -> Rejection:
     return Rejection(
         message + borrowed(chain),
-        inputs={"poses clés": len(chain.keys)},
+        inputs={"poses clés": len(chain.matched()[0])},
         expected=expected,
         got=[[a, b, *np.round(z, 3).tolist()] for a, b, z in loops[:3]],
     )
@@ -228,9 +229,9 @@ def _read_loop(value: Value, count: int) -> Loop:
 def solving(bench: Bench) -> None:
     """The graph of all that: odometry, matches, loops."""
     chain = chain_of(bench)
-    matches, loops = chain.matches, chain.loops
+    keys, matches, loops = chain.closed()
     start, got = _solved(bench, chain)
-    truth = truth_at(chain.keys)
+    truth = truth_at(keys)
     before, after = ate(start, truth), ate(got, truth)
     bench.observe("optimiser", after < SOLVED, ok=after < SOLVED)
     if after >= SOLVED:
@@ -242,7 +243,7 @@ def solving(bench: Bench) -> None:
             got=f"une ATE de {metres(after)}",
         )
     bench.measured = f"L’ATE passe de {metres(before)} à {metres(after)}.{borrowed(chain)}"
-    chain.own.poses = got
+    chain.own.poses, chain.own.solved_keys = got, keys
 
 
 def show_solved(bench: Bench) -> None:
@@ -253,11 +254,11 @@ def show_solved(bench: Bench) -> None:
 
 def _solved(bench: Bench, chain: Chain, *, unjudged: bool = False) -> tuple[Floats, Floats]:
     """The chain (k, 3) of the matches and what `optimiser` makes of it, filmed. Raises Rejection, StudentFault."""
-    matches, loops = chain.matches, chain.loops
-    moves, start = steps_of(chain.odometry[chain.keys]), journeys.added_up(matches)
+    keys, matches, loops = chain.closed()
+    counted = chain.odometry[keys]
+    moves, start = steps_of(counted), journeys.added_up(matches)
     got = read_poses(bench, "optimiser", bench.call("optimiser", start, matches, moves, loops), len(start))
-    counted = chain.odometry[chain.keys]
-    film(bench, "simule", counted, start, loops, got, chain.keys, borrows=chain.borrowed, unjudged=unjudged)
+    film(bench, "simule", counted, start, loops, got, keys, borrows=chain.borrowed, unjudged=unjudged)
     return start, got
 
 

@@ -226,3 +226,19 @@ def test_figures_are_drawn(theme: str) -> None:
     for data in (match, map_, small_map, graph):
         recorded = whole_jsonable(data, limit=FIGURE_ITEMS)
         assert counterexample(GRADER.exercise, recorded, theme=theme).startswith(b"<?xml")
+
+
+@pytest.mark.parametrize("stage", ["matches", "loops"])
+def test_what_the_course_lends_goes_with_its_key_poses(stage: str) -> None:
+    """Whoever adds up turns has another number of key poses: lent matches or loops would not fit them."""
+    course = chain._course()
+    assert course.keys is not None
+    others = [*course.keys, course.keys[-1] + 1]
+    matched = np.zeros((len(others) - 1, 3)) if stage == "loops" else None
+    lent = chain.Chain(chain.Results(keys=others, matches=matched))
+    keys, matches = lent.matched()
+    assert len(matches) == len(keys) - 1
+    assert len(keys) == len(others) - (stage == "matches")
+    keys, matches, loops = lent.closed()
+    assert (keys, len(matches), loops) == (course.keys, len(keys) - 1, course.loops)
+    assert lent.borrowed
