@@ -97,7 +97,8 @@ class GradebookBody:
 class GradebookPage:
     """`assignment`: the title of the one that is detailed; `body`: a rendered `GradebookBody`.
 
-    `search`: what names contain; `search_fields`: the rest of the address; `is_long`: a search is worth its place.
+    `search`: what names contain; `search_fields`: the rest of the address, and
+    `unsearched` all of it without a search; `is_long`: a search is worth its place.
     `rules_unchosen`: no teacher has chosen yet how states count in the mean of this older class; `rules_href` and
     `columns_href` are empty for those who may not change them.
     """
@@ -110,6 +111,7 @@ class GradebookPage:
     search: str
     search_href: str
     search_fields: tuple[tuple[str, str], ...]
+    unsearched: str
     is_long: bool
     assignment: str
     assignment_href: str
