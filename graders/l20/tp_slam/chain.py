@@ -5,11 +5,11 @@ A stage that fails hands on the course's result instead, so that the next one ca
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from functools import cache
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any
 from weakref import WeakKeyDictionary
 
 import numpy as np
@@ -23,7 +23,6 @@ from graders.l20.tp_slam import journeys
 from reference.metrics import absolute_trajectory_error
 from reference.se2 import relative
 
-T = TypeVar("T")
 Loop = tuple[int, int, Floats]
 KEY_DISTANCE, KEY_TURN = 0.3, 0.4
 
@@ -42,6 +41,17 @@ class Results:
     solved_keys: list[int] | None = None
 
 
+@dataclass(frozen=True)
+class CourseResults:
+    """What the course's own solution finds on the simulated journey, as in `Results`."""
+
+    odometry: Floats
+    keys: list[int]
+    matches: Floats
+    loops: list[Loop]
+    poses: Floats
+
+
 @dataclass
 class Chain:
     """One grading's results, with the course's where there is none. `borrowed` says that the last one asked for was."""
@@ -51,19 +61,17 @@ class Chain:
 
     @property
     def odometry(self) -> Floats:
-        return self._taken(self.own.odometry, lambda course: course.odometry)
+        return self._lend().odometry if self.own.odometry is None else self.own.odometry
 
     @property
     def keys(self) -> list[int]:
-        return self._taken(self.own.keys, lambda course: course.keys)
+        return self._lend().keys if self.own.keys is None else self.own.keys
 
     def matched(self) -> tuple[list[int], Floats]:
         """Return the key poses and their matches, which go together: both of the course where these are missing."""
         if self.own.matches is not None:
             return self.keys, self.own.matches
         course = self._lend()
-        assert course.keys is not None
-        assert course.matches is not None
         return course.keys, course.matches
 
     def closed(self) -> tuple[list[int], Floats, list[Loop]]:
@@ -75,9 +83,6 @@ class Chain:
         if self.own.loops is not None:
             return keys, matches, self.own.loops
         course = self._lend()
-        assert course.keys is not None
-        assert course.matches is not None
-        assert course.loops is not None
         return course.keys, matches if keys == course.keys else course.matches, course.loops
 
     def solved(self) -> tuple[list[int], Floats]:
@@ -85,20 +90,11 @@ class Chain:
         if self.own.poses is not None and self.own.solved_keys is not None:
             return self.own.solved_keys, self.own.poses
         course = self._lend()
-        assert course.keys is not None
-        assert course.poses is not None
         return course.keys, course.poses
 
-    def _lend(self) -> Results:
+    def _lend(self) -> CourseResults:
         self.borrowed = True
         return _course()
-
-    def _taken(self, own: T | None, course: Callable[[Results], T | None]) -> T:
-        if own is not None:
-            return own
-        lent = course(self._lend())
-        assert lent is not None, "the course's chain is whole"
-        return lent
 
 
 _CHAINS: WeakKeyDictionary[Runner, Chain] = WeakKeyDictionary()
@@ -122,8 +118,7 @@ def ate(poses: Floats, truth: Floats) -> float:
 
 
 @cache
-def _course() -> Results:
-    """What the course's own solution finds on the simulated journey."""
+def _course() -> CourseResults:
     run, solved = journeys.simulated(), LocalProgram(Path(__file__).with_name("solution.py").read_bytes(), world.STILL)
 
     def ask(function: str, *args: Any) -> Any:
@@ -136,7 +131,7 @@ def _course() -> Results:
     matches = np.array([ask("recaler", clouds[k], clouds[k + 1], moves[k])[0] for k in range(len(moves))])
     start = journeys.added_up(matches)
     loops: list[Loop] = ask("fermetures", run.scans[keys], start)
-    return Results(odometry, keys, matches, loops, np.asarray(ask("optimiser", start, matches, moves, loops)))
+    return CourseResults(odometry, keys, matches, loops, np.asarray(ask("optimiser", start, matches, moves, loops)))
 
 
 def truth_at(keys: Sequence[int]) -> Floats:

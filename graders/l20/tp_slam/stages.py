@@ -230,7 +230,7 @@ def solving(bench: Bench) -> None:
     """The graph of all that: odometry, matches, loops."""
     chain = chain_of(bench)
     keys, matches, loops = chain.closed()
-    start, got = _solved(bench, chain)
+    start, got = _solved(bench, chain, keys, matches, loops)
     truth = truth_at(keys)
     before, after = ate(start, truth), ate(got, truth)
     bench.observe("optimiser", after < SOLVED, ok=after < SOLVED)
@@ -249,12 +249,14 @@ def solving(bench: Bench) -> None:
 def show_solved(bench: Bench) -> None:
     """Leave the film of the whole journey where a small graph has failed: nothing is judged."""
     with suppress(Rejection, StudentFault):
-        _solved(bench, chain_of(bench), unjudged=True)
+        chain = chain_of(bench)
+        _solved(bench, chain, *chain.closed(), unjudged=True)
 
 
-def _solved(bench: Bench, chain: Chain, *, unjudged: bool = False) -> tuple[Floats, Floats]:
+def _solved(
+    bench: Bench, chain: Chain, keys: list[int], matches: Floats, loops: list[Loop], *, unjudged: bool = False
+) -> tuple[Floats, Floats]:
     """The chain (k, 3) of the matches and what `optimiser` makes of it, filmed. Raises Rejection, StudentFault."""
-    keys, matches, loops = chain.closed()
     counted = chain.odometry[keys]
     moves, start = steps_of(counted), journeys.added_up(matches)
     got = read_poses(bench, "optimiser", bench.call("optimiser", start, matches, moves, loops), len(start))

@@ -232,7 +232,6 @@ def test_figures_are_drawn(theme: str) -> None:
 def test_what_the_course_lends_goes_with_its_key_poses(stage: str) -> None:
     """Whoever adds up turns has another number of key poses: lent matches or loops would not fit them."""
     course = chain._course()
-    assert course.keys is not None
     others = [*course.keys, course.keys[-1] + 1]
     matched = np.zeros((len(others) - 1, 3)) if stage == "loops" else None
     lent = chain.Chain(chain.Results(keys=others, matches=matched))
