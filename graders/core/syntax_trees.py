@@ -20,6 +20,14 @@ def parse_source(source: str | bytes) -> ast.Module:
         return ast.parse(source)  # noqa: TID251 - here alone
 
 
+def parse_or_none(source: str | bytes) -> ast.Module | None:
+    """Return the tree of a file; None where it cannot be read."""
+    try:
+        return parse_source(source)
+    except (SyntaxError, ValueError, RecursionError, MemoryError):
+        return None
+
+
 def parse_expression(source: str) -> ast.Expression:
     """Return the tree of an expression; raise as `parse_source` does."""
     with _lock:

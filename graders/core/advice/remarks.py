@@ -8,7 +8,7 @@ from collections.abc import Collection, Iterator
 from graders.core.advice.edits import Advice
 from graders.core.advice.loops import list_loop_advice, list_repeated_work
 from graders.core.advice.style import list_copies, list_hiding_names, list_inverses
-from graders.core.syntax_trees import parse_source
+from graders.core.syntax_trees import parse_or_none
 
 MAX_CANDIDATES = 12
 MAX_SOURCE = 40_000
@@ -22,9 +22,8 @@ def list_advice(source: str, functions: Collection[str], reference: str) -> Iter
     """
     if len(source) > MAX_SOURCE or "\f" in source or "\r" in source:
         return
-    try:
-        tree = parse_source(source)
-    except (SyntaxError, ValueError, RecursionError, MemoryError):
+    tree = parse_or_none(source)
+    if tree is None:
         return
     found = 0
     for advice in _all(source, tree, functions, reference):

@@ -36,6 +36,14 @@ class ProgramText:
         self.imported = _imported(self.tree)
         self._variables: dict[ast.AST, list[str]] = {}
 
+    @classmethod
+    def read(cls, source: str) -> ProgramText | None:
+        """Return the text of a program; None where it cannot be read."""
+        try:
+            return cls(source)
+        except (SyntaxError, ValueError, RecursionError, MemoryError):
+            return None
+
     def span(self, node: ast.AST) -> tuple[int, int]:
         """Return the byte range of a node, without parentheses around it."""
         start = self._lines[node.lineno - 1] + node.col_offset  # type: ignore[attr-defined]

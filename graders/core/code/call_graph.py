@@ -5,7 +5,7 @@ from __future__ import annotations
 import ast
 from collections.abc import Collection, Mapping, Set
 
-from graders.core.syntax_trees import parse_source
+from graders.core.syntax_trees import parse_or_none
 
 
 def find_callers(source: bytes, names: Collection[str]) -> frozenset[str]:
@@ -22,9 +22,8 @@ def find_shared_helpers(source: bytes, functions: Collection[str], asked: Collec
 
 def _read_names(source: bytes) -> Mapping[str, Set[str]]:
     """Return the names that each function of a program reads; none where it cannot be read."""
-    try:
-        tree = parse_source(source)
-    except (SyntaxError, ValueError, RecursionError, MemoryError):
+    tree = parse_or_none(source)
+    if tree is None:
         return {}
     return {
         node.name: {part.id for part in ast.walk(node) if isinstance(part, ast.Name)}

@@ -50,9 +50,8 @@ def find_changes(
     """
     if len(source) > MAX_SOURCE:
         return []
-    try:
-        text = ProgramText(source)
-    except (SyntaxError, ValueError, RecursionError, MemoryError):
+    text = ProgramText.read(source)
+    if text is None:
         return []
     nodes = sorted(_reached_nodes(text, functions, apart), key=lambda node: getattr(node, "lineno", 0))
     lines = {getattr(node, "lineno", 0) for node in nodes}
@@ -126,9 +125,8 @@ def noted_line(source: str, line: int) -> tuple[str, list[str]] | None:
 
     None where no simple statement begins there.
     """
-    try:
-        text = ProgramText(source)
-    except (SyntaxError, ValueError, RecursionError, MemoryError):
+    text = ProgramText.read(source)
+    if text is None:
         return None
     statement = next(
         (
@@ -155,9 +153,8 @@ def with_insertions(text: ProgramText, added: Sequence[tuple[int, bytes]]) -> st
 
 def count_turns(source: str) -> str:
     """Return a program whose loops count their turns; as it is where it does not parse."""
-    try:
-        text = ProgramText(source)
-    except (SyntaxError, ValueError, RecursionError, MemoryError):
+    text = ProgramText.read(source)
+    if text is None:
         return source
     return _counted(text, Change(0, 0, "", ""), turn_counters(text))
 

@@ -19,7 +19,7 @@ from graders.core.code.checks import Check
 from graders.core.compare.slips import SLIPS, Slip
 from graders.core.contract.findings import Finding
 from graders.core.contract.outcomes import Outcome
-from graders.core.syntax_trees import evaluate_literal, parse_source
+from graders.core.syntax_trees import evaluate_literal, parse_or_none
 from graders.typography import elided
 
 MODIFIED_ARGUMENT, NOTHING, SHORT, IMPRECISE = "argument_modifie", "sans_retour", "simple_precision", "precision_perdue"
@@ -67,10 +67,8 @@ def is_told(fact: Fact, titles: Iterable[str]) -> bool:
 
 
 def _functions(text: str) -> Mapping[str, ast.FunctionDef]:
-    try:
-        return {node.name: node for node in parse_source(text).body if isinstance(node, ast.FunctionDef)}
-    except (SyntaxError, ValueError, RecursionError, MemoryError):
-        return {}
+    tree = parse_or_none(text)
+    return {node.name: node for node in (tree.body if tree else ()) if isinstance(node, ast.FunctionDef)}
 
 
 @cache

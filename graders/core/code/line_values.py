@@ -26,7 +26,7 @@ class LineValues(Enum):
 
 def seen_at(source: str, line: int) -> str | None:
     """Return a program that shows what the statement of a line sets or returns; None where no simple one is there."""
-    text = _text(source)
+    text = ProgramText.read(source)
     statements = _simple_statements(text) if text is not None else ()
     found = [node for node in statements if node.lineno <= line <= (node.end_lineno or 0)]
     return None if text is None or not found else _seeing(text, found[-1:])
@@ -34,7 +34,7 @@ def seen_at(source: str, line: int) -> str | None:
 
 def seen_everywhere(source: str) -> str | None:
     """Return a program that shows what each of its statements sets or returns."""
-    text = _text(source)
+    text = ProgramText.read(source)
     return None if text is None else _seeing(text, list(_simple_statements(text)))
 
 
@@ -58,13 +58,6 @@ def compare_values(
     if telling and all(becomes and not was for was, becomes in telling):
         return LineValues.WRONG
     return LineValues.UNKNOWN
-
-
-def _text(source: str) -> ProgramText | None:
-    try:
-        return ProgramText(source)
-    except (SyntaxError, ValueError, RecursionError, MemoryError):
-        return None
 
 
 def _simple_statements(text: ProgramText) -> Iterator[ast.Assign | ast.AugAssign | ast.Return]:

@@ -31,7 +31,7 @@ from graders.core.contract.program import Programs, Reply, StudentFault
 from graders.core.contract.streams import stream
 from graders.core.contract.values import Arguments
 from graders.core.contract.verdict import Diagnosis
-from graders.core.syntax_trees import parse_source
+from graders.core.syntax_trees import parse_or_none
 
 #: Changes run through the checks; changes of one program in all.
 MAX_VERIFIED, MAX_STEPS = 8, 2
@@ -101,7 +101,7 @@ class MendingSearch:
         The changes are of these functions and of those that they call, but of the `helpers` only where some are given.
         Where some check still fails, a doubtful change proves nothing: it may only pass by the mistake.
         """
-        if not _parses(source):
+        if parse_or_none(source) is None:
             return None
         try:
             failed = self.failed_checks(source)
@@ -282,14 +282,6 @@ def in_lines_of(source: str, steps: Sequence[MendingStep]) -> Iterator[MendingSt
         rivals = tuple(replace(rival, line=places.get(rival.line, rival.line)) for rival in step.rivals)
         yield replace(step, change=change, rivals=rivals)
         text = step.change.text
-
-
-def _parses(source: str) -> bool:
-    try:
-        parse_source(source)
-    except (SyntaxError, ValueError, RecursionError, MemoryError):
-        return False
-    return True
 
 
 def time_limit(seconds: float, processor_seconds: float) -> Callable[[], bool]:

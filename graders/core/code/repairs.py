@@ -24,7 +24,7 @@ from graders.core.code.ast_matching import (
     signed_terms,
 )
 from graders.core.code.mutations import Model
-from graders.core.syntax_trees import parse_source
+from graders.core.syntax_trees import parse_or_none, parse_source
 
 #: Bounds of the search: nodes of one location, matches of one location, guessed names, combinations, visited nodes.
 MAX_NODES, MAX_MATCHES, MAX_GUESSED_NAMES, MAX_COMBINATIONS, MAX_VISITED = 80, 24, 2, 200, 4000
@@ -74,9 +74,8 @@ def find_repairs(
     """
     if len(source) > MAX_SOURCE:
         return
-    try:
-        tree = parse_source(source)
-    except (SyntaxError, ValueError, RecursionError, MemoryError):
+    tree = parse_or_none(source)
+    if tree is None:
         return
     nodes = [node for node in tree.body if isinstance(node, ast.FunctionDef)]
     nodes.sort(key=lambda node: node.name not in functions)
@@ -267,11 +266,7 @@ def _replaced(source: str, pieces: Sequence[tuple[int, int, str]]) -> str:
 
 def _if_valid(repair: Repair) -> Repair | None:
     """Return the repair if it is syntactically valid, else None."""
-    try:
-        parse_source(repair.text)
-    except (SyntaxError, ValueError, RecursionError, MemoryError):
-        return None
-    return repair
+    return None if parse_or_none(repair.text) is None else repair
 
 
 def _span(source: str, node: ast.AST) -> tuple[int, int]:

@@ -16,7 +16,7 @@ from typing import Any
 
 import numpy as np
 
-from graders.core.syntax_trees import parse_source
+from graders.core.syntax_trees import parse_or_none
 
 #: Characters; a longer text counts as stateful.
 MAX_SOURCE = 10_000
@@ -76,9 +76,8 @@ def is_stateless(source: bytes, kit_names: Mapping[str, Any]) -> bool:
     """Whether the calls of a program cannot influence later ones; `kit_names` are the names of its kit."""
     if len(source) > MAX_SOURCE or "__drivers__" in kit_names:
         return False
-    try:
-        tree = parse_source(source)
-    except (SyntaxError, ValueError, RecursionError, MemoryError):
+    tree = parse_or_none(source)
+    if tree is None:
         return False
     module_names = {name for name, value in kit_names.items() if any(value is module for module in _MODULES.values())}
     shared = set(_BUILTINS - kit_names.keys()) | module_names
@@ -98,9 +97,8 @@ def may_keep_state(source: bytes) -> bool:
     That is a global variable that a function sets, a mutable value at the top level that is read somewhere, or as a
     default or an attribute of a class, an attribute of a function or of a class that is set, a decorator.
     """
-    try:
-        tree = parse_source(source[:MAX_SOURCE])
-    except (SyntaxError, ValueError, RecursionError, MemoryError):
+    tree = parse_or_none(source[:MAX_SOURCE])
+    if tree is None:
         return False
     nodes = list(ast.walk(tree))  # once: a right program waits for this too
     functions = [node for node in nodes if isinstance(node, ast.FunctionDef)]

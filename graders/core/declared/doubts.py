@@ -23,12 +23,10 @@ def find_doubt(
     positions `free` does not count.
     """
     call = only_call(scenario)
-    calls = [each for each in map(only_call, examples) if each is not None and call is not None]
-    alike = [each for each in calls if call and _is_alike(each, call)]
-    if call is None or len(alike) < FEWEST:
+    columns = None if call is None else _columns_alike(call, examples)
+    if call is None or columns is None:
         return ""
     named = [names[at] if at < len(names) else f"l’argument {at + 1}" for at in range(_width(call))]
-    columns = list(zip(*(each.arguments for each in alike), strict=True))
     doubts = (_order(call, columns, named, free), _together(call, columns, named), _kind(call, columns, named, free))
     return next(itertools.chain.from_iterable(doubts), "")
 
@@ -36,10 +34,9 @@ def find_doubt(
 def has_other_shape(scenario: Scenario, examples: Sequence[Scenario]) -> bool:
     """Whether a case has lists in a list, or rows of other lengths, where no example has: no such input is meant."""
     call = only_call(scenario)
-    alike = [each for each in map(only_call, examples) if call and each and _is_alike(each, call)]
-    if call is None or len(alike) < FEWEST:
+    columns = None if call is None else _columns_alike(call, examples)
+    if call is None or columns is None:
         return False
-    columns = zip(*(each.arguments for each in alike), strict=True)
     return any(
         all(map(_is_sequence, (value, *column))) and all(map(holds, column)) and not holds(value)
         for value, column in zip(call.arguments, columns, strict=True)
@@ -47,8 +44,11 @@ def has_other_shape(scenario: Scenario, examples: Sequence[Scenario]) -> bool:
     )
 
 
-def _is_alike(call: Statement, other: Statement) -> bool:
-    return call.callee == other.callee and _width(call) == _width(other)
+def _columns_alike(call: Statement, examples: Sequence[Scenario]) -> list[tuple[Value, ...]] | None:
+    """Return each argument's values in the examples that call alike; None where these are too few."""
+    others = [other for other in map(only_call, examples) if other is not None]
+    alike = [other for other in others if other.callee == call.callee and _width(other) == _width(call)]
+    return list(zip(*(other.arguments for other in alike), strict=True)) if len(alike) >= FEWEST else None
 
 
 def _is_flat(value: Value) -> bool:

@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
 from graders.core.declared.malformed import MalformedDeclaration
-from graders.core.syntax_trees import parse_source
+from graders.core.syntax_trees import parse_or_none
 
 #: Characters of a file whose constructs are looked for.
 MAX_SOURCE = 100_000
@@ -53,9 +53,8 @@ class Rule:
 
     def broken_at(self, source: bytes) -> tuple[str, int | None] | None:
         """Return why a file breaks the rule, with the line; None where it does not, or cannot be read."""
-        try:
-            tree = parse_source(source[:MAX_SOURCE].decode("utf-8-sig", "replace"))
-        except (SyntaxError, ValueError, RecursionError, MemoryError):
+        tree = parse_or_none(source[:MAX_SOURCE].decode("utf-8-sig", "replace"))
+        if tree is None:
             return None
         line = next(self._lines(tree), None)
         if self.required:

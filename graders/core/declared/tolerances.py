@@ -13,7 +13,7 @@ from graders.core.contract.values import Value
 from graders.core.declared.draws_reading import parse_expression_of
 from graders.core.declared.malformed import MalformedDeclaration
 from graders.core.declared.scenarios import Scenario, Statement
-from graders.core.syntax_trees import evaluate_literal, parse_source
+from graders.core.syntax_trees import evaluate_literal, parse_or_none, parse_source
 
 #: Names of a parameter that says how far from the answer one may be, and values that one may have.
 PRECISIONS, MAX_PRECISION = frozenset({"eps", "epsilon", "tol", "tolerance", "precision"}), 0.5
@@ -100,12 +100,11 @@ def _is_difference(node: ast.expr) -> bool:
 
 
 def _parameters(solution: str) -> dict[str, dict[str, tuple[Value, ...]]]:
-    try:
-        body = parse_source(solution).body
-    except (SyntaxError, ValueError, RecursionError, MemoryError):
+    tree = parse_or_none(solution)
+    if tree is None:
         return {}
     found = {}
-    for node in body:
+    for node in tree.body:
         if isinstance(node, ast.FunctionDef):
             found[node.name] = _of_function(node, 0)
         elif isinstance(node, ast.ClassDef):
