@@ -128,7 +128,7 @@ def pytest_collection(session: pytest.Session) -> Iterator[None]:
         return (yield)
     finally:
         gc.freeze()
-        gc.set_threshold(10_000, 10, 20)
+        gc.set_threshold(50_000, 10, 20)
         gc.enable()
 
 

@@ -91,10 +91,13 @@ def start_cache() -> Path:
 
 
 class Live:
-    """A server on a data folder; `address` once it has said that it is ready."""
+    """A server on a data folder; `address` once it has said that it is ready.
 
-    def __init__(self, data: Path, **values: str) -> None:
-        command = [sys.executable, "-m", "server", "serve", "--port", "0", "--data", str(data)]
+    `program` is the module that runs: without `"server"` itself, the wall that takes long to try is not tried.
+    """
+
+    def __init__(self, data: Path, *, program: str = "tests.support.serve_soon", **values: str) -> None:
+        command = [sys.executable, "-m", program, "serve", "--port", "0", "--data", str(data)]
         self.errors = data.parent / "errors.log"
         data.mkdir(mode=0o700, parents=True, exist_ok=True)
         if start_cache().exists() and not (data / CACHE_FILE).exists():

@@ -82,12 +82,13 @@ def in_events(text: str) -> Iterator[str]:
         yield from in_json(json.loads(said)) if said.startswith("{") else Addresses(said).found
 
 
-def addresses(answer: Any) -> list[str]:
+def addresses(answer: Any, page: Addresses | None) -> list[str]:
+    """Return what an answer says, and its headers, that begins with a slash; `page` is its text where it is HTML."""
     kind = answer.headers.get("content-type", "").partition(";")[0]
     found = [answer.headers[name] for name in ("location", "content-location") if name in answer.headers]
     found += re.findall(r"Path=([^;]*)", answer.headers.get("set-cookie", ""))
-    if kind == "text/html":
-        found += Addresses(answer.text).found
+    if page is not None:
+        found += page.found
     elif kind.endswith("json") and answer.text[:1] in "[{":  # the drawer of these tests draws nothing
         described = answer.json()
         found += in_json({**described, "paths": None, "components": None} if "openapi" in described else described)
@@ -114,11 +115,13 @@ class Watched(TestClient):
 
     def request(self, method: str, url: Any, **options: Any) -> Any:
         answer = super().request(method, f"{ROOT}{str(url).removeprefix(ROOT)}", **options)
-        found = [address for address in addresses(answer) if not re.match(SCHOOL, str(url))]
+        is_page = answer.headers.get("content-type", "").startswith("text/html")
+        page = Addresses(answer.text) if is_page else None
+        found = [address for address in addresses(answer, page) if not re.match(SCHOOL, str(url))]
         self.seen += found
         self.strays |= {(f"{method} {url}", one) for one in astray(found)}
-        if answer.headers.get("content-type", "").startswith("text/html"):
-            self.attributes |= Addresses(answer.text).attributes
+        if page is not None:
+            self.attributes |= page.attributes
         return answer
 
 

@@ -1,29 +1,32 @@
-"""A service that may ask servers of this machine and grades nothing, for all tests of this folder."""
+"""A service that may ask servers of this machine, for all tests of this folder: the one that the browser's have."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+import os
 from pathlib import Path
 
+import httpx
 import pytest
 
-from tests.support.live import Live
+from tests.support.live import PASSWORD, PATIENCE
+from tests.support.served import Server
 
 
 @pytest.fixture(scope="session")
-def data(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    return tmp_path_factory.mktemp("served") / "data"
+def live(server: Server) -> Server:
+    """It has leave to ask servers of this machine."""
+    return server
 
 
 @pytest.fixture(scope="session")
-def live(data: Path) -> Iterator[Live]:
-    """Serve, with leave to ask servers of this machine."""
-    walls = {"BALISE_PLATFORM_HTTP": "true", "BALISE_PLATFORM_NETWORKS": "127.0.0.0/8"}
-    served = Live(data, BALISE_WORKERS="0", **walls)
-    served.sign_up_teacher()
-    try:
-        yield served
-    finally:
-        served.process.terminate()
-        served.process.wait(300)
-        served.close()
+def data(live: Server) -> Path:
+    return Path(live.data)
+
+
+@pytest.fixture(scope="session")
+def by_password(live: Server) -> dict[str, str]:
+    """The form by which somebody of this test process signs in with a password, hashed as in service."""
+    form = {"login": f"federation-{os.getpid()}", "password": PASSWORD}
+    signed_up = httpx.post(f"{live.address}/inscription", data={"name": "Ada", **form}, timeout=PATIENCE)
+    assert signed_up.status_code == 303, signed_up.text
+    return form

@@ -20,8 +20,9 @@ from sqlalchemy import select
 from server.federation.models import Protocol
 from server.identity.models import BrowserSession
 from tests.contract.federation.test_servers import GROUPS, arrived, courses, register
-from tests.support.live import PATIENCE, Live, until
+from tests.support.live import PATIENCE, until
 from tests.support.peers import free_port, read, running, submit
+from tests.support.served import Server
 
 PORTAL = Path("/usr/share/lemonldap-ng/portal/htdocs/index.psgi")
 #: Expressions of Perl, which give these attributes to whoever logs in.
@@ -87,7 +88,7 @@ def configure(folder: Path, portal: str, service: str, oidc_back: str) -> Path:
 
 
 @pytest.mark.skipif(not PORTAL.exists() or not shutil.which("plackup"), reason="LemonLDAP::NG is not installed")
-def test_one_session_of_lemonldap_enters_by_cas_and_by_openid_connect(live: Live, data: Path, tmp_path: Path) -> None:
+def test_one_session_of_lemonldap_enters_by_cas_and_by_openid_connect(live: Server, data: Path, tmp_path: Path) -> None:
     port = free_port()
     portal = f"http://127.0.0.1:{port}"
     cas = register(data, Protocol.cas, {"name": "Portail", "issuer": f"{portal}/cas", "service": live.address})

@@ -33,8 +33,9 @@ from server.federation.outbox_task import MarksRun, SchoolMarksTask
 from server.federation.outgoing import Outgoing, parse_networks
 from server.identity.models import FederatedIdentity
 from server.marks.models import Override
-from tests.support.live import PASSWORD, PATIENCE, Live
+from tests.support.live import PATIENCE
 from tests.support.peers import PEERS, TRIES, free_port, read, running, seconds
+from tests.support.served import Server
 from tests.support.service import EXERCISE
 
 HERE, PYTHON = Path(__file__).parent, PEERS / "openedx" / "bin" / "python"
@@ -52,7 +53,7 @@ class Browser(httpx.Client):
 class OpenEdx:
     """The platform, and its course as Balise has it."""
 
-    def __init__(self, address: str, live: Live, data: Path) -> None:
+    def __init__(self, address: str, live: Server, data: Path) -> None:
         self.address, self.live = address, live
         self.database = Database(Settings(data_dir=data).url)
         self.outgoing = Outgoing(parse_networks("127.0.0.0/8"), insecure=True)
@@ -154,7 +155,7 @@ class OpenEdx:
 
 @pytest.mark.skipif(not PYTHON.exists(), reason="lti-consumer-xblock is not here: .ci/peers")
 def test_a_course_of_open_edx_has_its_people_its_link_and_its_marks(
-    live: Live, data: Path, tmp_path: Path, course: Course
+    live: Server, data: Path, by_password: dict[str, str], tmp_path: Path, course: Course
 ) -> None:
     port = free_port()
     address = f"http://127.0.0.1:{port}"
@@ -197,8 +198,8 @@ def test_a_course_of_open_edx_has_its_people_its_link_and_its_marks(
                 openedx.score(**wrong)
             assert refused.value.status == status, wrong
 
-        login = {"login": "prof", "password": PASSWORD}
-        by_password = min(seconds(lambda: httpx.post(f"{live.address}/connexion", data=login)) for _ in range(TRIES))
-        by_launch = min(openedx.enter_again(student, "s1") for _ in range(TRIES))
-        assert by_launch < by_password, "a launch takes longer than a sign-in by a password"
+        sign_in = f"{live.address}/connexion"
+        typed = min(seconds(lambda: httpx.post(sign_in, data=by_password)) for _ in range(TRIES))
+        launched = min(openedx.enter_again(student, "s1") for _ in range(TRIES))
+        assert launched < typed, "a launch takes longer than a sign-in by a password"
     openedx.database.engine.dispose()
