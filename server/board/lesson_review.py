@@ -34,7 +34,8 @@ UNEXPLAINED_SHARE, UNSOLVED_SHARE = 1 / 3, 3 / 4
 
 @dataclass(frozen=True)
 class StudentToSee:
-    """A student who ended the period without progress: `failures` different ones; `mistake` is that of the last.
+    """A student who ended the period without progress: `failures` different ones; `mistake` is that of the last, whose
+    grading is `grading`.
 
     `days`: those of a week on which they made it, on the school's clock; empty of a lesson.
     """
@@ -43,6 +44,7 @@ class StudentToSee:
     exercise: str
     failures: int
     mistake: str | None
+    grading: UUID
     days: tuple[date, ...] = ()
 
 
@@ -168,7 +170,7 @@ def _students_to_see(period: Mapping[Pair, Attempts]) -> tuple[StudentToSee, ...
         failures = 0 if is_solved(series) else len({attempt.digest for attempt in failures_without_progress(series)})
         known = worst.get(account)
         if failures >= MIN_FAILURES and (known is None or failures > known.failures):
-            worst[account] = StudentToSee(account, exercise, failures, series[-1].diagnosis)
+            worst[account] = StudentToSee(account, exercise, failures, series[-1].diagnosis, series[-1].grading_id)
     return tuple(sorted(worst.values(), key=lambda row: (-row.failures, str(row.account))))
 
 
@@ -187,7 +189,7 @@ def _students_to_see_of_week(period: Mapping[Pair, Attempts], since: datetime) -
             failures = len({attempt.digest for attempt in failures_without_progress(series, timedelta.max)})
             is_stuck = failures >= MIN_FAILURES_OF_WEEK and last.sent_at == ended_at
             if is_stuck or len(days) >= MIN_DAYS:
-                row = StudentToSee(account, exercise, failures, last.diagnosis, tuple(sorted(days)))
+                row = StudentToSee(account, exercise, failures, last.diagnosis, last.grading_id, tuple(sorted(days)))
                 worst[account] = min(row, worst.get(account, row), key=_urgency)
     return tuple(sorted(worst.values(), key=_urgency))
 

@@ -13,11 +13,12 @@ from server.board.progress import ClassProgress
 from server.board.schemas import FEWEST_TO_PROJECT
 from server.board.stuck import PRESENCE, Expected, StuckStudent
 from server.gradebook.histories import Attempts, AttemptsByPair, computed_once
-from server.lesson.models import LessonVisit, LiveLesson
+from server.lesson.models import LiveLesson
+from server.lesson.repository import Visit
 
 RECENT_MISTAKES = timedelta(minutes=15)
 MAX_MISTAKES, MAX_HELPED = 3, 5
-#: How long a student who was seen is left out of the list, unless another exercise is in their way.
+#: How long a student who was seen stands below those who were not, unless another exercise is in their way.
 VISIT_LASTS = timedelta(minutes=10)
 
 
@@ -51,7 +52,8 @@ class ExerciseCount:
 
 @dataclass(frozen=True)
 class LessonState:
-    """A lesson at one time. `stuck`: the longest first; `visited`: those left out as they were just seen.
+    """A lesson at one time. `stuck`: the longest first, then those who were `just_seen`; `visits`: to those of them
+    who were seen at the exercise at which they are stuck.
 
     `mistakes`: those that most students still make, then most of the stuck; `overcome`: those of the last minutes that
     nobody makes any more, where there is room. `finished` have solved all exercises of the day, the latest last;
@@ -60,7 +62,8 @@ class LessonState:
     """
 
     stuck: tuple[StuckStudent, ...]
-    visited: tuple[UUID, ...]
+    just_seen: frozenset[UUID]
+    visits: Mapping[UUID, Visit]
     mistakes: tuple[LessonMistake, ...]
     overcome: tuple[LessonMistake, ...]
     finished: tuple[UUID, ...]
@@ -71,11 +74,12 @@ class LessonState:
     helpers: Mapping[UUID, UUID]
 
 
-def build_state(progress: ClassProgress, lesson: LiveLesson, visits: Mapping[UUID, LessonVisit]) -> LessonState:
+def build_state(progress: ClassProgress, lesson: LiveLesson, visits: Mapping[UUID, Visit]) -> LessonState:
     expected = Expected(tuple(lesson.exercises), lesson.started_at)
-    stuck = progress.find_stuck(expected)
-    just_seen = {row.account for row in stuck if _is_just_seen(visits.get(row.account), row, progress.now)}
-    shown = tuple(row for row in stuck if row.account not in just_seen)
+    longest_first = progress.find_stuck(expected)
+    seen = {row.account: visits[row.account] for row in longest_first if _is_seen_at(row, visits.get(row.account))}
+    just_seen = frozenset(account for account, visit in seen.items() if progress.now - visit.visited_at < VISIT_LASTS)
+    stuck = tuple(sorted(longest_first, key=lambda row: row.account in just_seen))
     wanted = frozenset(lesson.exercises)
     today = {pair: series for pair, series in progress.attempts.items() if pair[1] in wanted}
     solved = _solved_times(today)
@@ -86,10 +90,11 @@ def build_state(progress: ClassProgress, lesson: LiveLesson, visits: Mapping[UUI
     )
     current = tuple(row for row in mistakes if row.still)[:MAX_MISTAKES]
     absent = _absent(progress, lesson.started_at)
-    listed = {*(row.account for row in shown), *finished, *absent}
+    listed = {*are_stuck, *finished, *absent}
     return LessonState(
-        stuck=shown,
-        visited=tuple(row.account for row in stuck if row.account in just_seen),
+        stuck=stuck,
+        just_seen=just_seen,
+        visits=seen,
         mistakes=current,
         overcome=tuple(row for row in mistakes if _is_just_overcome(row, progress.now))[: MAX_MISTAKES - len(current)],
         finished=finished,
@@ -97,12 +102,13 @@ def build_state(progress: ClassProgress, lesson: LiveLesson, visits: Mapping[UUI
         working=tuple(student.id for student in progress.students if student.id not in listed),
         exercises=_count_by_exercise(lesson.exercises, today, solved),
         students=len(progress.students),
-        helpers=pair_helpers(progress, shown, finished, MAX_HELPED),
+        helpers=pair_helpers(progress, [row for row in stuck if row.account not in just_seen], finished, MAX_HELPED),
     )
 
 
-def _is_just_seen(visit: LessonVisit | None, row: StuckStudent, now: datetime) -> bool:
-    return visit is not None and visit.exercise == row.exercise and now - visit.visited_at < VISIT_LASTS
+def _is_seen_at(row: StuckStudent, visit: Visit | None) -> bool:
+    """Whether a student was seen at the exercise at which they are stuck."""
+    return visit is not None and visit.exercise == row.exercise
 
 
 def _is_just_overcome(row: LessonMistake, now: datetime) -> bool:
@@ -160,17 +166,20 @@ def _finished(progress: ClassProgress, solved: Mapping[Pair, datetime], exercise
 def pair_helpers(
     progress: ClassProgress, stuck: Sequence[StuckStudent], finished: Sequence[UUID], limit: int
 ) -> Mapping[UUID, UUID]:
-    """Give each of the first stuck students a helper who has finished: at best one who overcame the same mistake."""
+    """Give each of the first stuck students a helper who has finished: at best one who helps nobody else yet, then one
+    who overcame the same mistake."""
     helpless = {row.account for row in stuck}
-    free, pairs = [account for account in finished if account not in helpless], {}
+    free, pairs = [account for account in finished if account not in helpless], dict[UUID, UUID]()
+    helped: Counter[UUID] = Counter()
     for row in stuck[:limit]:
         attempts = progress.attempts.get((row.account, row.exercise), ())
         mistake = attempts[-1].diagnosis if attempts else None
         able = [account for account in free if _solved(progress, account, row.exercise)]
-        overcame = [account for account in able if mistake and _made(progress, account, row.exercise, mistake)]
-        for helper in (overcame or able)[:1]:
+        overcame = {account for account in able if mistake and _made(progress, account, row.exercise, mistake)}
+        if able:
+            helper = min(able, key=lambda account: (helped[account], account not in overcame))
             pairs[row.account] = helper
-            free.remove(helper)
+            helped[helper] += 1
     return pairs
 
 

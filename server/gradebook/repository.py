@@ -229,6 +229,12 @@ def load_verdict(db: Session, grading_id: UUID) -> dict[str, Any]:
     return verdict
 
 
+def load_verdicts(db: Session, gradings: Collection[UUID]) -> Mapping[UUID, dict[str, Any]]:
+    """Load the verdicts of some gradings."""
+    query = select(Grading.id, Grading.verdict).where(Grading.id.in_(gradings))
+    return {row[0]: row[1] for row in db.execute(query)}
+
+
 def load_figures(db: Session, grading_id: UUID) -> dict[str, Any]:
     query = select(Grading).where(Grading.id == grading_id).options(undefer(Grading.figures))
     return db.execute(query.execution_options(populate_existing=True)).scalar_one().figures

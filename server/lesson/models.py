@@ -44,7 +44,7 @@ class LiveLesson(Base):
 
 
 class LessonVisit(Base):
-    """The last time that a teacher marked a student as seen in a lesson, and at which exercise."""
+    """The last time that a teacher marked a student as seen in a lesson, at which exercise, and who did."""
 
     __tablename__ = "lesson_visit"
 
@@ -52,3 +52,4 @@ class LessonVisit(Base):
     account_id: Mapped[UUID] = mapped_column(ForeignKey("account.id", ondelete="CASCADE"), primary_key=True, index=True)
     exercise: Mapped[str] = mapped_column(String(200))
     visited_at: Mapped[datetime] = mapped_column(UtcDateTime, default=utc_now)
+    visited_by: Mapped[UUID | None] = mapped_column(ForeignKey("account.id", ondelete="SET NULL"), index=True)

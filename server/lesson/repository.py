@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Collection, Mapping, Sequence
 from datetime import datetime, timedelta
+from typing import NamedTuple
 from uuid import UUID
 
 from sqlalchemy import and_, or_, select, update
@@ -11,6 +12,7 @@ from sqlalchemy.orm import Session
 
 from server.classes.models import SchoolClass
 from server.database import upsert_statement
+from server.identity.models import Account
 from server.lesson.models import LONGEST_LESSON, LessonVisit, LiveLesson
 from server.submissions.models import Submission
 
@@ -53,16 +55,26 @@ def load_ended(db: Session, class_ids: Collection[UUID], since: datetime, now: d
     return db.execute(query.order_by(LiveLesson.started_at, LiveLesson.id)).scalars().all()
 
 
-def save_visit(db: Session, lesson_id: UUID, account_id: UUID, exercise: str, at: datetime) -> None:
-    row = {"exercise": exercise, "visited_at": at}
+class Visit(NamedTuple):
+    """When a student was seen last in a lesson, at which exercise, and the name of who did, empty where unknown."""
+
+    exercise: str
+    visited_at: datetime
+    visitor: str
+
+
+def save_visit(db: Session, lesson_id: UUID, account_id: UUID, exercise: str, at: datetime, by: UUID) -> None:
+    row = {"exercise": exercise, "visited_at": at, "visited_by": by}
     statement = upsert_statement(db, LessonVisit).values(lesson_id=lesson_id, account_id=account_id, **row)
     db.execute(statement.on_conflict_do_update(index_elements=["lesson_id", "account_id"], set_=row))
 
 
-def load_visits(db: Session, lesson_id: UUID) -> Mapping[UUID, LessonVisit]:
+def load_visits(db: Session, lesson_id: UUID) -> Mapping[UUID, Visit]:
     """Load the visits of a lesson, by student."""
-    query = select(LessonVisit).where(LessonVisit.lesson_id == lesson_id)
-    return {visit.account_id: visit for visit in db.execute(query).scalars()}
+    columns = LessonVisit.account_id, LessonVisit.exercise, LessonVisit.visited_at, Account.name
+    query = select(*columns).outerjoin(Account, Account.id == LessonVisit.visited_by)
+    rows = db.execute(query.where(LessonVisit.lesson_id == lesson_id))
+    return {account: Visit(exercise, at, name or "") for account, exercise, at, name in rows}
 
 
 def load_account_visits(db: Session, account_id: UUID) -> Sequence[tuple[LessonVisit, str]]:

@@ -146,12 +146,14 @@ def _checked_plan(
     return LessonPlan(exercises, plan.next_step, "".join(challenges))
 
 
-def visit_student(db: Session, school_class: SchoolClass, student: UUID, exercise: str, now: datetime) -> None:
+def visit_student(
+    db: Session, school_class: SchoolClass, by: UUID, student: UUID, exercise: str, now: datetime
+) -> None:
     """Record that a teacher has seen a student in the lesson that goes on. Raises Conflict or NotFound."""
     lesson = require_current_lesson(db, school_class.id, now)
     if student not in {member.id for member in classes.load_active_students(db, school_class.id)}:
         raise NotFound(NOT_A_MEMBER)
-    repository.save_visit(db, lesson.id, student, exercise[:200], now)
+    repository.save_visit(db, lesson.id, student, exercise[:200], now, by)
 
 
 @dataclass(frozen=True)

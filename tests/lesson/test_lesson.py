@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import html
 import json
 import re
 from collections.abc import Sequence
@@ -141,6 +142,48 @@ def stuck_students(site: Site, made: SchoolClass, count: int) -> Sequence[UUID]:
     return students
 
 
+def words_of(markup: str) -> str:
+    """Return what a part of a page shows."""
+    return " ".join(html.unescape(re.sub("<[^>]+>", " ", markup)).replace("\u00a0", " ").split())
+
+
+def test_a_row_says_who_was_seen_who_is_silent_and_who_can_help(
+    site: Site, course: Course, martin: Person, made: SchoolClass
+) -> None:
+    now = utc_now()
+    seen, silent, unseen, helper = seated(site.database, made, 4, now)
+    sent = [
+        Sent(student, EXERCISE, now - timedelta(minutes=minutes), 0.25, mistake, f"x = {minutes}\n")
+        for student, all_minutes, mistake in (
+            (seen, (30, 20, 2), WRONG),
+            (silent, (25, 10), None),
+            (unseen, (20, 10, 1), WRONG),
+        )
+        for minutes in all_minutes
+    ]
+    store(site.database, [*sent, Sent(helper, EXERCISE, now - timedelta(minutes=9), 1.0)])
+    with site.database.write() as db:
+        plan = LessonPlan((EXERCISE,), Afterwards.help)
+        service.start_lesson(db, course, made, martin.account.id, plan, now - timedelta(minutes=35))
+        service.visit_student(db, made, martin.account.id, seen, EXERCISE, now - timedelta(minutes=5))
+    page, rows = f"/classes/{made.id}/seance", []
+    for _ in range(2):
+        rows.append(
+            [words_of(row) for row in text_of(martin.browser(site), page).split("<li class=")[1:] if "data-key" in row]
+        )
+        with site.database.write() as db:
+            service.visit_student(db, made, martin.account.id, seen, EXERCISE, now - timedelta(minutes=12))
+    (first, second, last), later = rows[0][:3], rows[1][0]
+    assert "25 min Échoue : « Première »" in first, "a mistake without a name by what fails"
+    assert "2 essais ratés, rien envoyé depuis 10 min" in first
+    assert "Peut l’aider : Edsger Lovelace" in first
+    assert "rien envoyé" not in second
+    assert "Peut l’aider : Edsger Lovelace , après Alan Lovelace" in second
+    assert "Vu il y a 5 min par Mme Martin" in last
+    assert "Peut l’aider" not in last
+    assert "Vu il y a 12 min par Mme Martin" in later, "first again, and said still"
+
+
 def test_the_page_names_who_is_stuck_and_on_what(site: Site, course: Course, martin: Person, made: SchoolClass) -> None:
     browser, href = martin.browser(site), f"/classes/{made.id}"
     students = stuck_students(site, made, 6)
@@ -155,8 +198,10 @@ def test_the_page_names_who_is_stuck_and_on_what(site: Site, course: Course, mar
     rows = text.split('class="stuck-row"')[1:]
     assert len(rows) == 5, "the most urgent, and the others by name"
     assert "Et aussi" in rows[-1]
-    assert "3 essais ratés sans progrès" in rows[0]
-    assert "10&nbsp;min" in rows[0]
+    said = words_of(rows[0])
+    assert "sans progrès depuis 10 min" in said
+    assert said.index("La rotation est oubliée") < said.index("3 essais ratés"), "on what, before how often"
+    assert "Vu il y a" not in said
     change = re.sub("<[^>]+>|&nbsp;", "", rows[0].split('class="stuck-change">')[1].split("</div>")[0]).split()
     assert change == ["Dernier", "changement,", "ligne5", "Avant:", "y", "=", "1", "Après:", "y", "=", "2"]
     assert "Peut l’aider" in rows[0], "who has finished, after the same mistake"
@@ -169,9 +214,9 @@ def test_the_page_names_who_is_stuck_and_on_what(site: Site, course: Course, mar
     seen = re.findall(r'name="eleve" value="([^"]+)"', text)
     assert browser.post(f"{href}/seance", data={"action": "vu", "eleve": seen[0]}).status_code == 303
     again = text_of(browser, f"{href}/seance")
-    assert seen[0] not in again, "who was just seen leaves the list"
-    assert "1 élève vu" in again
-    assert ("Au travail" in text, "Au travail" in again) == (False, True), "each student is in some list"
+    order = re.findall(r'name="eleve" value="([^"]+)"', again)
+    assert seen[0] not in order[:-1], "who was just seen stands below who was not"
+    assert 'Élèves bloqués <span class="count tone-bad">6<' in again, "but is stuck still"
     wall = text_of(browser, f"{href}/seance/projeter")
     assert not re.search("Ada|Alan|Grace|Lovelace|" + "|".join(map(str, students)), wall), "no name on the projector"
     assert "1 sur 7" in wall
@@ -214,7 +259,7 @@ def test_a_lesson_is_read_again_where_it_has_changed(
 
     look()
     with site.database.write() as db:
-        service.visit_student(db, made, student, EXERCISE, utc_now())
+        service.visit_student(db, made, martin.account.id, student, EXERCISE, utc_now())
     look()
     with site.database.write() as db:
         service.change_lesson(db, course, made, martin.account.id, LessonPlan((EXERCISE,), Afterwards.help), utc_now())

@@ -15,6 +15,7 @@ from server.assignments.repository import load_class_assignments
 from server.assignments.team_repository import load_teams_of
 from server.assignments.team_rules import list_partners
 from server.base import school_time
+from server.board.failed_checks import load_failures
 from server.board.lesson_review import MIN_DAYS, LessonReview, build_review, list_to_see
 from server.board.progress import ClassProgress
 from server.board.service import load_progress
@@ -22,7 +23,7 @@ from server.classes.models import SchoolClass
 from server.course import Course
 from server.desk.board.links import BoardLinks, misconception_href
 from server.desk.lesson.remedial import remedial_href
-from server.desk.lesson.views import mistake_title
+from server.desk.lesson.stuck_rows import failure_words, mistake_title
 from server.desk.schemas import ClassHead
 from server.desk.views import class_head, class_href
 from server.lesson import repository as lessons
@@ -42,7 +43,7 @@ Link = tuple[str, str]
 
 @dataclass(frozen=True)
 class SeeRow:
-    """A student to see; `mistake` is empty where none is known.
+    """A student to see; `mistake` is the last by its name, empty where it has none: then `failure` says what fails.
 
     `days`: those of a week on which they made it, in words, empty for fewer than two; `named_before`: the day of the
     latest lesson of the week before whose page says to see them already, in words, or empty.
@@ -53,6 +54,7 @@ class SeeRow:
     exercise: str
     failures: int
     mistake: str
+    failure: str
     objectives: str
     remedial: str
     days: str
@@ -141,6 +143,7 @@ def review_page(
     links = BoardLinks(course, class_href(school_class), progress.students)
     names = {student.id: student.name for student in progress.students}
 
+    failures = load_failures(db, [row.grading for row in review.to_see if row.mistake is None])
     may_assign = access.has(Right.manage_assignments) and school_class.archived_at is None
 
     def remedy(exercise: str, students: Collection[UUID]) -> str:
@@ -162,6 +165,7 @@ def review_page(
                 links.title(row.exercise),
                 row.failures,
                 "" if row.mistake is None else mistake_title(course, row.exercise, row.mistake),
+                failure_words(course, row.exercise, failures[row.grading]) if row.grading in failures else "",
                 f"{links.href}/eleves/{row.account}/objectifs",
                 remedy(row.exercise, [row.account]),
                 join_words(map(short_day, row.days)) if len(row.days) >= MIN_DAYS else "",

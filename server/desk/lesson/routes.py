@@ -99,7 +99,8 @@ def run_lesson(
             return redirect(f"{href}/{ended.id}")
         elif action == "vu":
             student, _, exercise = eleve.partition(" ")
-            service.visit_student(reader.db, school_class, parse_uuid(student, NOT_A_MEMBER), exercise, now)
+            identity = parse_uuid(student, NOT_A_MEMBER)
+            service.visit_student(reader.db, school_class, account.id, identity, exercise, now)
         else:
             raise Invalid(UNKNOWN_ACTION)
     except (Conflict, Invalid) as refused:

@@ -13,9 +13,12 @@ from server.lesson.models import Afterwards
 
 @dataclass(frozen=True)
 class StuckRow:
-    """A stuck student: `minutes` since when, the mistake of the latest attempt, and what that attempt changed.
+    """A stuck student: `minutes` since when, the mistake of the latest attempt in words, and what that attempt changed.
 
-    `attempts` counts all at this exercise. `helper`: who has finished and could help; empty where nobody should.
+    `mistake` is empty without an attempt. `attempts` counts all at this exercise; `silent_minutes`: those since the
+    latest, where they are many beside failures. `helper`: who has finished and could help, once they have helped
+    `helps_before`; empty where nobody should. `seen`: when the student was seen at this exercise and by whom, in words;
+    `is_just_seen`: they stand below the others.
     """
 
     student: str
@@ -27,9 +30,13 @@ class StuckRow:
     failures: int
     attempts: int
     mistake: str
+    silent_minutes: int
     change: LatestChange | None
     work_href: str
     helper: str
+    helps_before: str
+    seen: str
+    is_just_seen: bool
 
 
 @dataclass(frozen=True)
@@ -73,7 +80,6 @@ class LessonParts:
     elapsed: str
     stuck: tuple[StuckRow, ...]
     more_stuck: tuple[str, ...]
-    visited: int
     mistakes: tuple[MistakeRow, ...]
     overcome: tuple[tuple[str, str], ...]
     finished: tuple[str, ...]

@@ -10,8 +10,6 @@ from uuid import UUID
 from sqlalchemy.orm import Session
 
 from server.board import lesson_loading
-from server.board.catalogue import find_misconception
-from server.board.latest_change import LatestChange
 from server.board.lesson_state import LessonMistake, LessonState
 from server.board.progress import ClassProgress
 from server.board.schemas import FEWEST_TO_PROJECT
@@ -20,7 +18,7 @@ from server.board.stuck import StuckStudent
 from server.classes.models import SchoolClass
 from server.course import Course
 from server.desk.assignments.words import format_duration
-from server.desk.board.links import BoardLinks, misconception_href, work_href
+from server.desk.board.links import BoardLinks, misconception_href
 from server.desk.lesson.remedial import remedial_href
 from server.desk.lesson.schemas import (
     DayExercise,
@@ -30,8 +28,8 @@ from server.desk.lesson.schemas import (
     LessonParts,
     MistakeRow,
     StartPage,
-    StuckRow,
 )
+from server.desk.lesson.stuck_rows import build_stuck_rows, minutes_since, mistake_title
 from server.desk.views import class_head, class_href
 from server.lesson import repository, service
 from server.lesson.models import Afterwards, LiveLesson
@@ -111,20 +109,14 @@ def _stars(course: Course, exercise: str) -> int:
 def lesson_parts(db: Session, progress: ClassProgress, school_class: SchoolClass, lesson: LiveLesson) -> LessonParts:
     """Build what changes on the page, for the attempts of `progress`."""
     state = lesson_loading.load_state(db, progress, lesson)
-    shown = state.stuck[:SHOWN_STUCK]
-    changes = lesson_loading.load_changes(db, progress, [(row.account, row.exercise) for row in shown])
     links = BoardLinks(progress.course, class_href(school_class), progress.students)
     names = {student.id: student.name for student in progress.students}
     stuck = {row.account: row for row in state.stuck}
     helpers = state.helpers if lesson.next_step == Afterwards.help else {}
     return LessonParts(
         elapsed=format_duration((progress.now - lesson.started_at).total_seconds() / 60),
-        stuck=tuple(
-            _stuck_row(progress, links, names, row, changes, names.get(helpers.get(row.account, row.account), ""))
-            for row in shown
-        ),
+        stuck=build_stuck_rows(db, progress, links, names, state, helpers, SHOWN_STUCK),
         more_stuck=tuple(names[row.account] for row in state.stuck[SHOWN_STUCK:]),
-        visited=len(state.visited),
         mistakes=tuple(_mistake_row(progress, links, names, stuck, mistake) for mistake in state.mistakes),
         overcome=tuple(
             (mistake_title(progress.course, row.exercise, row.id), misconception_href(links.href, row.exercise, row.id))
@@ -142,40 +134,6 @@ def lesson_parts(db: Session, progress: ClassProgress, school_class: SchoolClass
 def next_words(course: Course, lesson: LiveLesson) -> str:
     """Say what a student gets who has finished."""
     return NEXT_WORDS[Afterwards(lesson.next_step)].format(title=course.title_of(lesson.challenge or ""))
-
-
-def _stuck_row(
-    progress: ClassProgress,
-    links: BoardLinks,
-    names: Mapping[UUID, str],
-    row: StuckStudent,
-    changes: Mapping[tuple[UUID, str], LatestChange | None],
-    helper: str,
-) -> StuckRow:
-    attempts = progress.attempts.get((row.account, row.exercise), ())
-    diagnosis = attempts[-1].diagnosis if attempts else None
-    return StuckRow(
-        student=str(row.account),
-        exercise_id=row.exercise,
-        name=names[row.account],
-        exercise=links.title(row.exercise),
-        minutes=minutes_since(row, progress),
-        sign=row.sign,
-        failures=row.failures,
-        attempts=len(attempts),
-        mistake="" if diagnosis is None else mistake_title(progress.course, row.exercise, diagnosis),
-        change=changes.get((row.account, row.exercise)),
-        work_href=work_href(links.href, row.account, row.exercise),
-        helper="" if helper == names[row.account] else helper,
-    )
-
-
-def minutes_since(row: StuckStudent, progress: ClassProgress) -> int:
-    return max(0, round((progress.now - row.since).total_seconds() / 60))
-
-
-def mistake_title(course: Course, exercise: str, misconception: str) -> str:
-    return find_misconception(course, exercise, misconception).diagnosis.title
 
 
 def _mistake_row(
