@@ -16,6 +16,7 @@ from types import MappingProxyType
 import numpy as np
 
 from graders.core.code.checks import Cases
+from graders.core.code.contrasts import Answers, find_contrast
 from graders.core.code.example_calls import like_call
 from graders.core.code.grading import CodeGrader
 from graders.core.code.seen_facts import (
@@ -29,7 +30,7 @@ from graders.core.code.seen_facts import (
     are_coarse,
     columns_of,
     felt_fact,
-    is_strong,
+    is_felt_wrongly,
     related_fact,
     replaced_fact,
 )
@@ -47,8 +48,6 @@ MAX_DRAWN, MAX_FURTHER = 16, 60
 #: A varied call, the answer of the program, and that of the solution.
 _VariedAnswer = tuple[Variation, list[Floats] | None, list[Floats] | None]
 _NO_EXAMPLES: Mapping[str, Sequence[Arguments]] = MappingProxyType({})
-#: Calls in which a result must feel an argument, and does not, or the other way round.
-MIN_FELT = 2
 
 
 class Experimenter:
@@ -87,20 +86,28 @@ class Experimenter:
         replaced = list(self._replaced(trial, wider, varied))
         if not trial.unique:
             return [*replaced, *related]
-        strong = [fact for fact in related if is_strong(fact)]
+        strong = [fact for fact in related if fact.says_answers]
         # Among several right answers, the solution's own choice may feel an argument that others need not.
         pairs = zip(trial.got, trial.unrounded or trial.got, strict=True)
         is_free = any(not same(mine, its) for row, own in pairs for mine, its in zip(row, own, strict=True))
         felt = [] if strong or replaced or is_free else list(self._felt(source, trial, wider, rich))
-        return [*strong, *replaced, *felt, *(fact for fact in related if not is_strong(fact))]
+        flaws = [fact for fact in related if not fact.says_answers]
+        if strong or replaced or felt:
+            return [*strong, *replaced, *felt, *flaws]
+
+        def ask(calls: Sequence[Arguments]) -> tuple[Answers, Answers]:
+            return self._answers(source, trial, calls), self._solution(trial, calls)
+
+        contrast = find_contrast(wider, views, ask)
+        return [*(fact for fact in (contrast,) if fact is not None), *flaws]
 
     def _related(self, trial: FunctionTrial, view: ReturnedValue) -> list[SeenFact]:
         """The first relation of a value with the right one; of its columns, where these tell more."""
         whole = related_fact(trial, view)
-        if whole is not None and is_strong(whole):
+        if whole is not None and whole.says_answers:
             return [whole]
         columns = [fact for column in columns_of(trial, view) if (fact := related_fact(trial, column)) is not None]
-        return [fact for fact in columns if is_strong(fact)] or ([whole] if whole is not None else columns)
+        return [fact for fact in columns if fact.says_answers] or ([whole] if whole is not None else columns)
 
     def _replaced(
         self, trial: FunctionTrial, wider: FunctionTrial, views: Sequence[ReturnedValue]
@@ -157,11 +164,11 @@ class Experimenter:
                 if index in told:
                     continue
                 rows = _varied_rows(trial, view, change, answers)
-                feels = _felt_wrongly(rows)
+                feels = is_felt_wrongly(rows)
                 if feels is None:
                     continue
                 further = _varied_rows(wider, view, change, self._varied(source, wider, [(index, change)]))
-                if len(further) < len(rows) or _felt_wrongly(further) is not feels:
+                if len(further) < len(rows) or is_felt_wrongly(further) is not feels:
                     continue
                 if feels and are_coarse(further):
                     continue
@@ -316,15 +323,6 @@ def _varied_rows(
         if variation.change is change and mine is not None and its is not None
         if len(mine) == len(its) == len(trial.got[k := variation.number])
     ]
-
-
-def _felt_wrongly(rows: Sequence[VariedAnswers]) -> bool | None:
-    """Whether a result feels what it must not; False where it does not feel what it must, None where neither holds."""
-    must = [not same(row.wanted, row.right) for row in rows]
-    moved = [not same(row.mine, row.got) for row in rows]
-    if sum(must) >= MIN_FELT and not any(moved):
-        return False
-    return True if len(rows) > MIN_FELT and sum(moved) >= MIN_FELT and not any(must) else None
 
 
 def _plainest(trial: FunctionTrial, rows: Sequence[VariedAnswers], chosen: Sequence[bool]) -> VariedAnswers:

@@ -27,7 +27,7 @@ from graders.core.code.isolation import (
 from graders.core.code.mending import Mending, MendingSearch
 from graders.core.code.place_words import LOOK, PLACE, describe_place, places_of
 from graders.core.code.probes import explains_itself
-from graders.core.code.seen_facts import SeenFact, is_conditional
+from graders.core.code.seen_facts import FactKind, SeenFact
 from graders.core.compare import words as render
 from graders.core.contract.program import Programs
 from graders.core.contract.values import Arguments
@@ -121,7 +121,7 @@ def find_place(
             if words := _value_words(looking.values_at(source, line, function, arguments)):
                 values[line] = f"Dans l'exemple de « {title} », {words}."
     if any(not mending.left for mending in mendings):  # a line is told that alone mends all: this would lead away
-        facts = [fact for fact in facts if not is_conditional(fact)]
+        facts = [fact for fact in facts if fact.kind is not FactKind.CONTRAST]
     steps = [step for mending in mendings for step in mending.steps]
     operators = " ; ".join(step.change.operator or step.change.mistake for step in steps)
     found = _told_together(grader, verdict, source, named, mendings, values, facts)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
+from enum import Enum
 from functools import partial
 from typing import NamedTuple
 
@@ -12,23 +13,38 @@ import numpy as np
 
 from graders.core.compare import words as render
 from graders.core.compare.changed_arguments import ArgumentChange
-from graders.core.compare.series import CONDITIONS, MANY_CALLS, MIN_WRONG, Series, same, tell_answers, tell_relations
+from graders.core.compare.series import MANY_CALLS, MIN_WRONG, Series, same, tell_answers, tell_relations
 from graders.core.contract.program import KitSettings
 from graders.core.contract.values import Arguments, Floats, Value
 from graders.typography import elided
 
 #: Characters of a value that is shown.
 MAX_SHOWN = 120
+#: Calls in which a result must feel an argument, and does not, or the other way round.
+MIN_FELT = 2
+
+
+class FactKind(Enum):
+    """What a fact says: what the answers are, or only where or in what they are wrong; for which other argument they
+    are right; that they feel one wrongly; a failed call beside a near one that comes out right."""
+
+    ANSWERS, FLAW, REPLACED, FELT, CONTRAST = "answers", "flaw", "replaced", "felt", "contrast"
 
 
 @dataclass(frozen=True)
 class SeenFact:
-    """A fact on the answers of one function: a title, the sentences that prove it, and a question."""
+    """A fact on the answers of one function: a title, the sentences that prove it, a question, and its kind."""
 
     function: str
     title: str
     proof: str
     question: str
+    kind: FactKind
+
+    @property
+    def says_answers(self) -> bool:
+        """Whether it says what the answers are, and not only where they are wrong."""
+        return self.kind is FactKind.ANSWERS
 
 
 @dataclass(frozen=True)
@@ -61,7 +77,11 @@ class FunctionTrial:
 
     def plainest(self, numbers: Iterable[int]) -> int:
         """Return the number of the call with the fewest numbers in its arguments."""
-        return min(numbers, key=lambda k: sum(map(_count_values, self.calls[k])))
+        return min(numbers, key=self.size_of)
+
+    def size_of(self, number: int) -> int:
+        """Return how many numbers the arguments of a call have."""
+        return sum(map(_count_values, self.calls[number]))
 
     def wrong_views(self) -> list[ReturnedValue]:
         """Return the values that are wrong in several calls."""
@@ -127,46 +147,24 @@ _QUESTION = "Quelle ligne de votre fonction peut donner cela ?"
 REPLACED = "À quelles lignes cet argument entre-t-il dans le calcul, et sous quelle forme ?"
 FELT = "Où votre fonction se sert-elle de cet argument, et ce qu’elle en fait arrive-t-il jusqu’au résultat ?"
 NOT_FELT = "Que faudrait-il retrancher, diviser ou ramener, pour que cela ne compte plus ?"
-_STRONG = (
-    " partout ",
-    " toujours ",
-    "que quand",
-    "bonnes valeurs",
-    "même valeur",
-    "tours près",
-    "converti",
-    "à peu près",
-)
-
-
-def is_strong(fact: SeenFact) -> bool:
-    """Whether a fact says what the answers are, and not only where they are wrong."""
-    return "commence bien" not in fact.title and any(words in fact.title for words in _STRONG)
-
-
-def is_conditional(fact: SeenFact) -> bool:
-    """Whether a fact says no more than in which calls the answers are wrong."""
-    return any(words in fact.title for words in CONDITIONS)
 
 
 def related_fact(trial: FunctionTrial, view: ReturnedValue) -> SeenFact | None:
     series = trial.series(view)
     tell = tell_relations if trial.unique and len(trial.calls) >= MANY_CALLS else tell_answers
-    told = next(tell(series), None)
-    if told is None:
+    relation = next(tell(series), None)
+    if relation is None:
         return None
     k = trial.plainest(number for number, wrong in enumerate(series.wrong) if wrong)
     tries, wrong, example = len(trial.calls), sum(series.wrong), "" if trial.unique else " par exemple"
-    title = f"{capital_subject(view.words)} {told}"
+    title = f"{capital_subject(view.words)} {relation.words}"
     seen = f"C’est ainsi dans les {tries} essais{f', dont {wrong} faux' if wrong < tries else ''}."
-    if told.startswith(CONDITIONS):  # seen in these calls: elsewhere, another cause may make it right
-        title = f"Dans {tries} essais, {title[:1].lower()}{title[1:]}"
-        seen = f"{wrong} de ces {tries} essais sont faux."
     proof = (
         f"{seen} Par exemple, pour {trial.shown(trial.calls[k])}, "
         f"on attend{example} {shown_value(series.right[k])} et on obtient {shown_value(series.got[k])}."
     )
-    return SeenFact(trial.function, title, proof, _QUESTION)
+    kind = FactKind.ANSWERS if relation.says_what else FactKind.FLAW
+    return SeenFact(trial.function, title, proof, _QUESTION, kind)
 
 
 def replaced_fact(
@@ -180,12 +178,21 @@ def replaced_fact(
         f"attend{example} pour {trial.shown(call)}."
     )
     title = f"{capital_subject(view.words)} est ce que l’on attend si {change.words}"
-    return SeenFact(trial.function, title, proof, REPLACED)
+    return SeenFact(trial.function, title, proof, REPLACED, FactKind.REPLACED)
 
 
 def are_coarse(rows: Sequence[VariedAnswers]) -> bool:
     """Whether all right answers are whole numbers, as indices are: one may depend on an argument and not move."""
     return all(bool(np.all(right == np.round(right))) for row in rows for right in (row.right, row.wanted))
+
+
+def is_felt_wrongly(rows: Sequence[VariedAnswers]) -> bool | None:
+    """Whether a result feels what it must not; False where it does not feel what it must, None where neither is so."""
+    must = [not same(row.wanted, row.right) for row in rows]
+    moved = [not same(row.mine, row.got) for row in rows]
+    if sum(must) >= MIN_FELT and not any(moved):
+        return False
+    return True if len(rows) > MIN_FELT and sum(moved) >= MIN_FELT and not any(must) else None
 
 
 def felt_fact(
@@ -204,7 +211,7 @@ def felt_fact(
         f"Pour {before}, on attend {shown_value(row.right)} et on obtient {shown_value(row.got)} ; pour {after}, on "
         f"attend {shown_value(row.wanted)} et on obtient {shown_value(row.mine)}."
     )
-    return SeenFact(trial.function, title, proof, question)
+    return SeenFact(trial.function, title, proof, question, FactKind.FELT)
 
 
 def capital_subject(words: str) -> str:

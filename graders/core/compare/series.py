@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -17,9 +18,8 @@ from graders.typography import elided
 
 #: Relative and absolute error up to which two numbers are the same: finite differences leave a millionth.
 EXACT = 1e-5
-#: Relative error below which answers are nearly right everywhere; wrong calls, and right ones, that establish a fact.
-NEARLY, MIN_WRONG, MIN_RIGHT = 0.05, 2, 3
-CONDITIONS = WRONG_WHEN, RIGHT_WHEN = "n’est faux que quand", "n’est juste que quand"
+#: Relative error below which answers are nearly right everywhere; wrong calls that establish a fact.
+NEARLY, MIN_WRONG = 0.05, 2
 #: Answers of which a common step says something; calls after which « chaque fois » may be said.
 MANY, MANY_CALLS = 4, 8
 
@@ -41,23 +41,31 @@ def same(a: Floats, b: Floats) -> bool:
     return a.shape == b.shape and bool(np.allclose(a, b, rtol=EXACT, atol=EXACT))
 
 
-def tell_relations(series: Series) -> Iterator[str]:
-    """Yield French predicates of an answer: « est partout le double de ce qui est attendu »."""
-    if sum(series.wrong) < MIN_WRONG:
+class Relation(NamedTuple):
+    """A French predicate of an answer: « est partout le double de ce qui est attendu ». `says_what`: it says what the
+    answers are, and not only where, or in what, they are wrong."""
+
+    words: str
+    says_what: bool = True
+
+
+def tell_relations(series: Series) -> Iterator[Relation]:
+    """Yield what holds of the answers to all calls."""
+    shapes = [(got.shape, right.shape) for got, right in zip(series.got, series.right, strict=True)]
+    if sum(series.wrong) < MIN_WRONG or any(mine != its for mine, its in shapes):
         return
     with np.errstate(all="ignore"):
-        if all(got.shape == right.shape for got, right in zip(series.got, series.right, strict=True)):
-            # One answer to everything is many things of the right ones, such as the whole part of small numbers.
-            for find in (_arguments, *_RELATIONS) if is_constant(series) else _RELATIONS:
-                yield from find(series)
-        else:
-            yield from _conditions(series)
+        # One answer to everything is many things of the right ones, such as the whole part of small numbers.
+        for find in (_arguments, *_RELATIONS) if is_constant(series) else _RELATIONS:
+            yield from map(Relation, find(series))
+        for find in _FLAWS:
+            yield from (Relation(words, says_what=False) for words in find(series))
 
 
-def tell_answers(series: Series) -> Iterator[str]:
-    """Yield French predicates of a program's own answers, whatever the right ones are."""
+def tell_answers(series: Series) -> Iterator[Relation]:
+    """Yield what holds of a program's own answers, whatever the right ones are."""
     if sum(series.wrong) >= MIN_WRONG:
-        yield from _arguments(series)
+        yield from map(Relation, _arguments(series))
 
 
 def is_constant(series: Series) -> bool:
@@ -251,30 +259,31 @@ def _lines(series: Series) -> Iterator[str]:
     ]
     if len(pairs) < max(MIN_WRONG, sum(series.wrong)):
         return
+    seen = f"dans les {len(pairs)} essais où il est faux"
     wrong_rows = [np.flatnonzero(_differs(got, right)) for got, right in pairs]
     lengths = [len(got) for got, _ in pairs]
     noun = "ligne" if pairs[0][0].ndim == 2 else "valeur"
     if all(length > 1 for length in lengths):
         begins = {int(rows[0]) for rows in wrong_rows if len(rows)}
         if begins == {1} and all(len(rows) == length - 1 for rows, length in zip(wrong_rows, lengths, strict=True)):
-            yield f"commence bien : sa première {noun} est toujours juste, et plus aucune ensuite"
+            yield f"commence bien : sa première {noun} est juste, et plus aucune ensuite, {seen}"
             return
         if all(list(rows) == [length - 1] for rows, length in zip(wrong_rows, lengths, strict=True)):
-            yield f"n’est faux qu’à sa dernière {noun}"
+            yield f"n’est faux qu’à sa dernière {noun} {seen}"
             return
         if all(list(rows) == [0] for rows in wrong_rows):
-            yield f"n’est faux qu’à sa première {noun}"
+            yield f"n’est faux qu’à sa première {noun} {seen}"
             return
     if all(got.ndim == 2 for got, _ in pairs):
         columns = {tuple(np.flatnonzero(_differs(got.T, right.T)).tolist()) for got, right in pairs}
         if len(columns) == 1 and 0 < len(only := columns.pop()) < pairs[0][0].shape[1]:
             told = _listed(only)
-            yield f"n’est faux que dans {'la colonne' if len(only) == 1 else 'les colonnes'} {told}"
+            yield f"n’est faux que dans {'la colonne' if len(only) == 1 else 'les colonnes'} {told} {seen}"
     elif len(set(lengths)) == 1 and 1 < lengths[0] <= 6:
         places = {tuple(rows.tolist()) for rows in wrong_rows}
         if len(places) == 1 and 0 < len(only := places.pop()) < lengths[0]:
             told = _listed(only)
-            yield f"n’est faux qu’{'à l’indice' if len(only) == 1 else 'aux indices'} {told}"
+            yield f"n’est faux qu’{'à l’indice' if len(only) == 1 else 'aux indices'} {told} {seen}"
 
 
 def _listed(numbers: Sequence[int]) -> str:
@@ -286,49 +295,6 @@ def _differs(got: Floats, right: Floats) -> np.ndarray:
     """Return which rows differ."""
     off = ~np.isclose(got, right, rtol=EXACT, atol=EXACT)
     return np.asarray(off.reshape(len(off), -1).any(axis=1))
-
-
-def _conditions(series: Series) -> Iterator[str]:
-    """A property of the arguments that the wrong calls have, and they alone."""
-    wrong = list(series.wrong)
-    if sum(wrong) < MIN_WRONG or len(wrong) - sum(wrong) < MIN_RIGHT:
-        return
-    for words, holds in _properties(series):
-        if holds == wrong:
-            yield f"{WRONG_WHEN} {words}"
-            return
-        if [not held for held in holds] == wrong:
-            yield f"{RIGHT_WHEN} {words}"
-            return
-
-
-def _properties(series: Series) -> Iterator[tuple[str, list[bool]]]:
-    for index, name in enumerate(series.names):
-        values = [call[index] if index < len(call) else None for call in series.calls]
-        numbers = [value for value in values if isinstance(value, int | float) and not isinstance(value, bool)]
-        arrays = [value for value in values if isinstance(value, np.ndarray) and value.ndim and value.size]
-        if len(numbers) == len(values):
-            yield f"{name} est nul", [number == 0 for number in numbers]
-            yield f"{name} est négatif", [number < 0 for number in numbers]
-        elif len(arrays) == len(values):
-            noun = "ligne" if arrays[0].ndim == 2 else "valeur"
-            yield f"{name} n’a qu’une {noun}", [len(array) == 1 for array in arrays]
-            yield f"{name} n’a que deux {noun}s", [len(array) == 2 for array in arrays]
-            if {array.shape for array in arrays} in ({(2,)}, {(3,)}):
-                for k in range(arrays[0].size):
-                    yield f"{name}[{k}] est nul", [array[k] == 0 for array in arrays]
-                    yield f"{name}[{k}] est négatif", [array[k] < 0 for array in arrays]
-            yield f"{name} contient un nombre négatif", [bool((array < 0).any()) for array in arrays]
-            yield f"{name} ne contient que des 0", [bool((array == 0).all()) for array in arrays]
-            if arrays[0].ndim == 2:
-                yield f"{name} a plus de deux colonnes", [array.ndim == 2 and array.shape[1] > 2 for array in arrays]
-            else:
-                yield (
-                    f"deux valeurs {elided('de', name)} sont égales",
-                    [len(np.unique(array)) < array.size for array in arrays],
-                )
-    yield "le résultat attendu est négatif", [right.ndim == 0 and bool(right < 0) for right in series.right]
-    yield "le résultat attendu est nul", [bool((right == 0).all()) for right in series.right]
 
 
 def _nearness(series: Series) -> Iterator[str]:
@@ -345,5 +311,7 @@ def _nearness(series: Series) -> Iterator[str]:
 
 #: The relations, the most telling first.
 _RELATIONS = (
-    _functions, _factors, _offsets, _orders, _arguments, _steps, _nearness, _conditions, _invariants, _lines, _sizes,
+    _functions, _factors, _offsets, _orders, _arguments, _steps, _nearness,
 )  # fmt: skip
+#: What says no more than where the answers are wrong, or which property they have not.
+_FLAWS = (_invariants, _lines, _sizes)

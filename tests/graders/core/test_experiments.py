@@ -11,8 +11,9 @@ import pytest
 from graders.core.code.example_calls import like_call
 from graders.core.code.experiments import Experimenter
 from graders.core.code.places import EXPERIMENT, SEEN_ALSO, describe_facts, join_place
-from graders.core.code.seen_facts import Variation, VariedAnswers, are_coarse
+from graders.core.code.seen_facts import FactKind, Variation, VariedAnswers, are_coarse
 from graders.core.compare.changed_arguments import replacements, variations
+from graders.core.compare.near_calls import near_calls
 from graders.core.compare.series import Series, tell_relations
 from graders.core.contract.local import LOCAL
 from graders.core.contract.values import Floats
@@ -26,7 +27,7 @@ ROWS = [np.array([1.0, 4.0, 2.5]), np.array([3.0, 5.0, 7.5]), np.array([0.5, 9.0
 def told(got: list[Floats], right: list[Floats], calls: list[tuple[object, ...]] | None = None) -> list[str]:
     calls = calls or [(float(k),) for k in range(len(got))]
     wrong = [not np.array_equal(mine, its) for mine, its in zip(got, right, strict=True)]
-    return list(tell_relations(Series(("x",) * len(calls[0]), calls, got, right, wrong)))
+    return [found.words for found in tell_relations(Series(("x",) * len(calls[0]), calls, got, right, wrong))]
 
 
 @pytest.mark.parametrize(
@@ -43,7 +44,7 @@ def told(got: list[Floats], right: list[Floats], calls: list[tuple[object, ...]]
         (lambda x: np.concatenate([[7.0], x[:-1]]), "décalées d’un rang : la première est de trop"),
         (lambda x: 0.0 * x + 1.0, "est la même valeur dans les 3 essais"),
         (lambda x: x * [1.0, 1.01, 0.99], "n’est juste qu’à peu près : à 1 %"),
-        (lambda x: x * [1.0, 3.0, -4.0], "commence bien : sa première valeur est toujours juste"),
+        (lambda x: x * [1.0, 3.0, -4.0], "commence bien : sa première valeur est juste, et plus aucune ensuite"),
         (lambda x: x * [1.0, 1.0, -4.0], "n’est faux qu’à sa dernière valeur"),
     ],
 )
@@ -128,16 +129,33 @@ def test_a_factor_may_be_given_by_an_argument_and_a_column_be_wrong_alone() -> N
     got = [row * len(args[0]) for row, args in zip(ROWS, calls, strict=True)]  # type: ignore[arg-type]
     assert told(got, ROWS, calls) == ["est partout ce qui est attendu, multiplié par le nombre de valeurs de x"]
     assert told([table * [1.0, 3.0] ** np.array([1, 2]) for table in TABLES], TABLES)[-1] == (
-        "n’est faux que dans la colonne 1"
+        "n’est faux que dans la colonne 1 dans les 2 essais où il est faux"
     )
 
 
-def test_the_calls_that_alone_are_wrong_are_told_by_what_they_have_in_common() -> None:
-    calls: list[tuple[object, ...]] = [(0.0,), (1.0,), (2.0,), (0.0,), (3.0,)]
-    got = [np.array(value) for value in (7.0, 1.0, 2.0, 8.0, 5.0)]
-    right = [np.array(value) for value in (1.0, 1.0, 2.0, 3.0, 5.0)]
-    assert told(got, right, calls) == ["n’est faux que quand x est nul"]
-    assert told(got[:4], right[:4], calls[:4]) == []  # two right calls are alike in too many ways
+def test_near_calls_begin_with_the_smallest_change_and_keep_what_an_array_is() -> None:
+    covariance, shares = np.array([[2.0, 0.5], [0.5, 3.0]]), np.array([0.25, 0.75])
+    near = list(near_calls(("r", "n", "P", "p", "z"), (0.6, 3, covariance, shares, ROWS[0])))
+    words = [each.words for each in near]
+    assert words[:3] == ["avec r = 1", "avec r = 0", "avec r = −0,6"]
+    assert "avec P[0, 1] = P[1, 0] = 0" in words
+    assert all(np.array_equal(each.call[2], each.call[2].T) and each.call[3] is shares for each in near)
+    assert words[-2:] == ["sans la première valeur de z", "avec la première valeur de z seule"]
+    assert "avec n = 2" in words
+    assert all(type(each.call[0]) is float and type(each.call[1]) is int for each in near)
+
+
+def test_a_failed_call_is_told_beside_the_nearest_that_comes_out_right() -> None:
+    """Column 0 is wrong where the noise counts: no universal sentence, whatever the trials have in common."""
+    grader = CODE["l19/etendu"]
+    right = "(np.eye(2) - K @ H) @ P"
+    source = grader.solution.replace(right, "(np.eye(2) - K @ H) @ P @ (np.eye(2) - K @ H).T + K @ K.T")
+    assert source != grader.solution
+    facts = Experimenter(grader, LOCAL, 3, lambda: False).find_facts(source, ("corriger_distance",))
+    (contrast,) = [fact for fact in facts if fact.kind is FactKind.CONTRAST]
+    assert contrast.title.endswith("est faux pour un appel, et juste pour le même appel mais avec r = 1")
+    assert "Pour le même appel mais avec r = 1, on attend et on obtient" in contrast.proof
+    assert not any("que quand" in fact.title for fact in facts)
 
 
 def test_a_change_that_leaves_a_call_as_it_is_or_makes_no_number_is_none() -> None:

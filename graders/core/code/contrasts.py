@@ -1,0 +1,59 @@
+"""A failed call beside a near one that comes out right: both are run, and nothing is said of any other call."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+
+import numpy as np
+
+from graders.core.code.seen_facts import FactKind, FunctionTrial, ReturnedValue, SeenFact, capital_subject, shown_value
+from graders.core.compare.near_calls import near_calls
+from graders.core.contract.values import Arguments, Floats
+
+#: Failed calls beside which near ones are tried, and the error up to which an answer is the awaited one.
+MAX_FAILED, JUST = 2, 1e-8
+_QUESTION = "Par où votre calcul passe-t-il dans le second appel, et pas dans le premier ?"
+#: Answers of a program, and of the solution, to some calls; fewer where the time is spent.
+Answers = Sequence[list[Floats] | None]
+
+
+def find_contrast(
+    trial: FunctionTrial, views: Sequence[ReturnedValue], ask: Callable[[Sequence[Arguments]], tuple[Answers, Answers]]
+) -> SeenFact | None:
+    """Return the smallest change of a failed call that makes a wrong value right; None where none of those tried does.
+
+    The failed call is asked again before and after the near ones: a program that draws, or remembers, shows nothing.
+    """
+    for view in views:
+        wrong = [k for k, is_wrong in enumerate(trial.series(view).wrong) if is_wrong]
+        for number in sorted(wrong, key=trial.size_of)[:MAX_FAILED]:
+            failed = trial.calls[number]
+            near = list(near_calls(trial.names, failed))
+            calls = [failed, *(each.call for each in near), failed]
+            mine, its = ask(calls)
+            if len(mine) < len(calls) or len(its) < len(calls) or _are_just(view, mine[0], its[0]):
+                continue
+            if not _are_just(view, mine[0], mine[-1]):
+                continue
+            for each, got, right in zip(near, mine[1:], its[1:], strict=False):
+                if got is not None and right is not None and _are_just(view, got, right):
+                    return _told(trial, view, number, each.words, view.read(right))
+    return None
+
+
+def _are_just(view: ReturnedValue, got: Sequence[Floats] | None, right: Sequence[Floats] | None) -> bool:
+    if got is None or right is None or len(got) != len(right):
+        return False
+    mine, its = view.read(got), view.read(right)
+    return mine.shape == its.shape and bool(np.all(np.isfinite(its)) and np.allclose(mine, its, rtol=JUST, atol=JUST))
+
+
+def _told(trial: FunctionTrial, view: ReturnedValue, number: int, words: str, answer: Floats) -> SeenFact:
+    series = trial.series(view)
+    title = f"{capital_subject(view.words)} est faux pour un appel, et juste pour le même appel mais {words}"
+    proof = (
+        f"Pour {trial.shown(trial.calls[number])}, on attend {shown_value(series.right[number])} et on obtient "
+        f"{shown_value(series.got[number])}. Pour le même appel mais {words}, on attend et on obtient "
+        f"{shown_value(answer)}."
+    )
+    return SeenFact(trial.function, title, proof, _QUESTION, FactKind.CONTRAST)
