@@ -87,8 +87,8 @@ def parse_field(text: str, what: str, kept: datetime | None = None) -> datetime 
 
 
 def format_hour(when: datetime) -> str:
-    """« 2 h 30 », of a time on the school's clock."""
-    return f"{when.hour} h {when.minute:02d}"
+    """« 2 h 30 », « 18 h 00 », of a time on the school's clock."""
+    return f"{when.hour}\N{NO-BREAK SPACE}h\N{NO-BREAK SPACE}{when.minute:02d}"
 
 
 def shift_days(when: datetime, days: int) -> datetime:

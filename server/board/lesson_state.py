@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter, defaultdict
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from datetime import datetime, timedelta
 from uuid import UUID
@@ -25,7 +25,7 @@ VISIT_LASTS = timedelta(minutes=10)
 @dataclass(frozen=True)
 class LessonMistake:
     """A misconception of a lesson. `still`: the students whose latest attempt shows it, whenever it was sent, the
-    earliest first; `ever` counts all students of the class who ever made it.
+    earliest first; `made` counts those too who have made it since the lesson began, and overcome it.
 
     `latest_at`: when an attempt showed it last.
     """
@@ -33,21 +33,23 @@ class LessonMistake:
     exercise: str
     id: str
     still: tuple[UUID, ...]
-    ever: int
+    made: int
     latest_at: datetime
 
     @property
     def may_be_projected(self) -> bool:
-        return self.ever >= FEWEST_TO_PROJECT
+        return self.made >= FEWEST_TO_PROJECT
 
 
 @dataclass(frozen=True)
 class ExerciseCount:
-    """Numbers of students who have solved an exercise of the day, and who have tried it without success."""
+    """Numbers of the students to whom an exercise of the day is given and who are not absent: of those who have
+    solved it, of those who have tried it without success, and of all."""
 
     exercise: str
     solved: int
     trying: int
+    students: int
 
 
 @dataclass(frozen=True)
@@ -70,7 +72,6 @@ class LessonState:
     absent: tuple[UUID, ...]
     working: tuple[UUID, ...]
     exercises: tuple[ExerciseCount, ...]
-    students: int
     helpers: Mapping[UUID, UUID]
 
 
@@ -100,8 +101,7 @@ def build_state(progress: ClassProgress, lesson: LiveLesson, visits: Mapping[UUI
         finished=finished,
         absent=absent,
         working=tuple(student.id for student in progress.students if student.id not in listed),
-        exercises=_count_by_exercise(lesson.exercises, today, solved),
-        students=len(progress.students),
+        exercises=_count_by_exercise(progress, lesson.exercises, solved, absent),
         helpers=pair_helpers(progress, [row for row in stuck if row.account not in just_seen], finished, MAX_HELPED),
     )
 
@@ -128,10 +128,10 @@ def lesson_mistakes(progress: ClassProgress, expected: Expected) -> tuple[Lesson
         if exercise in worked:
             for misconception in _latest_times(attempts):
                 made[exercise, misconception].append(attempts)
-    rows = (_mistake(*key, own) for key, own in made.items())
+    rows = (_mistake(*key, own, expected.started_at) for key, own in made.items())
     shown = [row for row in rows if row.exercise in expected.exercises or row.latest_at >= expected.started_at]
     order = {exercise: index for index, exercise in enumerate(progress.scope.exercises)}
-    return tuple(sorted(shown, key=lambda row: (-len(row.still), -row.ever, order[row.exercise], row.id)))
+    return tuple(sorted(shown, key=lambda row: (-len(row.still), -row.made, order[row.exercise], row.id)))
 
 
 @computed_once
@@ -140,10 +140,16 @@ def _latest_times(attempts: Attempts) -> Mapping[str, datetime]:
     return {attempt.diagnosis: attempt.sent_at for attempt in attempts if attempt.diagnosis is not None}
 
 
-def _mistake(exercise: str, misconception: str, made_by: Sequence[Attempts]) -> LessonMistake:
+def _mistake(exercise: str, misconception: str, made_by: Sequence[Attempts], since: datetime) -> LessonMistake:
+    made = count_makers(made_by, misconception, since)
     still = sorted((own[-1].sent_at, own[-1].account_id) for own in made_by if own[-1].diagnosis == misconception)
     latest_at = max(_latest_times(own)[misconception] for own in made_by)
-    return LessonMistake(exercise, misconception, tuple(account for _, account in still), len(made_by), latest_at)
+    return LessonMistake(exercise, misconception, tuple(account for _, account in still), made, latest_at)
+
+
+def count_makers(made_by: Iterable[Attempts], misconception: str, since: datetime) -> int:
+    """Count the students who have made a mistake since a lesson began, or whose latest attempt shows it."""
+    return sum(own[-1].diagnosis == misconception or _latest_times(own)[misconception] >= since for own in made_by)
 
 
 def _solved_times(attempts: AttemptsByPair) -> Mapping[Pair, datetime]:
@@ -203,7 +209,12 @@ def _absent(progress: ClassProgress, since: datetime) -> tuple[UUID, ...]:
 
 
 def _count_by_exercise(
-    exercises: Sequence[str], attempts: AttemptsByPair, solved: Mapping[Pair, datetime]
+    progress: ClassProgress, exercises: Sequence[str], solved: Mapping[Pair, datetime], absent: Collection[UUID]
 ) -> tuple[ExerciseCount, ...]:
-    tried, done = (Counter(exercise for _, exercise in pairs) for pairs in (attempts, solved))
-    return tuple(ExerciseCount(name, done[name], tried[name] - done[name]) for name in exercises)
+    away, counts = frozenset(absent), []
+    present = [student for student in progress.students if student.id not in away]
+    for name in exercises:
+        pairs = [(student.id, name) for student in present if progress.concerns(student, name)]
+        done = sum(pair in solved for pair in pairs)
+        counts.append(ExerciseCount(name, done, sum(pair in progress.attempts for pair in pairs) - done, len(pairs)))
+    return tuple(counts)

@@ -36,8 +36,8 @@ ADDRESS = re.compile(
 NO_ADDRESS = "Ce n’est pas une adresse électronique : écrivez-la comme prenom.nom@lycee.example, sans accent."
 TOO_MANY = "Trop de demandes de confirmation : réessayez dans {seconds} secondes."
 UNKNOWN_LINK = (
-    "Ce lien ne sert plus : l’envoi a été arrêté, ou une autre adresse a été donnée depuis. La page « Demain matin » "
-    "de la classe le dit."
+    "Ce lien ne sert plus : l’envoi a été arrêté, ou une autre adresse a été donnée depuis. La page "
+    "« Après la séance » de la classe le dit."
 )
 
 

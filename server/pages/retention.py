@@ -141,7 +141,7 @@ _ROWS: tuple[Callable[[Settings], Row], ...] = (
         ("calendar_address",),
     ),
     lambda _: Row(
-        "Courriels de « Demain matin » : adresse donnée par l’enseignant, suite de chaque envoi",
+        "Courriels de « Après la séance » : adresse donnée par l’enseignant, suite de chaque envoi",
         f"jusqu’à l’arrêt ; sans confirmation, {_days(UNCONFIRMED_DAYS)} ; un envoi, {_days(DELIVERY_DAYS)}",
         f"l’enseignant, par la page ou par le lien d’un courriel, ou {AT_ONCE}",
         ("smtp_host",),

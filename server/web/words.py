@@ -67,18 +67,19 @@ def _instant(when: datetime) -> datetime:
 
 
 def short_moment(when: datetime) -> str:
-    """The same date on the school's clock, short, for a table: « 21/11/2026 à 12:05 »."""
+    """The same date on the school's clock, short, for a table: « 21/11/2026 à 12 h 05 »."""
     return _moment_text(_instant(when), school_time.time_zone())
 
 
 @lru_cache(maxsize=KEPT)
 def _moment_text(when: datetime, _zone: ZoneInfo) -> str:
-    return school_time.to_local(when).strftime("%d/%m/%Y à %H:%M") + _which(when)
+    here = school_time.to_local(when)
+    return f"{here:%d/%m/%Y} à {school_time.format_hour(here)}{_which(when)}"
 
 
 def long_moment(when: datetime) -> str:
-    """The same in a sentence: « lundi 23 mars 2026 à 18:00 »."""
-    return f"{long_day(when)} à {school_time.to_local(when):%H:%M}{_which(when)}"
+    """The same in a sentence: « lundi 23 mars 2026 à 18 h 00 »."""
+    return f"{long_day(when)} à {school_time.format_hour(school_time.to_local(when))}{_which(when)}"
 
 
 def long_day(when: datetime) -> str:

@@ -33,22 +33,22 @@ def read(text: str, kept: datetime | None = None) -> datetime | None:
 
 
 def test_dates_are_told_on_the_school_s_clock() -> None:
-    assert long_moment(at(2026, 3, 23, 17)) == "lundi 23 mars 2026 à 18:00"
-    assert long_moment(at(2026, 7, 31, 22)) == "samedi 1er août 2026 à 00:00"
-    assert short_moment(at(2026, 12, 31, 23, 5)) == "01/01/2027 à 00:05"
-    assert short_moment(datetime(2026, 12, 31, 23, 5)) == "01/01/2027 à 00:05", "what says no zone is in UTC"
+    assert long_moment(at(2026, 3, 23, 17)) == "lundi 23 mars 2026 à 18\u00a0h\u00a000"
+    assert long_moment(at(2026, 7, 31, 22)) == "samedi 1er août 2026 à 0\u00a0h\u00a000"
+    assert short_moment(at(2026, 12, 31, 23, 5)) == "01/01/2027 à 0\u00a0h\u00a005"
+    assert short_moment(datetime(2026, 12, 31, 23, 5)) == "01/01/2027 à 0\u00a0h\u00a005", "what says no zone is in UTC"
     assert long_day(at(2026, 2, 10)) == "mardi 10 février 2026"
     assert school_time.time_zone_name() == "heure de Paris"
     school_time.set_time_zone("Indian/Reunion")
-    assert long_moment(at(2026, 3, 23, 17)) == "lundi 23 mars 2026 à 21:00"
+    assert long_moment(at(2026, 3, 23, 17)) == "lundi 23 mars 2026 à 21\u00a0h\u00a000"
     school_time.set_time_zone("America/Argentina/Buenos_Aires")
     assert school_time.time_zone_name() == "heure de Buenos Aires"
 
 
 def test_an_hour_that_comes_twice_is_told_apart_and_read_as_the_first() -> None:
     first, second = at(2026, 10, 25, 0, 30), at(2026, 10, 25, 1, 30)
-    assert short_moment(first) == "25/10/2026 à 02:30 (heure d’été)"
-    assert short_moment(second) == "25/10/2026 à 02:30 (heure d’hiver)"
+    assert short_moment(first) == "25/10/2026 à 2\u00a0h\u00a030 (heure d’été)"
+    assert short_moment(second) == "25/10/2026 à 2\u00a0h\u00a030 (heure d’hiver)"
     assert school_time.format_field(first) == school_time.format_field(second) == "2026-10-25T02:30"
     assert read("2026-10-25T02:30") == first
     assert read("2026-10-25T02:30", second) == second, "a field left as it was changes nothing"
@@ -61,8 +61,8 @@ def test_an_hour_that_never_comes_is_refused_with_one_that_does(minute: int) -> 
     with pytest.raises(Invalid) as refused:
         read(f"2026-03-29T02:{minute:02d}")
     assert refused.value.detail == (
-        f"Date limite : il n’est jamais 2 h {minute:02d} ce jour-là, où l’on passe à l’heure d’été. "
-        f"Indiquez une heure qui existe, 3 h {minute:02d} par exemple."
+        f"Date limite : il n’est jamais 2\u00a0h\u00a0{minute:02d} ce jour-là, où l’on passe à l’heure d’été. "
+        f"Indiquez une heure qui existe, 3\u00a0h\u00a0{minute:02d} par exemple."
     )
     assert read("2026-03-29T03:00") == at(2026, 3, 29, 1)
     assert read("2026-03-29T01:59") == at(2026, 3, 29, 0, 59)

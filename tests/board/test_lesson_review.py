@@ -1,4 +1,4 @@
-"""« Demain matin »: an exercise is at fault by those who fail it, not by those who have solved it already."""
+"""« Après la séance »: an exercise is at fault by those who fail it, not by those who have solved it already."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""From « Demain matin » to its doing: an exercise for these students, an assignment re-opened for them."""
+"""From « Après la séance » to its doing: an exercise for these students, an assignment re-opened for them."""
 
 from __future__ import annotations
 

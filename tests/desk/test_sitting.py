@@ -147,8 +147,8 @@ ALIKE = (
         re.compile(r"[0-9a-f]{8}-[0-9a-f]{4}-[0-9a-f]{4}-[0-9a-f]{4}-[0-9a-f]{12}|\d{4}-\d\d-\d\d-\d{6}-[0-9a-f]{8}"),
         "ID",
     ),
-    (re.compile(r"\d{4}-\d\d-\d\d[T ][\d:.]+(\+00:00|Z)?|\d\d/\d\d/\d{4} à \d\d:\d\d"), "TIME"),
-    (re.compile(r"\d+(er)? \w+ \d{4} à \d\d:\d\d"), "TIME"),
+    (re.compile(r"\d{4}-\d\d-\d\d[T ][\d:.]+(\+00:00|Z)?|\d\d/\d\d/\d{4} à \d+\sh\s\d\d"), "TIME"),
+    (re.compile(r"\d+(er)? \w+ \d{4} à \d+\sh\s\d\d"), "TIME"),
     (re.compile(r'("seed": )\d+'), r"\1SEED"),
 )
 

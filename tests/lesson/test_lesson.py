@@ -121,7 +121,7 @@ def test_a_mistake_counts_whoever_still_makes_it_and_those_that_all_have_correct
     with sqlite.read() as db:
         progress = load_progress(db, course, made, utc_now())
     mistakes = lesson_mistakes(progress, Expected((EXERCISE, OTHER), long_ago + timedelta(minutes=1)))
-    assert [(row.id, row.still, row.ever) for row in mistakes] == [("vt_pour_v", (silent,), 1), (WRONG, (), 2)]
+    assert [(row.id, row.still, row.made) for row in mistakes] == [("vt_pour_v", (silent,), 1), (WRONG, (), 2)]
 
 
 def stuck_students(site: Site, made: SchoolClass, count: int) -> Sequence[UUID]:
@@ -306,6 +306,33 @@ def test_nothing_held_is_projected(
     assert ("x = a <" in text or "x <span" in text or "ne peut pas être projetée" not in text) is shown[0]
     assert ("Ce programme est faux" in text, "Ce programme est juste" in text) == shown
     assert not re.search("Ada|Lovelace|Hopper", text)
+
+
+def test_those_of_a_lesson_are_not_guessed_among_those_of_before(
+    site: Site, course: Course, martin: Person, made: SchoolClass
+) -> None:
+    now, page = utc_now(), f"/classes/{made.id}/seance"
+    students, (absent,) = seated(site.database, made, 6, now), seated(site.database, made, 1)
+    before = [Sent(student, EXERCISE, now - timedelta(minutes=50), 0.25, WRONG, WRONG_CODE) for student in students]
+    solved = [Sent(student, EXERCISE, now - timedelta(minutes=40), 1.0, None, RIGHT_CODE) for student in students]
+    at_home = Sent(absent, EXERCISE, now - timedelta(days=3), 1.0)
+    store(site.database, [*before, *solved[:4], at_home, Sent(students[0], EXERCISE, now, 0.25, WRONG, WRONG_CODE)])
+    with site.database.write() as db:
+        plan, begun = LessonPlan((EXERCISE,)), now - timedelta(minutes=30)
+        service.start_lesson(db, course, made, martin.account.id, plan, begun)
+    browser, project = martin.browser(site), f"/classes/{made.id}/erreurs/{EXERCISE}/{WRONG}/projeter"
+    row = words_of(text_of(browser, page).split('class="mistake-row"')[1])
+    assert "3 la font encore" in row
+    assert "Se projette dès que 5 élèves l’ont faite (ici 3)" in row
+    assert project not in text_of(browser, page)
+    text = text_of(browser, project)
+    assert "Moins de 5 élèves ont fait cette erreur pendant la séance" in text
+    assert "Ce programme est faux" not in text
+    assert "4 sur 6" in text_of(browser, f"{page}/projeter"), "who is absent does not count"
+    store(site.database, [Sent(student, EXERCISE, now, 0.25, WRONG, WRONG_CODE) for student in students[1:3]])
+    row = words_of(text_of(browser, page).split('class="mistake-row"')[1])
+    assert "Projetée sans nom : 5 élèves l’ont faite" in row
+    assert "Ce programme est faux" in text_of(browser, project)
 
 
 def test_only_staff_run_a_lesson(site: Site, course: Course, martin: Person, made: SchoolClass) -> None:

@@ -1,4 +1,4 @@
-"""Mails of « Demain matin »: asked for, confirmed, sent once by a real SMTP server, stopped at a click."""
+"""Mails of « Après la séance »: asked for, confirmed, sent once by a real SMTP server, stopped at a click."""
 
 from __future__ import annotations
 
@@ -212,7 +212,7 @@ def test_a_lesson_is_told_once_with_the_names_of_the_page_and_stopped_by_the_lin
     assert desk.post.work() == 1
     assert desk.post.work() == 0
     (message,) = served.messages
-    assert message["Subject"].startswith("Demain matin, MPSI <b>, séance du")
+    assert message["Subject"].startswith("Après la séance, MPSI <b>, séance du")
     assert message["Auto-Submitted"] == "auto-generated"
     assert "Ada <i>" in text_of(message)
     assert "Ada &lt;i&gt;" in text_of(message, "html")
@@ -255,7 +255,7 @@ def test_a_week_is_told_on_monday_where_there_is_something_to_tell(desk: Desk, s
     tries = [Sent(ada.id, EXERCISE, begun + timedelta(minutes=n), 0.0, "m", f"x = {n}\n") for n in range(4)]
     store(desk.site.database, tries)
     assert desk.post.work() == 1
-    assert "la semaine jusqu’au 07/12/2026" in served.messages[0]["Subject"]
+    assert "La semaine, MPSI <b>, jusqu’au 07/12/2026" in served.messages[0]["Subject"]
     with desk.site.database.write() as db:
         db.execute(update(SchoolClass).values(archived_at=utc_now()))
     desk.now += timedelta(days=7)

@@ -29,8 +29,12 @@ TICS = {
     r"jour commencé": "« jour de retard entamé »",
     r"d’ailleurs que de": "« depuis un autre site »",
     r"Emporter les notes": "« exporter »",
+    r"[Dd]emain matin": "« Après la séance », « La semaine »",
+    r"\b\d{1,2}:\d{2}\b": "« 18 h 05 » (`school_time.format_hour`)",
 }
-TEMPLATES = sorted((ROOT / "templates").rglob("*.html"))
+TEMPLATES = sorted(path for path in (ROOT / "templates").rglob("*.*") if path.suffix in {".html", ".txt"})
+#: Where times are not of French texts: ISO, as a form's field holds it, and a screen of figures.
+CLOCKS = {"server/base/school_time.py", "server/cli/top.py"}
 
 
 @pytest.mark.parametrize("tic", TICS)
@@ -39,3 +43,14 @@ def test_no_template_has_a_turn_that_was_settled_against(tic: str) -> None:
         f"{path.name}: {match[0]}" for path in TEMPLATES for match in re.finditer(tic, path.read_text(encoding="utf-8"))
     ]
     assert not found, TICS[tic]
+
+
+def test_times_are_written_in_one_form() -> None:
+    found = [
+        f"{path}: {line.strip()}"
+        for source in sorted((ROOT / "server").rglob("*.py"))
+        if (path := source.relative_to(ROOT).as_posix()) not in CLOCKS and "node_modules" not in path
+        for line in source.read_text(encoding="utf-8").splitlines()
+        if "%H:%M" in line or re.search(r"\{[^{}]*hour[^{}]*\}:\{", line)
+    ]
+    assert not found, "« 18 h 05 », by `school_time.format_hour`"

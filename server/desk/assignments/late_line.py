@@ -109,7 +109,8 @@ def _render_svg(rules: Rules, pieces: Sequence[_LineSegment], told: str) -> Mark
         place = x(when)
         anchor = "start" if place < LEFT + 70 else "end" if place > RIGHT - 70 else "middle"
         below = BOTTOM + 18 + 15 * row
-        label = f"{name} {school_time.to_local(when):%d/%m %H:%M}"
+        here = school_time.to_local(when)
+        label = f"{name} {here:%d/%m} {school_time.format_hour(here)}"
         parts.append(f'<line class="late-date" x1="{place:.1f}" y1="{TOP}" x2="{place:.1f}" y2="{below - 11:.1f}"/>')
         parts.append(f'<text x="{place:.1f}" y="{below:.1f}" text-anchor="{anchor}">{escape(label)}</text>')
     path = ""

@@ -16,7 +16,7 @@ from server.board import repository, service
 from server.board.catalogue import CataloguedMisconception, find_misconception
 from server.board.contrast import Extract, ProgramLine, contrast_programs, extract_lines
 from server.board.extracts import name_words
-from server.board.lesson_state import MAX_MISTAKES, lesson_mistakes
+from server.board.lesson_state import MAX_MISTAKES, count_makers, lesson_mistakes
 from server.board.progress import ClassProgress
 from server.board.repository import SourceRow
 from server.board.schemas import FEWEST_TO_PROJECT
@@ -56,6 +56,7 @@ class ColouredLine:
 class ProjectionPage:
     """A misconception on the wall. Without `refusal`, and for enough students or by choice, everything may be shown.
 
+    `is_of_lesson`: some have made it in the lesson that goes on, and these are counted alone.
     `paragraphs` and `question` are HTML where `prose` is true. `wrong` and `right` are programs of different
     students; `others` are the addresses of the mistakes that may be projected in this lesson.
     """
@@ -69,6 +70,7 @@ class ProjectionPage:
     refusal: str
     may_project: bool
     fewest: int
+    is_of_lesson: bool
     close_href: str
     others: tuple[str, ...]
     wrong: tuple[ColouredLine, ...] = ()
@@ -102,7 +104,8 @@ def prepare_projection(
     exercise, known = course.exercises[exercise_id], find_misconception(course, exercise_id, misconception)
     students = [student.id for student in progress.students]
     rules = lessons.load_projection_rules(db, students, exercise_id)
-    href, is_shared = class_href(school_class), len(had) >= FEWEST_TO_PROJECT
+    today = 0 if lesson is None else _count_today(progress, lesson, exercise_id, misconception)
+    href, is_shared = class_href(school_class), (today or len(had)) >= FEWEST_TO_PROJECT
     is_prose = exercise.answers is not None
     page = ProjectionPage(
         title=known.diagnosis.title,
@@ -114,12 +117,20 @@ def prepare_projection(
         refusal=rules.refusal,
         may_project=chosen or is_shared,
         fewest=FEWEST_TO_PROJECT,
+        is_of_lesson=bool(today),
         close_href=misconception_href(href, exercise_id, misconception) if lesson is None else f"{href}/seance",
         others=() if lesson is None else _other_hrefs(progress, lesson, href),
     )
     if rules.refusal or not is_shared or is_prose:
         return page, None
     return page, _programs(db, account, progress, exercise, known, shows_solution=rules.shows_solution)
+
+
+def _count_today(progress: ClassProgress, lesson: LiveLesson, exercise: str, misconception: str) -> int:
+    """Count who has made a mistake in this lesson, or makes it still: among all who ever did, they would be guessed."""
+    had = progress.students_who_had(exercise, misconception)
+    made_by = (progress.attempts[account, exercise] for account in had)
+    return count_makers(made_by, misconception, lesson.started_at)
 
 
 def _other_hrefs(progress: ClassProgress, lesson: LiveLesson, href: str) -> tuple[str, ...]:

@@ -1,4 +1,4 @@
-"""« Demain matin » by mail: which pages are due to whom, and each page as a message."""
+"""« Après la séance » by mail: which pages are due to whom, and each page as a message."""
 
 from __future__ import annotations
 
@@ -47,7 +47,7 @@ def latest_week(now: datetime) -> datetime:
 
 
 class ReviewMails:
-    """The mails of « Demain matin »: one after each lesson, one a week where there is something to tell.
+    """The mails of « Après la séance »: one after each lesson, one a week where there is something to tell.
 
     Implements `server.mails.post.Composer`.
     """
@@ -83,11 +83,11 @@ class ReviewMails:
         if is_over or not access.has(Right.read_work):
             return None
         if sending.key == service.CONFIRMATION:
-            return self._write(sending, access, "confirm", "Confirmer l’envoi de « Demain matin »", now, {})
+            return self._write(sending, access, "confirm", "Confirmer l’envoi de « Après la séance »", now, {})
         if sending.key.startswith(WEEK):
             page = review_page(db, self._course, access, now, None)
             tells = bool(page.to_see or page.to_explain or page.at_fault or page.overcome)
-            title = f"la semaine jusqu’au {short_moment(now)}"
+            name, title = "La semaine", f"jusqu’au {short_moment(now)}"
             href = f"{class_href(access.school_class)}/semaine"
         else:
             lesson_id = parse_uuid(sending.key.removeprefix(LESSON), service.UNKNOWN_LINK)
@@ -95,10 +95,11 @@ class ReviewMails:
             if lesson is None:
                 return None
             page, tells = review_page(db, self._course, access, now, lesson), True
-            title, href = f"séance du {short_moment(lesson.started_at)}", f"{page.head.href}/seance/{lesson.id}"
+            name, title = "Après la séance", f"séance du {short_moment(lesson.started_at)}"
+            href = f"{page.head.href}/seance/{lesson.id}"
         if not tells:
             return None
-        subject = f"Demain matin, {access.school_class.name}, {title}"
+        subject = f"{name}, {access.school_class.name}, {title}"
         return self._write(
             sending,
             access,

@@ -1,4 +1,4 @@
-"""A teacher asks for « Demain matin » by mail, and the signed links of these mails."""
+"""A teacher asks for « Après la séance » by mail, and the signed links of these mails."""
 
 from __future__ import annotations
 

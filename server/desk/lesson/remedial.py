@@ -1,4 +1,4 @@
-"""From a line of « Demain matin » to its doing: an exercise for these students, or an assignment re-opened for them."""
+"""From a line of « Après la séance » to its doing: an exercise for these students, an assignment re-opened for them."""
 
 from __future__ import annotations
 

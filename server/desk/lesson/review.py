@@ -1,4 +1,4 @@
-"""« Demain matin »: the review of a lesson or of a week, each line with what to do about it."""
+"""« Après la séance »: the review of a lesson or of a week, each line with what to do about it."""
 
 from __future__ import annotations
 

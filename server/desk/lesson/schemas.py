@@ -41,17 +41,17 @@ class StuckRow:
 
 @dataclass(frozen=True)
 class MistakeRow:
-    """A mistake of the lesson: `still` names those who make it, of `ever` who did, with the minutes of those who are
+    """A mistake of the lesson: `still` names those who make it, of `made` who did, with the minutes of those who are
     stuck on it; `href`: its page.
 
-    `project_href` is empty where fewer than `fewest` ever made it. `remedial_href` leads to the form that gives an
+    `project_href` is empty where fewer than `fewest` made it. `remedial_href` leads to the form that gives an
     exercise to those who make it still.
     """
 
     title: str
     exercise: str
     still: tuple[str, ...]
-    ever: int
+    made: int
     href: str
     project_href: str
     fewest: int
@@ -60,7 +60,7 @@ class MistakeRow:
 
 @dataclass(frozen=True)
 class DayExercise:
-    """An exercise of the day, with the numbers of students who have solved it, and who try."""
+    """An exercise of the day, with the numbers of present students who have solved it, who try, and of all of them."""
 
     title: str
     href: str
@@ -87,7 +87,6 @@ class LessonParts:
     working: tuple[str, ...]
     exercises: tuple[DayExercise, ...]
     next_words: str
-    students: int
 
 
 @dataclass(frozen=True)
@@ -110,9 +109,10 @@ class LessonForm:
 
 @dataclass(frozen=True)
 class LessonPage:
-    """The page of a lesson that goes on."""
+    """The page of a lesson that goes on. `loaded`: when, on the school's clock, in words."""
 
     head: ClassHead
+    loaded: str
     parts: LessonParts
     form: LessonForm
     may_run: bool

@@ -9,6 +9,7 @@ from uuid import UUID
 
 from sqlalchemy.orm import Session
 
+from server.base import school_time
 from server.board import lesson_loading
 from server.board.lesson_state import LessonMistake, LessonState
 from server.board.progress import ClassProgress
@@ -55,6 +56,7 @@ def lesson_page(
     progress = load_progress(db, course, school_class, now, besides=lesson.exercises)
     return LessonPage(
         head=class_head(course, access, "/seance"),
+        loaded=school_time.format_hour(school_time.to_local(now)),
         parts=lesson_parts(db, progress, school_class, lesson),
         form=refused or lesson_form(db, course, school_class, now, current_plan(lesson)),
         may_run=access.has(Right.run_lessons),
@@ -127,7 +129,6 @@ def lesson_parts(db: Session, progress: ClassProgress, school_class: SchoolClass
         working=tuple(names[account] for account in state.working),
         exercises=_day_exercises(links, state),
         next_words=next_words(progress.course, lesson),
-        students=state.students,
     )
 
 
@@ -154,7 +155,7 @@ def _mistake_row(
             *(f"{names[row.account]} ({minutes_since(row, progress)}\N{NO-BREAK SPACE}min)" for row in held),
             *(names[account] for account in others),
         ),
-        ever=mistake.ever,
+        made=mistake.made,
         href=href,
         project_href=f"{href}/projeter" if mistake.may_be_projected else "",
         fewest=FEWEST_TO_PROJECT,
@@ -165,7 +166,7 @@ def _mistake_row(
 def _day_exercises(links: BoardLinks, state: LessonState) -> tuple[DayExercise, ...]:
     return tuple(
         DayExercise(
-            links.title(count.exercise), links.exercise_href(count.exercise), count.solved, count.trying, state.students
+            links.title(count.exercise), links.exercise_href(count.exercise), count.solved, count.trying, count.students
         )
         for count in state.exercises
     )

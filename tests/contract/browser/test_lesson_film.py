@@ -1,4 +1,4 @@
-"""A film of a simulated lesson: the teacher’s « Séance » at several minutes, then « Demain matin », in pictures.
+"""A film of a simulated lesson: the teacher’s « Séance » at several minutes, then « Après la séance », in pictures.
 
 `LESSON_FILM=DIR pytest -m slow tests/contract/browser/test_lesson_film.py` leaves the pictures in that folder. Whoever
 looks at them should say within five seconds whom to help, and on what. No words are cut or stand on others.

@@ -25,7 +25,7 @@ function showLocalTimes() {
     if (school.format(when) === own.format(when)) continue;
     const beside = document.createElement("span");
     beside.className = "own-clock";
-    beside.textContent = ` (chez vous : ${own.format(when)})`;
+    beside.textContent = ` (chez vous : ${own.format(when).replace(":", "\u00a0h\u00a0")})`;
     time.append(beside);
   }
 }

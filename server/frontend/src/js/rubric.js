@@ -10,7 +10,7 @@ const AGAIN_MS = 5000;
 const form = document.querySelector("[data-rubric]");
 const address = form?.getAttribute("action"); // `form.action` is the buttons of that name
 const number = new Intl.NumberFormat("fr-FR", { maximumFractionDigits: 2 });
-const clock = new Intl.DateTimeFormat("fr-FR", { timeStyle: "medium" });
+const clock = new Intl.DateTimeFormat("fr-FR", { timeStyle: "short" });
 
 function pointsOf(criterion) {
   const typed = criterion.querySelector("[name^='p-']").value.trim();
@@ -52,7 +52,7 @@ function setUpDrafts(key) {
       changed = written() !== before;
       form.elements.version.value = answer.version;
       keep(key, null);
-      place.textContent = `Brouillon enregistré à ${clock.format(new Date(answer.saved_at))}.`;
+      place.textContent = `Brouillon enregistré à ${clock.format(new Date(answer.saved_at)).replace(":", "\u00a0h\u00a0")}.`;
     } else if (answer?.detail) {
       over = response.status === 409;
       place.textContent = answer.detail;

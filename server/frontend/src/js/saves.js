@@ -19,7 +19,7 @@ export function reconciled(form, key, draft, there) {
 export function savesOf(form, key, { text, body }) {
   if (!form.dataset.save) return { changed() {} };
   const place = document.getElementById("enregistre");
-  const clock = new Intl.DateTimeFormat("fr-FR", { timeStyle: "medium" });
+  const clock = new Intl.DateTimeFormat("fr-FR", { timeStyle: "short" });
   let [timer, changed, sending, over] = [null, false, false, false];
 
   function soon(wait) {
@@ -43,7 +43,7 @@ export function savesOf(form, key, { text, body }) {
       changed = text() !== written;
       adopt(form, { depuis: answer.depuis });
       keep(key + SAVED, written);
-      place.textContent = `enregistré à ${clock.format(new Date(answer.saved_at))}`;
+      place.textContent = `enregistré à ${clock.format(new Date(answer.saved_at)).replace(":", "\u00a0h\u00a0")}`;
       if (changed) soon(CALM_MS);
       return;
     }

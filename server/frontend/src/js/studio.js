@@ -17,7 +17,7 @@ const ELSEWHERE =
 const PICKED = ["cas", "erreur"];
 
 const form = document.querySelector("[data-studio]");
-const clock = new Intl.DateTimeFormat("fr-FR", { timeStyle: "medium" });
+const clock = new Intl.DateTimeFormat("fr-FR", { timeStyle: "short" });
 
 function setUp() {
   const address = form.getAttribute("action"); // `form.action` is the buttons of that name
@@ -77,7 +77,7 @@ function setUp() {
       changed = written() !== before;
       form.elements.version.value = show(await response.text()) ?? form.elements.version.value;
       if (recall(key) === held) hold(null);
-      told.textContent = `Enregistré à ${clock.format(new Date())}.`;
+      told.textContent = `Enregistré à ${clock.format(new Date()).replace(":", "\u00a0h\u00a0")}.`;
     } else {
       const answer = await response?.json().catch(() => null);
       over = elsewhere = response?.status === 409;
