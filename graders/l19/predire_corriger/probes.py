@@ -23,6 +23,7 @@ READINGS: tuple[Arguments, ...] = (
     (3.7, 5.3, 0.4, 2.15),
     (-0.6, 0.8, -2.3, 1.7),
     (2.9, 1.4, 5.5, 0.6),
+    (2.4, 1.1, 2.4, 0.7),
 )
 
 PROBES = (
@@ -38,6 +39,6 @@ PROBES = (
         calls=READINGS,
         kit=KIT,
         read=ReadPair(NAMES),
-        rules=(only(0, "moyenne_fausse"), only(1, "variance_fausse")),
+        rules=(only(0, "moyenne_fausse", range(5)), only(1, "variance_fausse")),
     ),
 )
