@@ -15,7 +15,22 @@ from graders.l20.slam_graphe.graphs import Edge, Graph, edge, odometry, rows
 from graders.l20.slam_graphe.optimum import COARSENESS, FAR, LOST, gaps
 from reference.se2 import relative
 
-COUNTED: tuple[Arguments, ...] = tuple(examples(np.random.default_rng(0)))
+
+def _chain(*order: int) -> Arguments:
+    """Six poses held by one chain, whose steps are listed in this order."""
+    poses = rows(*((k, 0.5 * (k % 2), 0.2 * k) for k in range(6)))
+    steps = [edge(k, k + 1, (1, 0, 0.1)) for k in range(5)]
+    return poses, [steps[k] for k in order]
+
+
+#: One graph, the same edges in other orders, then the first of them again.
+REORDERED: tuple[Arguments, ...] = (
+    _chain(0, 1, 2, 3, 4),
+    _chain(4, 3, 2, 1, 0),
+    _chain(0, 2, 4, 1, 3),
+    _chain(0, 1, 2, 3, 4),
+)
+COUNTED: tuple[Arguments, ...] = (*examples(np.random.default_rng(0)), *REORDERED)
 
 TRUTH = rows((1, 2, 0.3), (3, 2.5, 0.9), (3.5, 4.5, 2.2), (1.5, 5, -2.9), (0.5, 3, -1.6))
 NOISE = rows((0.1, -0.05, 0.06), (-0.08, 0.12, -0.05), (0.06, 0.07, 0.04), (-0.12, 0.05, -0.07), (0.07, -0.1, 0.05))
@@ -125,8 +140,18 @@ def constant(shown: ProbeResults) -> str | None:
     return "toujours_pareil" if len(numbers) == 1 and len(shown.got) > 1 else None
 
 
+def depends_on_the_order(shown: ProbeResults) -> str | None:
+    """Other numbers for one graph whose edges come in another order, and the same for the same call asked again."""
+    numbers = [one for one in shown.got[-len(REORDERED) :] if isinstance(one, int | float)]
+    if len(numbers) < len(REORDERED) or numbers[0] != numbers[-1]:
+        return None
+    return "ordre_des_aretes" if len(set(numbers)) > 1 else None
+
+
 PROBES = (
-    Probes(function="dimension_noyau", calls=COUNTED, kit=world.STILL, read=count, rules=(constant,)),
+    Probes(
+        function="dimension_noyau", calls=COUNTED, kit=world.STILL, read=count, rules=(constant, depends_on_the_order)
+    ),
     Probes(
         function="gauss_newton_robuste",
         calls=tuple((one.poses, list(one.edges), DELTA, one.n_iter) for one in GRAPHS),
