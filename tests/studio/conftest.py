@@ -12,6 +12,7 @@ from uuid import UUID
 
 import pytest
 
+from graders.core.declared import trial
 from server.base.app_services import get_service
 from server.grading import trial_task
 from server.grading.grading_task import GradingInput, GradingTask
@@ -120,12 +121,17 @@ class TrialsOnce(TrialTask):
 
 #: Of a trial's program, which none but an endless one comes near to: the time of the processor, whatever else it does.
 SHORT_CPU_SECONDS = 0.25
+#: Seeds on which a solution is graded before it is published, and changes of it that are tried besides those of whole
+#: functions: a few show all that a page tells. `tests/graders/declared` tries as many changes as in service.
+FEW_SEEDS, FEW_CHANGES = 3, 12
 
 
 @pytest.fixture
 def studio(site: Site, course_sandbox: Sandbox, monkeypatch: pytest.MonkeyPatch) -> Iterator[Studio]:
     limits = replace(trial_task.TRIAL_POLICY, cpu_seconds=SHORT_CPU_SECONDS)
     monkeypatch.setattr(trial_task, "TRIAL_POLICY", limits)
+    monkeypatch.setattr(trial_task, "SEEDS", FEW_SEEDS)
+    monkeypatch.setattr(trial, "MAX_CHANGES", FEW_CHANGES)
     course, service = the_course(), get_service(site.app, StudioService)
     grader = SandboxGrader(course, course_sandbox)
 

@@ -37,6 +37,11 @@ def checked(exercise: str, source: str, seed: int, *, simplified: bool = False) 
     return _unnamed(exercise, simplified).grade(source.encode(), LOCAL, seed=seed, version="v")
 
 
+def checked_verdict_of(exercise: str, source: str, seed: int, *, simplified: bool = False) -> Verdict:
+    """The verdict of the checks alone, as of `checked`, for tests that look at what failed."""
+    return checked(exercise, source, seed, simplified=simplified).verdict
+
+
 @cache
 def _unsimplified(exercise: str) -> CodeGrader:
     return replace(CODE[exercise], budget=Budget(calls=0))

@@ -17,11 +17,12 @@ from server.base.files import ROOT as PROJECT
 from tests.content.graders.l20.boucles_styles import ARRAY, DESCRIPTORS, DISTANCES, LIST, submission
 from tests.support.quick import THEMES, one_in, some
 from tests.support.shipped import CODE
-from tests.support.verdicts import failed, judgement_of, named, verdict_of
+from tests.support.verdicts import checked, checked_verdict_of, failed, named, verdict_of
 
 GRADER = CODE["l20/boucles"]
-graded = partial(judgement_of, GRADER.exercise)
 verdict = partial(verdict_of, GRADER.exercise)
+checked_verdict = partial(checked_verdict_of, GRADER.exercise)
+checks_of = partial(checked, GRADER.exercise)
 
 SEEDS = range(12)
 
@@ -90,15 +91,15 @@ def test_every_honest_descriptor_passes(name: str) -> None:
     ],
 )
 def test_poor_descriptors_are_rejected(descriptor: str, where: str) -> None:
-    found = verdict(submission(descriptor), 0)
+    found = checked_verdict(submission(descriptor), 0)
     assert found.outcome is Outcome.WRONG_ANSWER
     assert where in failed(found)
 
 
 def test_single_numbers_are_always_caught() -> None:
     for seed in range(2):
-        assert failed(verdict(mistake("moyenne_seule").source, seed)) == {"sosies"}
-        assert "sosies" in failed(verdict(submission("np.array([np.median(scan)])"), seed))
+        assert failed(checked_verdict(mistake("moyenne_seule").source, seed)) == {"sosies"}
+        assert "sosies" in failed(checked_verdict(submission("np.array([np.median(scan)])"), seed))
 
 
 @pytest.mark.parametrize(
@@ -122,7 +123,7 @@ def test_single_numbers_are_always_caught() -> None:
     ],
 )
 def test_subtly_wrong_searches_are_rejected(body: str, where: str) -> None:
-    found = verdict(submission("np.abs(np.fft.rfft(scan))", body=body), 0)
+    found = checked_verdict(submission("np.abs(np.fft.rfft(scan))", body=body), 0)
     assert found.outcome is Outcome.WRONG_ANSWER
     assert where in failed(found)
 
@@ -130,13 +131,13 @@ def test_subtly_wrong_searches_are_rejected(body: str, where: str) -> None:
 @pytest.mark.parametrize("path", sorted((GRADER.folder / "specimens/wrong_answer").glob("*.py")), ids=lambda p: p.stem)
 def test_hostile_programs_are_rejected(path: Path) -> None:
     for seed in range(2):
-        assert verdict(path.read_text(encoding="utf-8"), seed).outcome is Outcome.WRONG_ANSWER
+        assert checked_verdict(path.read_text(encoding="utf-8"), seed).outcome is Outcome.WRONG_ANSWER
 
 
 def test_a_mistake_of_the_window_costs_its_own_check_alone() -> None:
     for name in ("borne_stricte", "ecart_oublie", "regarde_le_futur", "tranche_negative", "plus_proche_d_abord"):
         for seed in range(2):
-            assert failed(verdict(mistake(name).source, seed)) == {"fenetre"}
+            assert failed(checked_verdict(mistake(name).source, seed)) == {"fenetre"}
 
 
 @pytest.mark.parametrize(
@@ -183,7 +184,7 @@ def test_the_first_counterexample_can_be_typed() -> None:
 
 def test_failed_checks_say_what_was_given_expected_and_obtained() -> None:
     for wrong in some(GRADER.misconceptions):
-        for check in verdict(wrong.source, 11).checks:
+        for check in checked_verdict(wrong.source, 11, simplified=True).checks:
             if not check.passed and check.id != "arguments":
                 assert check.message.endswith((".", "?", "»"))
                 assert check.hint or check.repeats or check.cause is Outcome.RUNTIME_ERROR
@@ -192,7 +193,7 @@ def test_failed_checks_say_what_was_given_expected_and_obtained() -> None:
 
 
 def message(source: str, check: str, seed: int) -> str:
-    return next(c.message for c in verdict(source, seed).checks if c.id == check)
+    return next(c.message for c in checked_verdict(source, seed, simplified=True).checks if c.id == check)
 
 
 def test_lookalikes_are_spoken_of_only_when_they_are_confused() -> None:
@@ -221,7 +222,7 @@ def test_slopes_are_not_said_to_be_sectors() -> None:
 @pytest.mark.parametrize("theme", THEMES)
 def test_figures_draw(theme: str) -> None:
     for name in ("scan_brut", "moyenne_seule"):
-        figures = graded(mistake(name).source, 1).figures
+        figures = checks_of(mistake(name).source, 1, simplified=True).figures
         assert figures
         for check in some({"signature_rotation", "sosies"} & set(figures)):
             data = json.loads(json.dumps(figures[check]))
@@ -229,7 +230,7 @@ def test_figures_draw(theme: str) -> None:
 
 
 def test_absurd_signatures_are_left_out_of_the_figure() -> None:
-    data = graded(submission("scan * 1e140"), 1).figures["signature_rotation"]
+    data = checks_of(submission("scan * 1e140"), 1, simplified=True).figures["signature_rotation"]
     assert all(item["signature"] is None for item in data["scans"])
     assert counterexample(GRADER.exercise, json.loads(json.dumps(data)), theme="light").startswith(b"<?xml")
 

@@ -18,11 +18,12 @@ from graders.plotting import counterexample
 from reference.registration import kabsch
 from tests.support.quick import THEMES, one_in, some
 from tests.support.shipped import CODE
-from tests.support.verdicts import failed, judgement_of, named, verdict_of
+from tests.support.verdicts import checked, checked_verdict_of, failed, named, verdict_of
 
 GRADER = CODE["l20/kabsch"]
-graded = partial(judgement_of, GRADER.exercise)
 verdict = partial(verdict_of, GRADER.exercise)
+checked_verdict = partial(checked_verdict_of, GRADER.exercise)
+checks_of = partial(checked, GRADER.exercise)
 
 SVD = """
 def kabsch(P, Q):
@@ -162,7 +163,7 @@ def kabsch(P, Q):
     ],
 )  # fmt: skip
 def test_subtly_wrong_answers_are_rejected(source: str, where: str) -> None:
-    found = verdict(source, 0)
+    found = checked_verdict(source, 0)
     assert found.outcome is Outcome.WRONG_ANSWER
     assert where in failed(found)
 
@@ -206,11 +207,15 @@ def test_a_rotation_and_a_translation_are_judged_apart() -> None:
         ("t_oppose", {"translation", "degeneres"}),
         ("rotation_transposee", {"exemples", "exact_2d", "exact_3d", "bruit", "miroir", "miroir_3d", "degeneres"}),
     ):
-        assert failed(verdict(mistake(wrong).source, 3)) == fails
+        assert failed(checked_verdict(mistake(wrong).source, 3)) == fails
 
 
 def test_the_first_counterexample_is_that_of_the_course() -> None:
-    found = next(check for check in verdict(mistake("t_sans_rotation").source, 3).checks if not check.passed)
+    found = next(
+        check
+        for check in checked_verdict(mistake("t_sans_rotation").source, 3, simplified=True).checks
+        if not check.passed
+    )
     assert found.id == "translation"
     assert found.counterexample is not None
     assert found.counterexample.inputs["P"] == [[0, 0], [1, 0], [0, 1]]
@@ -221,14 +226,14 @@ def test_the_first_counterexample_is_that_of_the_course() -> None:
 
 def test_a_random_counterexample_is_shrunk() -> None:
     source = SVD.replace("return R, t\n", "return (R, t) if np.all(P == P.round()) or len(P) < 5 else (R, t + 1)\n")
-    found = next(check for check in verdict(source, 2).checks if check.id == "translation")
+    found = next(check for check in checked_verdict(source, 2, simplified=True).checks if check.id == "translation")
     assert found.counterexample is not None
     assert len(found.counterexample.inputs["P"]) == 5
 
 
 def test_failed_checks_say_what_was_given_expected_and_obtained() -> None:
     for wrong in some(GRADER.misconceptions):
-        for check in verdict(wrong.source, 11).checks:
+        for check in checked_verdict(wrong.source, 11, simplified=True).checks:
             if not check.passed and check.id != "arguments":
                 assert check.message
                 assert check.hint or check.repeats or check.cause is Outcome.RUNTIME_ERROR
@@ -238,8 +243,8 @@ def test_failed_checks_say_what_was_given_expected_and_obtained() -> None:
 
 @pytest.mark.parametrize("theme", THEMES)
 def test_figures_draw(theme: str) -> None:
-    right_shape = graded(mistake("t_sans_rotation").source, 1).figures
-    wrong_shape = graded(mistake("points_en_colonnes").source, 1).figures
+    right_shape = checks_of(mistake("t_sans_rotation").source, 1, simplified=True).figures
+    wrong_shape = checks_of(mistake("points_en_colonnes").source, 1, simplified=True).figures
     drawn = (right_shape["translation"], wrong_shape["exact_3d"], wrong_shape["degeneres"])
     for data in json.loads(json.dumps(drawn)):
         assert counterexample(GRADER.exercise, data, theme=theme).startswith(b"<?xml")
@@ -247,7 +252,7 @@ def test_figures_draw(theme: str) -> None:
 
 def test_absurd_answers_are_judged_and_left_out_of_the_figure() -> None:
     source = SVD.replace("return R, t\n", "return R, t + 1e150\n")
-    grading = graded(source, 1)
+    grading = checks_of(source, 1, simplified=True)
     assert failed(grading.verdict) == {"translation", "degeneres"}
     assert all(data["got"] is None for data in grading.figures.values())
 

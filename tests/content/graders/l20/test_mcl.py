@@ -27,11 +27,12 @@ from graders.l20.mcl.scenes import HALL_KIT
 from graders.plotting import counterexample
 from tests.support.quick import THEMES, some
 from tests.support.shipped import CODE
-from tests.support.verdicts import checked, failed, judgement_of, model_with, named, verdict_of
+from tests.support.verdicts import checked, checked_verdict_of, failed, judgement_of, model_with, named, verdict_of
 
 GRADER = CODE["l20/mcl"]
 judgement = partial(judgement_of, GRADER.exercise)
 verdict = partial(verdict_of, GRADER.exercise)
+checked_verdict = partial(checked_verdict_of, GRADER.exercise)
 model = partial(model_with, GRADER.exercise)
 HONEST = sorted((GRADER.folder / "specimens/ok").glob("*.py"))
 LOOPS = [check for check in GRADER.checks if isinstance(check, ClosedLoop)]
@@ -77,7 +78,7 @@ def test_mistakes_of_a_step_are_named_without_a_loop(name: str) -> None:
 def test_particles_far_from_the_truth_are_put_down_to_noise_only_where_scattered(
     old: str, new: str, words: str
 ) -> None:
-    told = next(check for check in verdict(model(old, new), 5).checks if check.id == "dispersion")
+    told = next(check for check in checked_verdict(model(old, new), 5).checks if check.id == "dispersion")
     assert told.message is not None
     assert words in told.message
 
@@ -254,4 +255,4 @@ def test_a_fault_of_the_sandbox_in_a_step_stays_a_fault() -> None:
 def test_the_heavier_half_copied_twice_is_no_resampling() -> None:
     """Between two clouds of equal size it does what a comb does; forty particles in 400 keep a fifth of the weight."""
     source = (GRADER.folder / "specimens/wrong_answer/moitie_la_plus_lourde_doublee.py").read_text()
-    assert failed(verdict(source, 3)) == {"memoire"}
+    assert failed(checked_verdict(source, 3)) == {"memoire"}

@@ -20,12 +20,13 @@ from reference.errors import InvalidArgumentError
 from reference.sensors.beam import BeamModel, plain_log_likelihood
 from tests.support.quick import THEMES, one_in, some
 from tests.support.shipped import CODE
-from tests.support.verdicts import checked, failed, named, verdict_of
+from tests.support.verdicts import checked, checked_verdict_of, failed, named, verdict_of
 
 pytestmark = pytest.mark.filterwarnings("ignore::RuntimeWarning")
 
 GRADER = CODE["l20/modele_faisceau"]
 verdict = partial(verdict_of, GRADER.exercise)
+checked_verdict = partial(checked_verdict_of, GRADER.exercise)
 READINGS = (cases.echoes, cases.obstacles, cases.full_range, cases.scans, cases.long_scans)
 MAPS = (cases.small_maps, cases.any_maps)
 WEIGHING = {"echos", "imprevus", "portee", "scans", "longs_scans"}
@@ -165,7 +166,7 @@ def test_arguments_must_be_left_alone() -> None:
     found = verdict(specimen("wrong_answer/modifie_sur_place.py"), 3)
     assert failed(found) == {"arguments"}
     assert named(found) == "argument_modifie"
-    assert verdict(specimen("invalid_output/sans_return.py"), 1).outcome is Outcome.INVALID_OUTPUT
+    assert checked_verdict(specimen("invalid_output/sans_return.py"), 1).outcome is Outcome.INVALID_OUTPUT
 
 
 @pytest.mark.parametrize("draw", READINGS)

@@ -18,11 +18,12 @@ from graders.plotting import counterexample
 from reference.localisation.grid_filter import most_likely
 from tests.support.quick import THEMES, one_in, some
 from tests.support.shipped import CODE
-from tests.support.verdicts import judgement_of, verdict_of
+from tests.support.verdicts import checked, checked_verdict_of, verdict_of
 
 GRADER = CODE["l20/predire2d"]
-grading = partial(judgement_of, GRADER.exercise)
 verdict = partial(verdict_of, GRADER.exercise)
+checked_verdict = partial(checked_verdict_of, GRADER.exercise)
+checks_of = partial(checked, GRADER.exercise)
 
 SEEDS = range(5)
 
@@ -109,18 +110,18 @@ WRONG = {
 
 @pytest.mark.parametrize("change", WRONG.values(), ids=WRONG.keys())
 def test_subtly_wrong_programs_are_rejected(change: str) -> None:
-    assert verdict(f"{GRADER.solution}\n\n{change}\n", 1).score < 1.0
+    assert checked_verdict(f"{GRADER.solution}\n\n{change}\n", 1).score < 1.0
 
 
 def test_functions_that_do_nothing_earn_nothing() -> None:
     nothing = (
         "def predire2d(bel, du, dv):\n    return bel\n\ndef corriger2d(bel, scan_obs, sigma=0.5):\n    return bel\n"
     )
-    assert [verdict(nothing, seed).score for seed in range(2)] == [0.0] * 2
+    assert [checked_verdict(nothing, seed).score for seed in range(2)] == [0.0] * 2
 
 
 def test_the_other_function_keeps_its_points() -> None:
-    found = checks(verdict(mistake("sens_inverse"), 2))
+    found = checks(checked_verdict(mistake("sens_inverse"), 2))
     assert all(found[name].passed for name in ("corriger_exemples", "corriger_autre_carte", "sigma_par_defaut"))
     assert not any(found[name].passed for name in ("predire_exemples", "predire_murs", "predire_autre_carte"))
 
@@ -150,19 +151,19 @@ def test_arguments_must_be_left_alone() -> None:
 
 def test_the_counterexample_of_a_wrong_move_is_one_cell() -> None:
     for name in ("axes_echanges", "sens_inverse", "glissement_oublie"):
-        check = checks(verdict(mistake(name), 3))["predire_exemples"]
+        check = checks(checked_verdict(mistake(name), 3, simplified=True))["predire_exemples"]
         assert len(check.counterexample.inputs["bel, cases (y, x) non nulles"]) == 1
         assert len(check.counterexample.expected) == 3
 
 
 def test_the_counterexample_of_a_lost_mass_is_one_wall() -> None:
-    check = checks(verdict(mistake("masse_perdue"), 3))["predire_murs"]
+    check = checks(checked_verdict(mistake("masse_perdue"), 3, simplified=True))["predire_murs"]
     assert check.counterexample.inputs["bel, cases (y, x) non nulles"] == {"(3, 6)": 1.0}
     assert "au lieu de 1" in check.message
 
 
 def test_a_counterexample_of_another_map_can_be_typed_in_again() -> None:
-    check = checks(verdict(mistake("tour_du_bord"), 3))["predire_autre_carte"]
+    check = checks(checked_verdict(mistake("tour_du_bord"), 3, simplified=True))["predire_autre_carte"]
     inputs = check.counterexample.inputs
     assert set(inputs) == {"libres", "bel", "du", "dv"}
     assert np.count_nonzero(inputs["bel"]) == 1
@@ -170,7 +171,7 @@ def test_a_counterexample_of_another_map_can_be_typed_in_again() -> None:
 
 
 def test_the_counterexample_of_a_wrong_likelihood_is_a_doubt_between_two_cells() -> None:
-    check = checks(verdict(mistake("facteur_deux_oublie"), 3))["corriger_exemples"]
+    check = checks(checked_verdict(mistake("facteur_deux_oublie"), 3, simplified=True))["corriger_exemples"]
     assert check.counterexample.inputs["bel, cases (y, x) non nulles"] == {"(1, 1)": 0.5, "(1, 2)": 0.5}
     assert check.counterexample.expected == pytest.approx({"(1, 1)": 0.98201379, "(1, 2)": 0.01798621})
 
@@ -307,7 +308,7 @@ def test_a_mistake_is_named_in_another_style(name: str, change: str) -> None:
 
 @pytest.mark.parametrize("theme", THEMES)
 def test_figures_draw(theme: str) -> None:
-    figures = json.loads(json.dumps(grading(mistake("sens_inverse"), 0).figures))
+    figures = json.loads(json.dumps(checks_of(mistake("sens_inverse"), 0, simplified=True).figures))
     assert set(figures) == {"predire_exemples", "predire_murs", "predire_autre_carte", "localisation"}
     for name in ("predire_exemples", "predire_autre_carte", "localisation"):
         assert counterexample(GRADER.exercise, figures[name], theme=theme).startswith(b"<?xml")
@@ -315,7 +316,7 @@ def test_figures_draw(theme: str) -> None:
 
 def test_every_failed_comparison_leaves_a_figure() -> None:
     for name in ("tour_du_bord", "centre_oublie", "sigma_par_defaut_faux"):
-        found = grading(mistake(name), 1)
+        found = checks_of(mistake(name), 1, simplified=True)
         assert found.figures
         assert {check.figure for check in found.verdict.checks if not check.passed} == set(found.figures)
 

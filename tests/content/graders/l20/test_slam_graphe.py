@@ -11,11 +11,12 @@ from graders.core.contract.outcomes import Outcome
 from graders.plotting import counterexample
 from tests.support.quick import THEMES, one_in
 from tests.support.shipped import CODE
-from tests.support.verdicts import failed, judgement_of, plain_verdict_of, verdict_of
+from tests.support.verdicts import checked, checked_verdict_of, failed, plain_verdict_of, verdict_of
 
 GRADER = CODE["l20/slam_graphe"]
-graded = partial(judgement_of, GRADER.exercise)
 verdict = partial(verdict_of, GRADER.exercise)
+checked_verdict = partial(checked_verdict_of, GRADER.exercise)
+checks_of = partial(checked, GRADER.exercise)
 
 ERROR_CHECKS = {"erreur_exemples", "erreur_hasard", "erreur_tours"}
 GRAPH_CHECKS = {"chaine", "boucle", "poids", "demi_tour", "grande_boucle"}
@@ -208,19 +209,19 @@ SUBTLE = {
 @pytest.mark.parametrize("name", SUBTLE)
 def test_subtle_wrongs_are_rejected(name: str) -> None:
     checks, source = SUBTLE[name]
-    assert checks <= failed(verdict(source, 8))
+    assert checks <= failed(checked_verdict(source, 8))
 
 
 def test_right_errors_are_not_blamed_for_a_wrong_optimisation_nor_the_reverse() -> None:
-    assert failed(verdict(misconception("omega_ignoree"), 3)).isdisjoint(ERROR_CHECKS | {"chaine", "boucle"})
+    assert failed(checked_verdict(misconception("omega_ignoree"), 3)).isdisjoint(ERROR_CHECKS | {"chaine", "boucle"})
     own = "\n\nright = erreur\n\n" + edited(GRADER.solution, "e[lignes] = erreur(", "e[lignes] = right(")
     source = GRADER.solution + own[: own.index("def erreur")] + own[own.index("def jacobiennes") :]
     wrong = "\n\ndef erreur(xi, xj, z):\n    return relatif(xi, xj)\n"
-    assert failed(verdict(source + wrong, 3)) == ERROR_CHECKS
+    assert failed(checked_verdict(source + wrong, 3)) == ERROR_CHECKS
 
 
 def test_the_counterexample_of_forgotten_weights_can_be_worked_by_hand() -> None:
-    check = next(c for c in verdict(misconception("omega_ignoree"), 3).checks if not c.passed)
+    check = next(c for c in checked_verdict(misconception("omega_ignoree"), 3, simplified=True).checks if not c.passed)
     assert check.counterexample is not None
     assert check.counterexample.expected == [[0, 0, 0], [pytest.approx(3), 0, 0], [pytest.approx(6), 0, 0]]
     assert check.counterexample.inputs["poses"] == [[0, 0, 0], [1, 0, 0], [2, 0, 0]]
@@ -229,7 +230,7 @@ def test_the_counterexample_of_forgotten_weights_can_be_worked_by_hand() -> None
 
 @pytest.mark.parametrize("name", ["une_seule_iteration", "fermetures_ignorees", "erreur_non_ramenee_dans_gn"])
 def test_counterexamples_are_small(name: str) -> None:
-    check = next(c for c in verdict(misconception(name), 5).checks if not c.passed)
+    check = next(c for c in checked_verdict(misconception(name), 5, simplified=True).checks if not c.passed)
     assert check.counterexample is not None
     assert len(check.counterexample.inputs["poses"]) <= 4
 
@@ -237,7 +238,7 @@ def test_counterexamples_are_small(name: str) -> None:
 @pytest.mark.parametrize("theme", THEMES)
 def test_figures_draw(theme: str) -> None:
     for name in ("repere_du_monde", "signe_du_pas"):
-        figures = graded(misconception(name), 1).figures
+        figures = checks_of(misconception(name), 1, simplified=True).figures
         assert figures
         for data in json.loads(json.dumps([*figures.values()][:1])):
             assert counterexample(GRADER.exercise, data, theme=theme).startswith(b"<?xml")
