@@ -29,7 +29,7 @@ FAMILY = ("Lovelace", "Turing", "Hopper", "Dijkstra", "Noether", "Pascal", "Germ
 
 @dataclass(frozen=True)
 class Sent:
-    """One attempt to be stored; `score` in [0, 1], None for an error of ours."""
+    """One attempt to be stored; `score` in [0, 1], None for an error of ours; `checks`: those of its verdict."""
 
     account: UUID
     exercise: str
@@ -38,6 +38,7 @@ class Sent:
     diagnosis: str | None = None
     code: str = "x = 1\n"
     outcome: Outcome = Outcome.WRONG_ANSWER
+    checks: tuple[CheckResult, ...] = ()
 
     @property
     def ended(self) -> Outcome:
@@ -49,9 +50,8 @@ class Sent:
 def verdict_of(sent: Sent, padding: int = 0) -> Verdict:
     """Of the size of a real one with `padding` characters."""
     score = sent.score or 0.0
-    checks = (
-        [CheckResult("a", "Première", score == 1.0, 20 * score, 20.0, "." * padding)] if sent.score is not None else []
-    )
+    only = CheckResult("a", "Première", score == 1.0, 20 * score, 20.0, "." * padding)
+    checks = sent.checks or ([] if sent.score is None else [only])
     diagnosis = Diagnosis(sent.diagnosis, sent.diagnosis, "") if sent.diagnosis else None
     return Verdict(sent.exercise, "v1", sent.ended, 1, checks, diagnosis)
 

@@ -20,7 +20,7 @@ MOST_VARIANTS = 7
 class LessonPrograms:
     """What the students of a simulated lesson send to one exercise of code, whose mistakes are edits of a model.
 
-    A program with two mistakes of the catalogue stands for one whose mistake has no name.
+    Programs whose mistake has no name are those that the exercise knows: wrong in some other way, or that do not run.
     """
 
     def __init__(self, exercise: Exercise, seed: int) -> None:
@@ -31,8 +31,7 @@ class LessonPrograms:
         names = [programs[0].diagnosis for programs in repertoire.named if programs[0].diagnosis in edited]
         self._mistakes = dict(zip(MISTAKES, filter(None, names), strict=False))
         self._variants = {name: _variants(model, name) for name in self._mistakes.values()}
-        unnamed = [edit for edit in model.edits if edit.id not in self._variants]
-        self._unnamed = [mutant.text for mutant in islice(model.mutants(unnamed, 2), 0, None, 3)]
+        self._unnamed = [_as_sent(known.source_for_seed(0).decode()) for known in repertoire.unnamed]
         self._right = repertoire.right[0].source_for_seed(0)
 
     def write(self, mistake: str | None, score: float, number: int) -> tuple[bytes, Outcome, str | None]:
@@ -42,6 +41,11 @@ class LessonPrograms:
         name = None if mistake is None else self._mistakes[mistake]
         variants = self._unnamed if name is None else self._variants[name]
         return variants[number % len(variants)].encode(), Outcome.WRONG_ANSWER, name
+
+
+def _as_sent(specimen: str) -> str:
+    """Return a program without the sentence at its head that says what is wrong with it."""
+    return specimen.split('"""', 2)[-1].lstrip() if specimen.startswith('"""') else specimen
 
 
 def _variants(model: Model, name: str) -> list[str]:

@@ -147,6 +147,7 @@ def _mistake_row(
     """Build the row of a mistake; the stuck are named first, the longest first, and since when."""
     href = misconception_href(links.href, mistake.exercise, mistake.id)
     held = [row for row in stuck.values() if row.account in mistake.still and row.exercise == mistake.exercise]
+    held.sort(key=lambda row: row.since)
     others = [account for account in mistake.still if account not in {row.account for row in held}]
     return MistakeRow(
         title=mistake_title(progress.course, mistake.exercise, mistake.id),
