@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from graders.core.code.probes import ProbeAnswer, ProbeResults, Rule, as_array
+from graders.core.code.probes import ProbeAnswer, ProbeResults, Rule, as_array, measuring
 from graders.core.compare import words as render
 from graders.core.compare.comparison import TOLERANCE, Mismatch, close, unreadable, worst_difference
 from graders.core.compare.told_apart import instead
@@ -138,6 +138,7 @@ def agree(ones: Sequence[Floats], others: Sequence[Floats]) -> list[bool]:
 def only(which: int, name: str, places: Sequence[int] | None = None) -> Rule:
     """The name for answers whose other value is always right, and this one wrong in all of these places."""
 
+    @measuring
     def rule(shown: ProbeResults) -> str | None:
         got, right = part(shown.got, which), part(shown.right, which)
         beside, its = part(shown.got, 1 - which), part(shown.right, 1 - which)

@@ -20,8 +20,9 @@ from graders.core.contract.values import same_value
 from graders.core.contract.verdict import AND_ALSO, LIKELY, CheckResult, Diagnosis
 
 MIN_AGREEMENT = 0.9
-#: First words of what a diagnosis leaves unexplained.
-EXPLAINS = "Cela explique"
+#: First words of what is told beside the mistakes: the points that they cost, the checks that fail too.
+EXPLAINS, FAILS_TOO = "Cela explique", "Autre vérification qui échoue"
+OTHERS_FAIL = "Autres vérifications qui échouent"
 #: Said of a mistake that shows only where the other functions are right.
 _HIDDEN = "se voit avec les autres fonctions justes"
 #: Said of a mistake that others resemble.
@@ -161,13 +162,15 @@ def tell_remainder(
     doubtful: Collection[str] = (),
     *,
     besides: Collection[str] = (),
+    mended: Collection[str] = (),
     is_quoted: bool = False,
 ) -> Diagnosis:
-    """Return the diagnosis with how many of the lost points it explains, and the other failed checks, if any.
+    """Return the diagnosis with the other failed checks, if any, and with how many of the lost points it explains.
 
-    Those `besides` are explained too; nothing is said of the `doubtful` ones, which may fail for the same reason, nor
-    where the diagnosis explains no check in particular; the points of checks without a fault are not counted. If
-    `is_quoted`, the first other check is told with its message.
+    The points are told where all of the checks that it explains have been `mended`: the program was run without the
+    mistake, and passed them. Those `besides` are explained too; nothing is said of the `doubtful` ones, which may fail
+    for the same reason, nor where the diagnosis explains no check in particular; the points of checks without a fault
+    are not counted. If `is_quoted`, the first other check is told with its message.
     """
     explained = {check for ids in diagnosis.explains for check in ids}.union(besides)
     lost = [check for check in checks if not (check.passed or check.neutral)]
@@ -175,12 +178,13 @@ def tell_remainder(
     if not left or explained.isdisjoint(check.id for check in lost):
         return diagnosis
     named = " ; ".join(f"« {check.title} »" for check in left)
-    remains = "Restent sans explication" if len(left) > 1 else "Reste sans explication"
+    fail = OTHERS_FAIL if len(left) > 1 else FAILS_TOO
     if is_quoted and left[0].message and not left[0].repeats:
         named += f". {left[0].message.splitlines()[0].removesuffix('.')}"
     least = "au moins " if any(check.id in doubtful and check.id not in explained for check in lost) else ""
     share = f"{least}{_points_text(check for check in lost if check.id in explained)} des {_points_text(lost)}"
-    told = f"{EXPLAINS} {share} points perdus. {remains} : {named}."
+    counted = f"{EXPLAINS} {share} points perdus. " if explained and explained.issubset(mended) else ""
+    told = f"{counted}{fail} : {named}."
     if waiting := [check for check in checks if check.neutral]:
         titles = " ; ".join(f"« {check.title} »" for check in waiting)
         told += f" Les autres points attendent que le reste soit juste : {titles}."

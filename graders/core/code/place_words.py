@@ -151,6 +151,8 @@ def _proof(place: Place, titles: Mapping[str, str], is_all: bool) -> str:
         begin, mends = "Écrite autrement", "une seule de ces lignes fait"
     elif place.is_second:
         begin, mends = "Écrite autrement elle aussi", "cette ligne fait"
+    if place.beside_right_ones:
+        begin += ", et les autres fonctions une fois justes"
     names = " ; ".join(f"« {titles.get(check, check)} »" for check in sorted(place.mended))
     return f"{begin}, {mends} réussir {'tout ce qui échoue' if is_all else names}."
 

@@ -14,7 +14,7 @@ import numpy as np
 
 from graders.core.code.call_graph import find_shared_helpers
 from graders.core.code.checks import Check
-from graders.core.code.diagnosis import EXPLAINS, lowercase_title, tell_remainder
+from graders.core.code.diagnosis import EXPLAINS, FAILS_TOO, OTHERS_FAIL, lowercase_title, tell_remainder
 from graders.core.code.experiments import Experimenter
 from graders.core.code.grading import CodeGrader
 from graders.core.code.isolation import (
@@ -79,7 +79,10 @@ def describe_mendings(
     title = AND_ALSO.join([first.title, *(lowercase_title(other.title) for other in others)])
     explains = tuple(tuple(sorted(place.mended)) for place in places)
     return tell_remainder(
-        Diagnosis(PLACE, title, "\n\n".join(paragraphs), None, explains), checks, besides=_named_last(mendings)
+        Diagnosis(PLACE, title, "\n\n".join(paragraphs), None, explains),
+        checks,
+        besides=_named_last(mendings),
+        mended=_mended_alone(mendings),
     )
 
 
@@ -132,7 +135,8 @@ def find_place(
             explained = {check for ids in found.explains for check in ids}
             doubtful = isolated.doubtful() | isolated.consequences(explained, grader.checks)
             last = _named_last(mendings)
-            found = tell_remainder(found, verdict.checks, doubtful, besides=last, is_quoted=True)
+            mended = _mended_alone(mendings)
+            found = tell_remainder(found, verdict.checks, doubtful, besides=last, mended=mended, is_quoted=True)
     return None if found is None or found == verdict.diagnosis else FoundPlace(found, operators)
 
 
@@ -216,7 +220,7 @@ def _with_places(
     for last in _last_names(mendings):
         if last.title not in named.titles:
             named = replace(named, explanation=f"{named.explanation}\n\n{_tell_last(last)}")
-    return tell_remainder(named, checks, besides=_named_last(mendings))
+    return tell_remainder(named, checks, besides=_named_last(mendings), mended=_mended_alone(mendings))
 
 
 def _last_names(mendings: Sequence[Mending]) -> list[Diagnosis]:
@@ -232,9 +236,16 @@ def _named_last(mendings: Sequence[Mending]) -> set[str]:
     return {check for name in _last_names(mendings) for ids in name.explains for check in ids}
 
 
+def _mended_alone(mendings: Sequence[Mending]) -> frozenset[str]:
+    """Return the checks that the changed program passes with its own functions."""
+    return frozenset().union(*(mending.mended for mending in mendings if not mending.beside_right_ones))
+
+
 def _without_remainder(diagnosis: Diagnosis) -> Diagnosis:
     """Return a diagnosis without what `tell_remainder` has added to it."""
-    left = [text for text in diagnosis.explanation.split("\n\n") if not text.startswith(EXPLAINS)]
+    left = [
+        text for text in diagnosis.explanation.split("\n\n") if not text.startswith((EXPLAINS, FAILS_TOO, OTHERS_FAIL))
+    ]
     return replace(diagnosis, explanation="\n\n".join(left))
 
 

@@ -32,8 +32,8 @@ from graders.core.code.probe_runs import (
     repeat_differs,
     with_other_seed,
 )
-from graders.core.code.probes import ProbeAnswer, ProbeResults, Probes, Rule, same_probe_answer
-from graders.core.code.recognised import RecognisedMistakes, SilentName
+from graders.core.code.probes import ProbeAnswer, ProbeResults, Probes, same_probe_answer
+from graders.core.code.recognised import RecognisedMistakes, RuledName, SilentName, apply_rules, ruled_names
 from graders.core.code.runner import Runner
 from graders.core.code.shared_results import SHARED
 from graders.core.code.stateless import is_stateless, may_keep_state
@@ -93,7 +93,7 @@ class Prober:
         fallback: list[str] = []
         consequences: list[str] = []
         named: dict[str, frozenset[str]] = {}
-        silent: list[SilentName] = []
+        silent, ruled = list[SilentName](), list[RuledName]()
         probed = {probes.function for _, probes in self._select_probes(functions, alone)}
         certain = probed >= self.functions.intersection(functions)
         for index, answers, slip in self._probe(runner, functions, alone):
@@ -105,7 +105,8 @@ class Prober:
                 sequence = AnswerSequence(answers)
                 if mistakes and self._follows(index, sequence, mistakes):
                     consequences.append(self.probes[index].function)
-                    fallback += self._fallback_names(index, sequence)
+                    fallback += (last := self._fallback_names(index, sequence))
+                    ruled += self._ruled_names(index, sequence, last)
                     continue
                 names, is_certain = self._name_borne_out(index, sequence, functions, named)
             if search is not None and not is_certain and (pair := self._find_pair(index, sequence, functions, search)):
@@ -115,14 +116,16 @@ class Prober:
                 certain = certain and is_certain
                 silent += self._silent_names(index, sequence, [name for name in names if name not in mistakes])
                 mistakes += [mistake for mistake in names if mistake not in mistakes]
-                if not names:
-                    fallback += self._fallback_names(index, sequence)
+                fallback += (last := () if names else self._fallback_names(index, sequence))
+                ruled += self._ruled_names(index, sequence, names or last)
             probes = self.probes[index]
             if not names and may_keep_state(runner.source) and changes_results(runner, probes):
                 mistakes += [SHARED] if SHARED not in mistakes else []
                 certain = False
         certain = certain and bool(mistakes)
-        return RecognisedMistakes(tuple(mistakes), tuple(fallback), tuple(consequences), certain, tuple(silent))
+        return RecognisedMistakes(
+            tuple(mistakes), tuple(fallback), tuple(consequences), certain, tuple(silent), ruled=tuple(ruled)
+        )
 
     def _name_borne_out(
         self, index: int, sequence: AnswerSequence, blamed: Collection[str], named: Mapping[str, AbstractSet[str]]
@@ -203,12 +206,21 @@ class Prober:
         shown = ProbeResults(probes.calls, sequence.answers, right or (), probes.same)
         if right is None or not ((is_nothing := say_nothing(shown)) or are_opinions(shown)):
             return
-        ruled = tuple(_apply_rules(probes.rules, shown))
+        ruled = tuple(apply_rules(probes.rules, shown))
         for name in names:
             alike = self._mutants.matching(index, self._mutants.mutants_making(index, [name]), sequence)
             if alike and name not in ruled:
                 of_opinions = ("", ()) if is_nothing else (alike[0].mutant.text, ruled)
                 yield SilentName(name, index, *of_opinions)
+
+    def _ruled_names(self, index: int, sequence: AnswerSequence, names: Sequence[str]) -> Iterator[RuledName]:
+        """Yield those of the names that no mutant with this mistake alone bears out, but a rule gives."""
+        probes, right = self.probes[index], self._right_answers(index, sequence) if names else None
+        if right is not None:
+            shown = ProbeResults(probes.calls, sequence.answers, right, probes.same)
+            for each in ruled_names(probes, index, shown, names):
+                if not self._mutants.matching(index, self._mutants.mutants_making(index, [each.mistake]), sequence):
+                    yield each
 
     def _fallback_names(self, index: int, sequence: AnswerSequence) -> Sequence[str]:
         probes = self.probes[index]
@@ -216,7 +228,7 @@ class Prober:
         if right is None:
             return ()
         shown = ProbeResults(probes.calls, sequence.answers, right, probes.same)
-        return () if explain_themselves(shown) else _apply_rules(probes.last_rules, shown)
+        return () if explain_themselves(shown) else apply_rules(probes.last_rules, shown)
 
     def _probe(
         self, runner: Runner, functions: Collection[str], alone: Collection[str]
@@ -299,7 +311,7 @@ class Prober:
             if fits:
                 break
         parts, certain = self._name_parts(index, shown, sequence, blamed)
-        return (parts, certain) if parts else (_apply_rules(probes.rules, shown), False)
+        return (parts, certain) if parts else (apply_rules(probes.rules, shown), False)
 
     def _name_parts(
         self, index: int, shown: ProbeResults, sequence: AnswerSequence, blamed: Collection[str]
@@ -329,11 +341,6 @@ class Prober:
         agreeing = [self._mutants.count_agreements(index, row, sequence) for row in rows]
         best = agreeing.index(max(agreeing))
         return None if agreeing[best] == len(sequence.answers) else rows[best].stored.answers
-
-
-def _apply_rules(rules: Sequence[Rule], shown: ProbeResults) -> Sequence[str]:
-    """Return the mistake of the first rule that recognises one."""
-    return next(([name] for rule in rules if (name := rule(shown)) is not None), [])
 
 
 def _common_mistakes(fits: Sequence[MutantRow]) -> Sequence[str]:

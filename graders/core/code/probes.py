@@ -79,7 +79,59 @@ class ProbeResults:
 #: From the arguments and an answer to a part of it.
 Facet = Callable[[Arguments, ProbeAnswer], ProbeAnswer]
 #: From the answers to the id of the mistake that they show, or None.
-Rule = Callable[[ProbeResults], str | None]
+Recognise = Callable[[ProbeResults], str | None]
+
+
+@dataclass(frozen=True)
+class ProgramTrial:
+    """What an experiment may do with a program that a rule has named: its answers to the probes, the answers that it
+    gives to further calls, and whether the named mistake, undone in its file, makes some wrong answer right."""
+
+    shown: ProbeResults
+    ask: Callable[[Sequence[Arguments]], Sequence[ProbeAnswer]]
+    undo: Callable[[], bool]
+
+
+#: Whether a program bears out the name that a rule gives it; None where that stays open.
+Experiment = Callable[[ProgramTrial], bool | None]
+
+
+def say_what_is_measured(trial: ProgramTrial) -> bool:
+    """The experiment of a rule whose words say no more than what it measures in the answers."""
+    return True
+
+
+def undo_the_mistake(trial: ProgramTrial) -> bool | None:
+    """The experiment of a rule whose words say a cause: the mistake is undone in the program. It may be written in a
+    way that is not found, so that a failure leaves it open."""
+    return True if trial.undo() else None
+
+
+@dataclass(frozen=True)
+class Rule:
+    """Recognises a mistake by what the answers have in common; the name is told as a fact where its experiment bears it
+    out, as a resemblance where that stays open, else not at all."""
+
+    recognise: Recognise
+    experiment: Experiment
+
+    def __call__(self, shown: ProbeResults) -> str | None:
+        return self.recognise(shown)
+
+
+def measuring(recognise: Recognise) -> Rule:
+    """Make a rule whose words say no more than what it measures."""
+    return Rule(recognise, say_what_is_measured)
+
+
+def undoing(recognise: Recognise) -> Rule:
+    """Make a rule that the mistake, undone in the program, must bear out."""
+    return Rule(recognise, undo_the_mistake)
+
+
+def borne_out_by(experiment: Experiment) -> Callable[[Recognise], Rule]:
+    """Make a rule that an experiment of its own must bear out."""
+    return lambda recognise: Rule(recognise, experiment)
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Sequence
 from typing import NamedTuple
+
+from graders.core.code.probes import Experiment, ProbeResults, Probes, Rule
 
 
 class SilentName(NamedTuple):
@@ -15,11 +18,33 @@ class SilentName(NamedTuple):
     instead: tuple[str, ...]
 
 
+class RuledName(NamedTuple):
+    """A mistake named by a rule, the number of the probes, and the candidates: this mistake and those of the rules that
+    come after, each with the experiment of its rule."""
+
+    mistake: str
+    number: int
+    candidates: tuple[tuple[str, Experiment], ...]
+
+
+def apply_rules(rules: Sequence[Rule], shown: ProbeResults) -> Sequence[str]:
+    """Return the mistake of the first rule that recognises one."""
+    return next(([name] for rule in rules if (name := rule(shown)) is not None), [])
+
+
+def ruled_names(probes: Probes, number: int, shown: ProbeResults, names: Sequence[str]) -> Iterator[RuledName]:
+    """Yield those of the names that rules give for these answers."""
+    given = [(name, rule.experiment) for rule in (*probes.rules, *probes.last_rules) if (name := rule(shown))]
+    for k, (name, _) in enumerate(given):
+        if name in names and name not in [earlier for earlier, _ in given[:k]]:
+            yield RuledName(name, number, tuple(given[k:]))
+
+
 class RecognisedMistakes(NamedTuple):
     """Ids of the mistakes found, in order; `fallback` ids, from the last rules, for when nothing else finds a name; and
     the functions whose wrong answers are `consequences` of mistakes in others. The mistakes are `certain` where every
     function answers as a mutant with these and no other does; `silent` are named on answers that tell little, of which
-    the `likely` ones could not be verified in the program."""
+    the `likely` ones could not be verified in the program; `ruled` are named by rules."""
 
     mistakes: tuple[str, ...] = ()
     fallback: tuple[str, ...] = ()
@@ -27,3 +52,4 @@ class RecognisedMistakes(NamedTuple):
     certain: bool = False
     silent: tuple[SilentName, ...] = ()
     likely: tuple[str, ...] = ()
+    ruled: tuple[RuledName, ...] = ()

@@ -6,15 +6,18 @@ A function that fails everywhere, or returns zeros only, answers as several mist
 from __future__ import annotations
 
 import itertools
-from collections.abc import Callable, Collection
+from collections.abc import Callable, Collection, Sequence
+from functools import cache, partial
 
+from graders.core.code.call_graph import find_callers
 from graders.core.code.changes import count_turns
 from graders.core.code.prober import Prober
-from graders.core.code.probes import ProbeFault, Probes
-from graders.core.code.recognised import RecognisedMistakes
+from graders.core.code.probes import ProbeAnswer, ProbeFault, ProbeResults, Probes, ProgramTrial
+from graders.core.code.recognised import RecognisedMistakes, RuledName
 from graders.core.code.repairs import find_repairs
 from graders.core.code.runner import Runner
 from graders.core.code.variants import VariantCaller
+from graders.core.contract.values import Arguments
 
 #: Places at which a mistake is undone, and probes asked of the program then.
 MAX_UNDONE, MAX_ASKED = 40, 6
@@ -46,6 +49,63 @@ def verify_silent(
     names = [instead.get(name, (name,)) for name in found.mistakes]
     mistakes = tuple(dict.fromkeys(name for several in names for name in several))
     return found._replace(mistakes=mistakes, certain=False, likely=tuple(likely))
+
+
+def verify_ruled(
+    found: RecognisedMistakes, prober: Prober | None, runner: Runner, broken: Collection[str]
+) -> RecognisedMistakes:
+    """Return what was found, each name that a rule has given held against the program by the experiment of its rule.
+
+    A name that its experiment belies gives way to that of a later rule; one that it leaves open is `likely` only. None
+    stands in a function that calls one of the `broken` ones: what its answers have in common may come of these.
+    """
+    if prober is None:
+        return found
+    instead: dict[str, tuple[str, ...]] = {}
+    likely = list(found.likely)
+    for ruled in found.ruled:
+        function = prober.probes[ruled.number].function
+        if function in find_callers(runner.source, [other for other in broken if other != function]):
+            instead[ruled.mistake] = ()
+            continue
+        name, is_open = _borne_out_name(ruled, prober, runner)
+        if name != ruled.mistake:
+            instead[ruled.mistake] = (name,) if name else ()
+        likely += [name] if name and is_open else []
+    if not instead and len(likely) == len(found.likely):
+        return found
+    mistakes, fallback = (
+        tuple(dict.fromkeys(name for mistake in names for name in instead.get(mistake, (mistake,))))
+        for names in (found.mistakes, found.fallback)
+    )
+    return found._replace(mistakes=mistakes, fallback=fallback, likely=tuple(likely))
+
+
+def _borne_out_name(ruled: RuledName, prober: Prober, runner: Runner) -> tuple[str, bool]:
+    """Return the first candidate that its experiment bears out, else the first that it leaves open, and whether it is
+    such a one; "" where all are belied."""
+    edits = {edit.id: edit.functions for edit in prober.model.edits}
+    still_open = ""
+    for name, experiment in ruled.candidates:
+        undo = partial(_mends, name, edits.get(name, ()), ruled.number, prober, runner)
+        is_borne_out = experiment(_trial(ruled.number, prober, runner, cache(undo)))
+        if is_borne_out:
+            return name, False
+        if is_borne_out is None:
+            still_open = still_open or name
+    return still_open, True
+
+
+def _trial(index: int, prober: Prober, runner: Runner, undo: Callable[[], bool]) -> ProgramTrial:
+    probes, source = prober.probes[index], count_turns(runner.source.decode("utf-8-sig", "replace"))
+
+    def ask(calls: Sequence[Arguments]) -> Sequence[ProbeAnswer]:
+        (given,) = VariantCaller(runner.programs).answers([source], probes.function, calls, probes.kit)
+        return [probes.read_answer(call, answer) for call, answer in zip(calls, given, strict=False)]
+
+    answers = ask(probes.calls)
+    right = prober.nearest_right_answers(index, answers) if len(answers) == len(probes.calls) else answers
+    return ProgramTrial(ProbeResults(probes.calls, answers, right, probes.same), ask, undo)
 
 
 def _mends(name: str, functions: Collection[str], index: int, prober: Prober, runner: Runner) -> bool:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from graders.core.code.probes import ProbeResults, Probes, Rule, array_or_reason, as_array, number_or_reason
+from graders.core.code.probes import ProbeResults, Probes, Rule, array_or_reason, as_array, measuring, number_or_reason
 from graders.core.contract.program import KitSettings
 from graders.core.contract.values import Arguments
 from graders.l19.gain.cases import row
@@ -39,6 +39,7 @@ CHAINS: tuple[Arguments, ...] = (
 def only_column(which: int, name: str) -> Rule:
     """The name for chains of which the other column is always right, and this one never from end to end."""
 
+    @measuring
     def rule(shown: ProbeResults) -> str | None:
         for seen, right in zip(shown.got, shown.right, strict=True):
             found = as_array(seen, np.shape(right))

@@ -6,7 +6,16 @@ import math
 
 import numpy as np
 
-from graders.core.code.probes import ProbeFault, ProbeResults, Probes, as_array
+from graders.core.code.probes import (
+    ProbeAnswer,
+    ProbeFault,
+    ProbeResults,
+    Probes,
+    ProgramTrial,
+    as_array,
+    borne_out_by,
+    measuring,
+)
 from graders.core.compare.comparison import Mismatch
 from graders.core.contract.values import Arguments, Floats, Value
 from graders.l20 import world
@@ -85,17 +94,22 @@ def read(args: Arguments, value: Value) -> Value:
 
 
 def _found(shown: ProbeResults, k: int) -> Found | None:
-    numbers = as_array(shown.got[k])
+    return _read_found(shown.got[k], MAPS[k])
+
+
+def _read_found(answer: ProbeAnswer, one: Map) -> Found | None:
+    numbers = as_array(answer)
     if numbers is None:
         return None
-    cut = 3 * len(MAPS[k].poses)
+    cut = 3 * len(one.poses)
     return Found(numbers[:cut].reshape(-1, 3) * COARSENESS, numbers[cut:].reshape(-1, 2) * COARSENESS)
 
 
 def _reached(found: Found | None, one: Map) -> bool:
-    return found is not None and max(float(part.max()) for part in found.away(one)) < 1e-3
+    return found is not None and _gap(found, one) < 1e-3
 
 
+@measuring
 def half(shown: ProbeResults) -> str | None:
     """H is twice what it should be, or half of it, everywhere."""
     if any(isinstance(one, ProbeFault | str) for one in shown.got):
@@ -109,6 +123,7 @@ def half(shown: ProbeResults) -> str | None:
     return "facteur_deux" if scaled else None
 
 
+@measuring
 def never_moves(shown: ProbeResults) -> str | None:
     found = [(_found(shown, k), MAPS[k]) for k in range(len(MAPS))]
     still = [
@@ -119,6 +134,7 @@ def never_moves(shown: ProbeResults) -> str | None:
     return "carte_de_depart" if all(still) else None
 
 
+@measuring
 def landmarks_stay(shown: ProbeResults) -> str | None:
     """Poses move, landmarks never do."""
     found = [(_found(shown, k), MAPS[k]) for k in range(len(MAPS))]
@@ -128,6 +144,7 @@ def landmarks_stay(shown: ProbeResults) -> str | None:
     return "amers_immobiles" if all(still) else None
 
 
+@measuring
 def singular(shown: ProbeResults) -> str | None:
     """The first pose goes along, wherever the system has a solution; elsewhere it has none, or any, far away.
 
@@ -144,11 +161,13 @@ def _first_moved(shown: ProbeResults, k: int) -> bool:
     return found is not None and float(np.abs(gaps(MAPS[k].poses[:1], found.poses[:1])).max()) > 1e-3
 
 
+@measuring
 def first_moves(shown: ProbeResults) -> str | None:
     """The first pose is not where it was given."""
     return "premiere_pose_bouge" if sum(_first_moved(shown, k) for k in range(len(MAPS))) >= len(MAPS) - 1 else None
 
 
+@measuring
 def turns_only(shown: ProbeResults) -> str | None:
     """The optimum, with headings out of the interval."""
     found = [_found(shown, k) for k in ENDED]
@@ -157,6 +176,30 @@ def turns_only(shown: ProbeResults) -> str | None:
     return "angles_jamais_ramenes" if any(out) and reached else None
 
 
+def goes_on_from_its_end(trial: ProgramTrial) -> bool:
+    """Asked again from where it ended, the program comes nearer to each optimum: it had stopped before it."""
+    ends = [_found(trial.shown, k) for k in ONE_STEP]
+    calls = [
+        (end.poses, end.landmarks, *trial.shown.calls[k][2:])
+        for end, k in zip(ends, ONE_STEP, strict=True)
+        if end is not None
+    ]
+    answers = trial.ask(calls) if len(calls) == len(ends) else ()
+    if len(answers) < len(ends):
+        return False
+    return all(
+        end is not None
+        and (after := _read_found(answer, MAPS[k])) is not None
+        and _gap(after, MAPS[k]) < 0.7 * _gap(end, MAPS[k])
+        for k, end, answer in zip(ONE_STEP, ends, answers, strict=True)
+    )
+
+
+def _gap(found: Found, one: Map) -> float:
+    return max(float(part.max()) for part in found.away(one))
+
+
+@borne_out_by(goes_on_from_its_end)
 def one_step_only(shown: ProbeResults) -> str | None:
     """Twenty iterations give what one gives."""
     arrays = [(as_array(shown.got[all_of_them]), as_array(shown.got[one])) for all_of_them, one in ONE_STEP.items()]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from graders.core.code.probes import ProbeResults, Probes, as_array
+from graders.core.code.probes import ProbeResults, Probes, as_array, measuring
 from graders.core.compare.comparison import Mismatch
 from graders.core.contract.values import Arguments, Floats, UnreadableError, Value, read_scalar
 from graders.l20 import world
@@ -89,17 +89,20 @@ def _near(poses: Floats, other: Floats) -> bool:
     return float(np.abs(gaps(other, poses)).max()) < 1e-3
 
 
+@measuring
 def plain_least_squares(shown: ProbeResults) -> str | None:
     """What is reached is the optimum of plain least squares."""
     found = _shown(shown, LAST)
     return "moindres_carres_ordinaires" if found and _near(found[0], GRAPHS[LAST].plain) else None
 
 
+@measuring
 def never_moves(shown: ProbeResults) -> str | None:
     found = [_shown(shown, k) for k in range(len(GRAPHS))]
     return "rien_ne_bouge" if all(one is not None and _near(one[0], START) for one in found) else None
 
 
+@measuring
 def first_moves(shown: ProbeResults) -> str | None:
     """No pose is held, or another than the first: it is not where it was given, or the system cannot be solved.
 
@@ -112,6 +115,7 @@ def first_moves(shown: ProbeResults) -> str | None:
     return "jauge_libre" if any(moved) and sum(astray) >= len(GRAPHS) - 1 else None
 
 
+@measuring
 def weights_out(shown: ProbeResults) -> str | None:
     """Weights above one or below zero, with poses that are not those of plain least squares."""
     found = _shown(shown, LAST)
@@ -125,6 +129,7 @@ def true_optimum() -> Floats:
     return Graph(START, tuple(TRUE)).optimum
 
 
+@measuring
 def all_trusted(shown: ProbeResults) -> str | None:
     """The map is near the right one, but the weights that are told are all ones."""
     found = _shown(shown, LAST)
@@ -134,6 +139,7 @@ def all_trusted(shown: ProbeResults) -> str | None:
     return "poids_tous_a_un" if near and np.allclose(found[1], 1.0, atol=1e-4) else None
 
 
+@measuring
 def constant(shown: ProbeResults) -> str | None:
     """The same number, whatever the graph."""
     numbers = {float(one) for one in shown.got if isinstance(one, int | float)}

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from graders.core.code.probes import ProbeFault, ProbeResults, Probes, as_array
+from graders.core.code.probes import ProbeFault, ProbeResults, Probes, as_array, undoing
 from graders.core.contract.values import Arguments, UnreadableError, Value, read_array
 from graders.l19.pairs import ReadPair, only
 from graders.l20 import world
@@ -32,6 +32,7 @@ def read_matrix(args: Arguments, value: Value) -> Value:
         return str(error)
 
 
+@undoing
 def no_gauge(shown: ProbeResults) -> str | None:
     """H is inverted as it is: it has no inverse, and what comes back is an exception, or absurd."""
 

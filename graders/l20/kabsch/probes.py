@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from graders.core.code.probes import ProbeAnswer, ProbeResults, Probes, as_array, same_probe_answer
+from graders.core.code.probes import ProbeAnswer, ProbeResults, Probes, as_array, measuring, same_probe_answer
 from graders.core.contract.values import Arguments, Floats, UnreadableError, Value
 from graders.l20 import world
 from graders.l20.kabsch.cases import AXES_IN_TURN, points
@@ -90,6 +90,7 @@ def rotation_part(args: Arguments, shown: ProbeAnswer) -> ProbeAnswer:
     return shown[: d * d] if isinstance(shown, np.ndarray) else shown
 
 
+@measuring
 def only_t(shown: ProbeResults) -> str | None:
     """Every R is right, and every t is wrong where it can be."""
     telling = range(TELLING)
@@ -97,6 +98,7 @@ def only_t(shown: ProbeResults) -> str | None:
     return "t_fausse" if len(wrong) >= 4 and all(_right_rotation(shown, k) for k in telling) else None
 
 
+@measuring
 def no_rotation(shown: ProbeResults) -> str | None:
     """Some R, of clouds that are no mirrors, is not orthogonal."""
     parts = [_parts(shown, k) for k in (*EXACT, *NOISY)]
@@ -114,6 +116,7 @@ def _stretches(R: Floats) -> bool:
     return size > 0 and bool(np.allclose(gram, size * np.eye(len(R)), atol=1e-6 * size))
 
 
+@measuring
 def mirrors_only(shown: ProbeResults) -> str | None:
     """All is right but the mirrors."""
     wrong = {k for k in shown.wrong_indices() if k < TELLING}
@@ -136,6 +139,7 @@ def _turns_a_direction(shown: ProbeResults, k: int) -> bool:
     return bool(np.allclose(np.abs(signs), np.eye(len(U)), atol=1e-6))
 
 
+@measuring
 def half_a_turn(shown: ProbeResults) -> str | None:
     """In the plane, right up to a quarter of a turn, and beyond it half a turn away."""
     for k in PLANE:
@@ -146,6 +150,7 @@ def half_a_turn(shown: ProbeResults) -> str | None:
     return "angle_modulo_pi"
 
 
+@measuring
 def exact_only(shown: ProbeResults) -> str | None:
     """Right for clouds that coincide, wrong in both dimensions for those that do not."""
     wrong = set(shown.wrong_indices())
@@ -156,18 +161,21 @@ def exact_only(shown: ProbeResults) -> str | None:
     return "juste_sans_bruit" if far else None
 
 
+@measuring
 def plane_only(shown: ProbeResults) -> str | None:
     """Right in the plane, mirror included, and never in space."""
     wrong = set(shown.wrong_indices())
     return "plan_seulement" if not wrong & set(PLANE) and set(SPACE) <= wrong else None
 
 
+@measuring
 def poor_only(shown: ProbeResults) -> str | None:
     """All is right but clouds too poor to fix a rotation, or flat."""
     wrong = shown.wrong_indices()
     return "nuages_pauvres" if wrong and min(wrong) >= TELLING else None
 
 
+@measuring
 def never_turns(shown: ProbeResults) -> str | None:
     """R is always the identity."""
     parts = [_parts(shown, k) for k in range(TELLING)]

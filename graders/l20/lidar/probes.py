@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
-from graders.core.code.probes import ProbeAnswer, ProbeFault, ProbeResults, Probes, Rule, same_probe_answer
+from graders.core.code.probes import ProbeAnswer, ProbeFault, ProbeResults, Probes, Rule, measuring, same_probe_answer
 from graders.core.contract.program import KitSettings
 from graders.core.contract.values import Arguments, UnreadableError, Value, read_scalar
 from graders.l20 import world
@@ -60,6 +60,7 @@ def _lengths(shown: ProbeResults) -> list[float] | None:
     return rows if len(rows) == len(shown.got) and all(math.isfinite(one) for one in rows) else None
 
 
+@measuring
 def long_strides(shown: ProbeResults) -> str | None:
     """The answers are those of a march whose step is longer than asked; a corner may have been jumped over."""
     lengths = _lengths(shown)
@@ -82,6 +83,7 @@ def _marched(shown: ProbeResults, lengths: Sequence[float], stride: float) -> bo
 def only(name: str, among: tuple[int, ...]) -> Rule:
     """All is right but some of these probes."""
 
+    @measuring
     def rule(shown: ProbeResults) -> str | None:
         return name if set(shown.wrong_indices()) <= set(among) else None
 

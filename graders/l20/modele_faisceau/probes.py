@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from graders.core.code.probes import ProbeResults, Probes, Rule
+from graders.core.code.probes import ProbeResults, Probes, Rule, measuring, undoing
 from graders.core.contract.values import Arguments, UnreadableError, Value, read_array
 from graders.l20 import world
 from graders.l20.modele_faisceau.cases import CORNER, FAR, KNIGHT, OPEN, ROOM, SQUARE, reading
@@ -35,12 +35,14 @@ def read(args: Arguments, value: Value) -> Value:
 def only(name: str, among: tuple[int, ...]) -> Rule:
     """All is right but some of these probes."""
 
+    @measuring
     def rule(shown: ProbeResults) -> str | None:
         return name if set(shown.wrong_indices()) <= set(among) else None
 
     return rule
 
 
+@undoing
 def too_long_or_too_short(shown: ProbeResults) -> str | None:
     """Never nearer than right, sometimes further, and right along rows and columns: a search by steps."""
     fields = [one if isinstance(one, np.ndarray) and one.shape == right.shape else None

@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from graders.core.code.probes import ProbeFault, ProbeResults, Probes, as_array
+from graders.core.code.probes import ProbeFault, ProbeResults, Probes, as_array, measuring, undoing
 from graders.core.contract.values import Arguments, Floats, UnreadableError, Value, read_array
 from graders.l20.occupation.cases import FAR, KIT_RANGE, SHAPE, SMALL, at, one_ray
 from graders.l20.occupation.checks import FUNCTION
@@ -89,18 +89,21 @@ def _all_right(shown: ProbeResults, which: tuple[int, ...]) -> bool:
     return not set(which) & set(shown.wrong_indices())
 
 
+@measuring
 def only_numbers(shown: ProbeResults) -> str | None:
     """Right for every number, and an exception for every array."""
     raised = all(isinstance(shown.got[k], ProbeFault) for k in ARRAYS)
     return "flottants_seulement" if raised and _all_right(shown, NUMBERS) else None
 
 
+@measuring
 def only_arrays(shown: ProbeResults) -> str | None:
     """Right for every array, and an exception for every number."""
     raised = all(isinstance(shown.got[k], ProbeFault) for k in NUMBERS)
     return "tableaux_seulement" if raised and _all_right(shown, ARRAYS) else None
 
 
+@measuring
 def overflows(shown: ProbeResults) -> str | None:
     """All is right but log-odds beyond what exp can hold."""
     wrong = set(shown.wrong_indices())
@@ -111,12 +114,14 @@ def _grids(shown: ProbeResults) -> list[Floats | None]:
     return [as_array(one, (int(np.prod(SHAPE)),)) for one in shown.got]
 
 
+@measuring
 def beyond_the_bounds(shown: ProbeResults) -> str | None:
     """All is right but where a bound is met."""
     wrong = set(shown.wrong_indices())
     return "bornes_fausses" if wrong and wrong <= {11, 12, 13} and not any(g is None for g in _grids(shown)) else None
 
 
+@undoing
 def at_each_step(shown: ProbeResults) -> str | None:
     """The cells that a single ray crosses get several times what they should, whatever the step; no other gets any."""
     seen = []

@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from graders.core.code.probes import ProbeAnswer, ProbeResults, Probes, Rule, as_array, number_or_reason
+from graders.core.code.probes import ProbeAnswer, ProbeResults, Probes, Rule, as_array, measuring, number_or_reason
 from graders.core.contract.values import Arguments, Floats, UnreadableError, Value, read_array
 from graders.l20 import world
 from graders.l20.odometrie.cases import pose, turn
@@ -66,12 +66,14 @@ def _whole_turns(both: tuple[Floats, Floats]) -> bool:
     return _same(turns, np.round(turns))
 
 
+@measuring
 def only_turns(shown: ProbeResults) -> str | None:
     """All is right up to whole turns."""
     both = _poses(shown)
     return "angle_non_ramene" if both and _same(both[0][:, :2], both[1][:, :2]) and _whole_turns(both) else None
 
 
+@measuring
 def only_heading(shown: ProbeResults) -> str | None:
     """Every position is right, and no heading of a step that turns."""
     both = _poses(shown)
@@ -81,6 +83,7 @@ def only_heading(shown: ProbeResults) -> str | None:
     return "cap_faux" if turning <= set(shown.wrong_indices()) else None
 
 
+@measuring
 def only_position(shown: ProbeResults) -> str | None:
     """Every heading is right up to whole turns, and no position of a step that advances."""
     both = _poses(shown)
@@ -93,12 +96,14 @@ def only_position(shown: ProbeResults) -> str | None:
 def only(name: str, places: tuple[int, ...]) -> Rule:
     """Wrong on these, all of them, and nowhere else."""
 
+    @measuring
     def rule(shown: ProbeResults) -> str | None:
         return name if set(shown.wrong_indices()) == set(places) else None
 
     return rule
 
 
+@measuring
 def constant_factor(shown: ProbeResults) -> str | None:
     """One multiple of what is right, whatever the wheels and the track."""
     values = np.array([math.nan if (one := as_array(seen, ())) is None else float(one) for seen in shown.got])

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from graders.core.code.probes import ProbeResults, Probes, array_or_reason, as_array, number_or_reason
+from graders.core.code.probes import ProbeResults, Probes, array_or_reason, as_array, measuring, number_or_reason
 from graders.core.contract.values import Arguments, UnreadableError, Value
 from graders.l20 import world
 from graders.l20.planifier import cases
@@ -80,10 +80,12 @@ def _faults(shown: ProbeResults) -> set[str]:
     return set() if any(one is None for one in found) else {KINDS[int(one[0])] for one in found if one[0] >= 0}  # type: ignore[index]
 
 
+@measuring
 def cuts_corners(shown: ProbeResults) -> str | None:
     return "coins_coupes" if _faults(shown) == {"coin"} else None
 
 
+@measuring
 def too_dear(shown: ProbeResults) -> str | None:
     """Every path can be walked, from start to goal, and some are too dear."""
     return "pas_le_meilleur" if _faults(shown) == {"cher"} else None

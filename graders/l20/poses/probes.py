@@ -7,7 +7,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from graders.core.code.probes import ProbeAnswer, ProbeResults, Probes, Rule, as_array
+from graders.core.code.probes import ProbeAnswer, ProbeResults, Probes, Rule, as_array, measuring
 from graders.core.contract.values import Arguments, Floats, UnreadableError, Value, read_array
 from graders.l20 import world
 
@@ -58,6 +58,7 @@ def _same(a: Floats, b: Floats) -> bool:
     return bool(np.allclose(a, b, atol=1e-7))
 
 
+@measuring
 def only_turns(shown: ProbeResults) -> str | None:
     """All is right up to whole turns."""
     both = _poses(shown)
@@ -70,6 +71,7 @@ def only_turns(shown: ProbeResults) -> str | None:
 def only_angle(name: str) -> Rule:
     """The position is right everywhere, the angle is not."""
 
+    @measuring
     def rule(shown: ProbeResults) -> str | None:
         both = _poses(shown)
         return name if both is not None and _same(both[0][:, :2], both[1][:, :2]) else None
@@ -80,6 +82,7 @@ def only_angle(name: str) -> Rule:
 def only_position(name: str) -> Rule:
     """The angle is right everywhere, up to whole turns; the position is wrong with most headings."""
 
+    @measuring
     def rule(shown: ProbeResults) -> str | None:
         both = _poses(shown)
         if both is None:

@@ -7,7 +7,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from graders.core.code.probes import ProbeAnswer, ProbeFault, ProbeResults, Probes, Rule, as_array
+from graders.core.code.probes import ProbeAnswer, ProbeFault, ProbeResults, Probes, Rule, as_array, measuring, undoing
 from graders.core.contract.local import kit_names
 from graders.core.contract.program import KitSettings
 from graders.core.contract.values import Arguments, Floats, UnreadableError, Value, read_array
@@ -110,6 +110,7 @@ def _rows(shown: ProbeResults) -> list[Floats | None]:
     return [as_array(one, (FREE.size,)) for one in shown.got]
 
 
+@undoing
 def other_map(shown: ProbeResults) -> str | None:
     """On this map every call raises, or answers for a map of another size."""
     odd = [
@@ -122,6 +123,7 @@ def other_map(shown: ProbeResults) -> str | None:
 def only(name: str, places: Sequence[int], *, unless: Callable[[ProbeResults], bool] = lambda shown: False) -> Rule:
     """All is right but some of these probes."""
 
+    @measuring
     def rule(shown: ProbeResults) -> str | None:
         wrong = set(shown.wrong_indices())
         return name if wrong and wrong <= set(places) and not unless(shown) else None
@@ -144,6 +146,7 @@ def _arriving(bel: Floats, du: int, dv: int) -> dict[Cell, list[float]]:
     return arriving
 
 
+@measuring
 def overwritten(shown: ProbeResults) -> str | None:
     """Each cell holds one of the shares that arrive there, all of it and no other, up to one factor for each answer.
 
@@ -170,6 +173,7 @@ def _one_share_each(row: Floats, arriving: dict[Cell, list[float]]) -> bool:
     )  # fmt: skip
 
 
+@measuring
 def lost_mass(shown: ProbeResults) -> str | None:
     """Right in the open; elsewhere some probability vanishes wherever it is wrong, and none appears."""
     rows, wrong = _rows(shown), shown.wrong_indices()
@@ -180,6 +184,7 @@ def lost_mass(shown: ProbeResults) -> str | None:
     return "masse_perdue" if fewer and all(fewer) else None
 
 
+@measuring
 def not_normalised(shown: ProbeResults) -> str | None:
     """Proportional to what is right, and of another sum."""
     rows = _rows(shown)
@@ -188,6 +193,7 @@ def not_normalised(shown: ProbeResults) -> str | None:
     return "non_normalisee" if all(scaled) else None
 
 
+@measuring
 def walls_get_some(shown: ProbeResults) -> str | None:
     """Walls receive a probability in most answers."""
     rows = [row for row in _rows(shown) if row is not None]
@@ -195,6 +201,7 @@ def walls_get_some(shown: ProbeResults) -> str | None:
     return "murs_possibles" if rows and sum(walls) > len(rows) / 2 else None
 
 
+@measuring
 def wrong_likelihood(shown: ProbeResults) -> str | None:
     """A belief of sum 1, on the cells that were possible, with other weights."""
     rows = _rows(shown)

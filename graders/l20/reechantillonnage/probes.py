@@ -11,7 +11,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from graders.core.code.probes import ProbeAnswer, ProbeFault, ProbeResults, Probes, array_or_reason, as_array
+from graders.core.code.probes import ProbeAnswer, ProbeFault, ProbeResults, Probes, array_or_reason, as_array, measuring
 from graders.core.contract.values import Arguments, Floats, UnreadableError, Value, read_array
 from graders.l20 import world
 
@@ -59,6 +59,7 @@ def _words(shown: ProbeResults) -> list[ProbeAnswer]:
     return [one for one in shown.got if isinstance(one, str)]
 
 
+@measuring
 def grows(shown: ProbeResults) -> str | None:
     """More rows at each call with the same weights."""
     shapes = [re.match(r"forme \((\d+),", one) for one in _words(shown)]
@@ -66,6 +67,7 @@ def grows(shown: ProbeResults) -> str | None:
     return "memoire" if len(rows) > 8 and all(b > a for a, b in pairwise(rows)) else None
 
 
+@measuring
 def remembers(shown: ProbeResults) -> str | None:
     """Right at first; then always what was right at first."""
     groups = [_counts(shown, where) for where in ("one", "uneven", "equal", "few")]
@@ -74,6 +76,7 @@ def remembers(shown: ProbeResults) -> str | None:
     return "memoire" if complete and all(np.array_equal(c, (0.0, 0.0, 4.0, 0.0)) for c in counts) else None
 
 
+@measuring
 def changed_particles(shown: ProbeResults) -> str | None:
     """Rows of the right shape that are no copies, at most calls."""
     strange = sum(isinstance(one, list) and one[0] == STRANGE for one in shown.got)
@@ -81,6 +84,7 @@ def changed_particles(shown: ProbeResults) -> str | None:
     return "particules_modifiees" if strange > len(shown.got) / 3 and not raised else None
 
 
+@measuring
 def left_alone(shown: ProbeResults) -> str | None:
     """One copy of each particle, whatever the weights, or wherever they are not too uneven."""
     uneven, few, one = (_counts(shown, where) for where in ("uneven", "few", "one"))
@@ -89,6 +93,7 @@ def left_alone(shown: ProbeResults) -> str | None:
     return "nuage_inchange" if all(np.all(c == 1.0) for c in (*few, *one)) else "seulement_si_necessaire"
 
 
+@measuring
 def not_rigid(shown: ProbeResults) -> str | None:
     """With equal weights, the copies change from one call to another, and are not all of one particle."""
     equal, one = _counts(shown, "equal"), _counts(shown, "one")
@@ -100,6 +105,7 @@ def not_rigid(shown: ProbeResults) -> str | None:
     return "plusieurs_tirages" if len(uneven) >= 2 and len(different) >= 3 and are_apart else None
 
 
+@measuring
 def frozen(shown: ProbeResults) -> str | None:
     """The same copies at each of the twelve calls, though right in number."""
     uneven, equal = _counts(shown, "uneven"), _counts(shown, "equal")
@@ -109,6 +115,7 @@ def frozen(shown: ProbeResults) -> str | None:
     return "peigne_fige" if bounded and all(np.array_equal(c, uneven[0]) for c in uneven) else None
 
 
+@measuring
 def out_of_the_cloud(shown: ProbeResults) -> str | None:
     """An index beyond the last particle."""
     faults = sum(isinstance(one, ProbeFault) and one.name == "IndexError" for one in shown.got)

@@ -22,6 +22,7 @@ from graders.core.code.probes import (
     ProbeFault,
     ProbeResults,
     Probes,
+    measuring,
     read_answer,
     same_probe_answer,
 )
@@ -64,6 +65,7 @@ STYLE = edit("", "cote * autre", "float(cote * autre)")
 CALLS = tuple((float(a), float(b)) for a, b in ((1, 5), (2, 7), (4, 3), (0, 9)))
 
 
+@measuring
 def shifted(shown: ProbeResults) -> str | None:
     gaps = {float(a) - float(b) for a, b in zip(shown.got, shown.right, strict=True) if isinstance(a, float)}
     return "decale" if len(gaps) == 1 else None

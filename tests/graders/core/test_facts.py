@@ -100,7 +100,7 @@ def test_a_name_tells_what_it_leaves_unexplained() -> None:
     )
     found = CODE[GAIN].grade(source.replace("K = gain", "K = 0.3 * gain").encode(), LOCAL, seed=3, version="v").verdict
     assert found.diagnosis is not None
-    assert "points perdus. Rest" in found.diagnosis.explanation
+    assert "qui échoue" in found.diagnosis.explanation
     explained = {check for checks in found.diagnosis.explains for check in checks}
     assert explained
     assert explained < {check.id for check in found.checks if not check.passed}
@@ -134,7 +134,7 @@ def test_what_calls_a_named_function_is_not_said_to_be_unexplained() -> None:
         + "\n\ndef nees(vraie, estimee, P):\n    return 2 * juste(vraie, estimee, P)\n"
     )
     found = CODE[COHERENCE].grade(wrong.encode(), LOCAL, seed=3, version="v").verdict.diagnosis
-    assert found is None or "sans explication" not in found.explanation
+    assert found is None or "qui échoue" not in found.explanation
 
 
 @pytest.mark.parametrize(("title", "told"), [("Les tableaux reçus sont modifiés", True), ("Un signe est faux", False)])

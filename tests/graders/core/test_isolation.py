@@ -115,7 +115,7 @@ def test_both_mistakes_are_told_with_the_points_of_each_function() -> None:
     assert "Changer la ligne 15 fait réussir 2 vérifications" in found.diagnosis.explanation
     assert "jugée avec les autres justes : fusionner 7 sur 14, enchainer 7." in found.diagnosis.explanation
     assert not set(found.diagnosis.explains[0]) & set(found.diagnosis.explains[1])
-    assert "sans explication" not in found.diagnosis.explanation
+    assert "qui échoue" not in found.diagnosis.explanation
 
 
 def test_names_that_are_consequences_of_another_one_are_withdrawn() -> None:

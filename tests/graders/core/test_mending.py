@@ -185,17 +185,18 @@ def test_what_the_last_name_explains_does_not_remain() -> None:
     checks = tuple(CheckResult(letter, letter.upper(), False, 0.0, 1.0) for letter in "abc")
     words = describe_mendings([mending], "def f(g):\n    return 2 * g\n", checks).explanation
     assert "Ce qui reste, une fois l'autre ligne écrite autrement : L'angle n'est pas ramené." in words
-    assert "Cela explique 2 des 3 points perdus. Reste sans explication : « C »." in words
+    assert "Autre vérification qui échoue : « C »." in words
 
 
 def test_points_of_checks_that_wait_or_may_fail_for_the_same_reason_are_not_counted() -> None:
     named = Diagnosis("angle", "L'angle n'est pas ramené", "Il sort.", None, (("a",),))
     checks = [CheckResult(letter, letter.upper(), False, 0.0, 1.0) for letter in "abc"]
     checks.append(CheckResult("d", "D", False, 0.0, 8.0, neutral=True))
-    words = tell_remainder(named, checks, ["b"]).explanation
-    assert "Cela explique au moins 1 des 3 points perdus. Reste sans explication : « C »." in words
+    words = tell_remainder(named, checks, ["b"], mended=["a"]).explanation
+    assert "Cela explique au moins 1 des 3 points perdus. Autre vérification qui échoue : « C »." in words
     assert "Les autres points attendent que le reste soit juste : « D »." in words
-    assert "Cela explique 2 des 3 points" in tell_remainder(named, checks, besides=["b"]).explanation
+    assert "Cela explique 2 des 3 points" in tell_remainder(named, checks, besides=["b"], mended=["a", "b"]).explanation
+    assert "points perdus" not in tell_remainder(named, checks, besides=["b"], mended=["b"]).explanation
     assert tell_remainder(replace(named, explains=()), checks) == replace(named, explains=())
 
 

@@ -1,0 +1,52 @@
+"""Each rule has its experiment; what it does not bear out is told as a resemblance, or not at all."""
+
+from __future__ import annotations
+
+import pytest
+
+from graders.core.code.probes import Rule
+from graders.core.contract.local import LOCAL
+from tests.support.shipped import CODE
+
+PROBES = [(name, probes) for name, grader in CODE.items() if grader.prober for probes in grader.prober.probes]
+
+
+def test_each_rule_has_an_experiment_that_is_not_empty() -> None:
+    rules = [(name, probes.function, rule) for name, probes in PROBES for rule in (*probes.rules, *probes.last_rules)]
+    assert len(rules) > 60
+    for name, function, rule in rules:
+        assert isinstance(rule, Rule), f"{name}, {function} : a rule without its experiment"
+        assert callable(rule.experiment)
+        assert rule.experiment.__doc__, f"{name}, {function} : an experiment that does not say what it shows"
+
+
+STEPS = "for _ in range(n_iter):"
+
+
+@pytest.mark.parametrize(
+    ("edits", "told"),
+    [
+        ({STEPS: "for _ in range(1):"}, "une_seule_iteration"),
+        ({STEPS: "for _ in range(25):", "] = omega": "] = omega @ omega"}, "pas_le_minimum"),
+    ],
+)
+def test_a_name_stands_where_its_experiment_bears_it_out(edits: dict[str, str], told: str) -> None:
+    """Who stops too early comes nearer when asked again from there; who has converged to something else does not."""
+    grader = CODE["l20/slam_graphe"]
+    source = grader.solution
+    for old, new in edits.items():
+        assert old in source
+        source = source.replace(old, new)
+    diagnosis = grader.grade(source.encode(), LOCAL, seed=3, version="v").verdict.diagnosis
+    assert diagnosis is not None
+    assert diagnosis.id == told
+
+
+def test_a_rule_names_nothing_in_a_function_that_calls_a_broken_one() -> None:
+    """Poses that run away because the error is wrong are no second mistake."""
+    grader = CODE["l20/slam_graphe"]
+    source = grader.solution + "\n\ndef erreur(xi, xj, z):\n    e = relatif(z, relatif(xi, xj))\n"
+    source += "    e[2] = e[2] % (2 * np.pi)\n    return e\n"
+    diagnosis = grader.grade(source.encode(), LOCAL, seed=3, version="v").verdict.diagnosis
+    assert diagnosis is not None
+    assert diagnosis.titles == ("L'angle de l'erreur est ramené dans [0, 2π[",)
