@@ -146,6 +146,7 @@ def constant(shown: ProbeResults) -> str | None:
     return "toujours_pareil" if len(numbers) == 1 and len(shown.got) > 1 else None
 
 
+@measuring
 def depends_on_the_order(shown: ProbeResults) -> str | None:
     """Other numbers for one graph whose edges come in another order, and the same for the same call asked again."""
     numbers = [one for one in shown.got[-len(REORDERED) :] if isinstance(one, int | float)]
