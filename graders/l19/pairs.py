@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from graders.core.code.probes import ProbeAnswer, ProbeResults, Rule, as_array, measuring
+from graders.core.code.probes import AnswerRule, ProbeAnswer, ProbeResults, as_array, measuring
 from graders.core.compare import words as render
 from graders.core.compare.comparison import TOLERANCE, Mismatch, close, unreadable, worst_difference
 from graders.core.compare.told_apart import instead
@@ -135,7 +135,7 @@ def agree(ones: Sequence[Floats], others: Sequence[Floats]) -> list[bool]:
     ]
 
 
-def only(which: int, name: str, places: Sequence[int] | None = None) -> Rule:
+def only(which: int, name: str, places: Sequence[int] | None = None) -> AnswerRule:
     """The name for answers whose other value is always right, and this one wrong in all of these places."""
 
     @measuring

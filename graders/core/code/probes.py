@@ -108,7 +108,7 @@ def undo_the_mistake(trial: ProgramTrial) -> bool | None:
 
 
 @dataclass(frozen=True)
-class Rule:
+class AnswerRule:
     """Recognises a mistake by what the answers have in common; the name is told as a fact where its experiment bears it
     out, as a resemblance where that stays open, else not at all."""
 
@@ -119,19 +119,19 @@ class Rule:
         return self.recognise(shown)
 
 
-def measuring(recognise: Recognise) -> Rule:
+def measuring(recognise: Recognise) -> AnswerRule:
     """Make a rule whose words say no more than what it measures."""
-    return Rule(recognise, say_what_is_measured)
+    return AnswerRule(recognise, say_what_is_measured)
 
 
-def undoing(recognise: Recognise) -> Rule:
+def undoing(recognise: Recognise) -> AnswerRule:
     """Make a rule that the mistake, undone in the program, must bear out."""
-    return Rule(recognise, undo_the_mistake)
+    return AnswerRule(recognise, undo_the_mistake)
 
 
-def borne_out_by(experiment: Experiment) -> Callable[[Recognise], Rule]:
+def borne_out_by(experiment: Experiment) -> Callable[[Recognise], AnswerRule]:
     """Make a rule that an experiment of its own must bear out."""
-    return lambda recognise: Rule(recognise, experiment)
+    return lambda recognise: AnswerRule(recognise, experiment)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -152,8 +152,8 @@ class Probes:
     kit: KitSettings
     read: Read = field(default=lambda args, value: value)
     same: Callable[[ProbeAnswer, ProbeAnswer], bool] = same_probe_answer
-    rules: tuple[Rule, ...] = ()
-    last_rules: tuple[Rule, ...] = ()
+    rules: tuple[AnswerRule, ...] = ()
+    last_rules: tuple[AnswerRule, ...] = ()
     random: bool = False
     unique: bool = True
     unless: frozenset[str] = frozenset()

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from typing import NamedTuple
 
-from graders.core.code.probes import Experiment, ProbeResults, Probes, Rule
+from graders.core.code.probes import AnswerRule, Experiment, ProbeResults, Probes
 
 
 class SilentName(NamedTuple):
@@ -27,7 +27,7 @@ class RuledName(NamedTuple):
     candidates: tuple[tuple[str, Experiment], ...]
 
 
-def apply_rules(rules: Sequence[Rule], shown: ProbeResults) -> Sequence[str]:
+def apply_rules(rules: Sequence[AnswerRule], shown: ProbeResults) -> Sequence[str]:
     """Return the mistake of the first rule that recognises one."""
     return next(([name] for rule in rules if (name := rule(shown)) is not None), [])
 

@@ -4,7 +4,15 @@ from __future__ import annotations
 
 import numpy as np
 
-from graders.core.code.probes import ProbeResults, Probes, Rule, array_or_reason, as_array, measuring, number_or_reason
+from graders.core.code.probes import (
+    AnswerRule,
+    ProbeResults,
+    Probes,
+    array_or_reason,
+    as_array,
+    measuring,
+    number_or_reason,
+)
 from graders.core.contract.program import KitSettings
 from graders.core.contract.values import Arguments
 from graders.l19.gain.cases import row
@@ -36,7 +44,7 @@ CHAINS: tuple[Arguments, ...] = (
 )
 
 
-def only_column(which: int, name: str) -> Rule:
+def only_column(which: int, name: str) -> AnswerRule:
     """The name for chains of which the other column is always right, and this one never from end to end."""
 
     @measuring

@@ -5,7 +5,15 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
-from graders.core.code.probes import ProbeAnswer, ProbeFault, ProbeResults, Probes, Rule, measuring, same_probe_answer
+from graders.core.code.probes import (
+    AnswerRule,
+    ProbeAnswer,
+    ProbeFault,
+    ProbeResults,
+    Probes,
+    measuring,
+    same_probe_answer,
+)
 from graders.core.contract.program import KitSettings
 from graders.core.contract.values import Arguments, UnreadableError, Value, read_scalar
 from graders.l20 import world
@@ -80,7 +88,7 @@ def _marched(shown: ProbeResults, lengths: Sequence[float], stride: float) -> bo
     return False
 
 
-def only(name: str, among: tuple[int, ...]) -> Rule:
+def only(name: str, among: tuple[int, ...]) -> AnswerRule:
     """All is right but some of these probes."""
 
     @measuring

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from graders.core.code.probes import ProbeResults, Probes, Rule, measuring, undoing
+from graders.core.code.probes import AnswerRule, ProbeResults, Probes, measuring, undoing
 from graders.core.contract.values import Arguments, UnreadableError, Value, read_array
 from graders.l20 import world
 from graders.l20.modele_faisceau.cases import CORNER, FAR, KNIGHT, OPEN, ROOM, SQUARE, reading
@@ -32,7 +32,7 @@ def read(args: Arguments, value: Value) -> Value:
         return str(error)
 
 
-def only(name: str, among: tuple[int, ...]) -> Rule:
+def only(name: str, among: tuple[int, ...]) -> AnswerRule:
     """All is right but some of these probes."""
 
     @measuring

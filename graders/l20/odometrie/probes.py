@@ -6,7 +6,15 @@ import math
 
 import numpy as np
 
-from graders.core.code.probes import ProbeAnswer, ProbeResults, Probes, Rule, as_array, measuring, number_or_reason
+from graders.core.code.probes import (
+    AnswerRule,
+    ProbeAnswer,
+    ProbeResults,
+    Probes,
+    as_array,
+    measuring,
+    number_or_reason,
+)
 from graders.core.contract.values import Arguments, Floats, UnreadableError, Value, read_array
 from graders.l20 import world
 from graders.l20.odometrie.cases import pose, turn
@@ -93,7 +101,7 @@ def only_position(shown: ProbeResults) -> str | None:
     return "position_fausse" if np.all(np.abs(both[0] - both[1])[moved, :2].max(axis=1) > 1e-6) else None
 
 
-def only(name: str, places: tuple[int, ...]) -> Rule:
+def only(name: str, places: tuple[int, ...]) -> AnswerRule:
     """Wrong on these, all of them, and nowhere else."""
 
     @measuring

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from graders.core.code.probes import ProbeAnswer, ProbeResults, Probes, Rule, as_array, measuring
+from graders.core.code.probes import AnswerRule, ProbeAnswer, ProbeResults, Probes, as_array, measuring
 from graders.core.contract.values import Arguments, Floats, UnreadableError, Value, read_array
 from graders.l20 import world
 
@@ -68,7 +68,7 @@ def only_turns(shown: ProbeResults) -> str | None:
     return "angle_non_ramene" if _same(gap, np.round(gap)) else None
 
 
-def only_angle(name: str) -> Rule:
+def only_angle(name: str) -> AnswerRule:
     """The position is right everywhere, the angle is not."""
 
     @measuring
@@ -79,7 +79,7 @@ def only_angle(name: str) -> Rule:
     return rule
 
 
-def only_position(name: str) -> Rule:
+def only_position(name: str) -> AnswerRule:
     """The angle is right everywhere, up to whole turns; the position is wrong with most headings."""
 
     @measuring

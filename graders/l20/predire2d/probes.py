@@ -7,7 +7,16 @@ from functools import lru_cache
 
 import numpy as np
 
-from graders.core.code.probes import ProbeAnswer, ProbeFault, ProbeResults, Probes, Rule, as_array, measuring, undoing
+from graders.core.code.probes import (
+    AnswerRule,
+    ProbeAnswer,
+    ProbeFault,
+    ProbeResults,
+    Probes,
+    as_array,
+    measuring,
+    undoing,
+)
 from graders.core.contract.local import kit_names
 from graders.core.contract.program import KitSettings
 from graders.core.contract.values import Arguments, Floats, UnreadableError, Value, read_array
@@ -120,7 +129,9 @@ def other_map(shown: ProbeResults) -> str | None:
     return "carte_en_dur" if all(odd) else None
 
 
-def only(name: str, places: Sequence[int], *, unless: Callable[[ProbeResults], bool] = lambda shown: False) -> Rule:
+def only(
+    name: str, places: Sequence[int], *, unless: Callable[[ProbeResults], bool] = lambda shown: False
+) -> AnswerRule:
     """All is right but some of these probes."""
 
     @measuring

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from graders.core.code.probes import Rule
+from graders.core.code.probes import AnswerRule
 from graders.core.contract.local import LOCAL
 from tests.support.shipped import CODE
 
@@ -15,7 +15,7 @@ def test_each_rule_has_an_experiment_that_is_not_empty() -> None:
     rules = [(name, probes.function, rule) for name, probes in PROBES for rule in (*probes.rules, *probes.last_rules)]
     assert len(rules) > 60
     for name, function, rule in rules:
-        assert isinstance(rule, Rule), f"{name}, {function} : a rule without its experiment"
+        assert isinstance(rule, AnswerRule), f"{name}, {function} : a rule without its experiment"
         assert callable(rule.experiment)
         assert rule.experiment.__doc__, f"{name}, {function} : an experiment that does not say what it shows"
 
