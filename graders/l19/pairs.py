@@ -52,7 +52,8 @@ class SamePair:
         right = {k: close(wanted[k], found[k], self.tolerance) for k in judged}
         if all(right.values()):
             return None
-        told = " ".join(_told(self.names[k], wanted[k], found[k], right[k]) for k in judged)
+        verdicts = [isinstance(each, bool | np.bool_) for each in expected]
+        told = " ".join(_told(self.names[k], wanted[k], found[k], right[k], verdicts[k]) for k in judged)
         return Mismatch(told, "nan" if any(np.any(np.isnan(found[k])) for k in judged) else None)
 
     def _wrong_shapes(self, wanted: Sequence[Floats], found: Sequence[Floats], judged: Sequence[int]) -> Mismatch:
@@ -67,14 +68,16 @@ class SamePair:
         return Mismatch(" ".join(one[0].upper() + one[1:] for one in told), "forme")
 
 
-def _told(name: str, wanted: Floats, found: Floats, right: bool) -> str:
-    """One sentence on one of the two."""
+def _told(name: str, wanted: Floats, found: Floats, right: bool, is_verdict: bool) -> str:
+    """One sentence on one of the two; `is_verdict`: True or False is awaited."""
     name = name[0].upper() + name[1:]
     if right:
         return f"{name} : c'est juste."
     if found.ndim == 0:
         if np.isnan(found):
             return f"{name} : « nan », qui n'est pas un nombre, au lieu de {render.number(float(wanted))}."
+        if is_verdict and float(found) in (0.0, 1.0):
+            return f"{name} : {bool(found)} au lieu de {bool(wanted)}."
         return f"{name} : {instead(float(wanted), float(found))}."
     gap = worst_difference(wanted, found)
     return f"{name} : {gap[0].lower()}{gap[1:]}"

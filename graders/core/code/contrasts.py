@@ -12,7 +12,7 @@ from graders.core.contract.values import Arguments, Floats
 
 #: Failed calls beside which near ones are tried, and the error up to which an answer is the awaited one.
 MAX_FAILED, JUST = 2, 1e-8
-_QUESTION = "Par où votre calcul passe-t-il dans le second appel, et pas dans le premier ?"
+_QUESTION = "Qu’est-ce qui change dans votre calcul, du premier appel au second ?"
 #: Answers of a program, and of the solution, to some calls; fewer where the time is spent.
 Answers = Sequence[list[Floats] | None]
 

@@ -28,6 +28,7 @@ from graders.core.code.seen_facts import (
     Variation,
     VariedAnswers,
     are_coarse,
+    capital_subject,
     columns_of,
     felt_fact,
     is_felt_wrongly,
@@ -36,6 +37,7 @@ from graders.core.code.seen_facts import (
 )
 from graders.core.compare.changed_arguments import ArgumentChange, replacements, variations
 from graders.core.compare.compound_forms import TupleForm
+from graders.core.compare.forms import ArrayForm
 from graders.core.compare.series import MANY_CALLS, MIN_WRONG, Series, is_constant, same
 from graders.core.contract.program import KitSettings, PlannedCalls, Programs, Reply, StudentFault, flatten_blocks
 from graders.core.contract.streams import stream
@@ -92,14 +94,14 @@ class Experimenter:
         is_free = any(not same(mine, its) for row, own in pairs for mine, its in zip(row, own, strict=True))
         felt = [] if strong or replaced or is_free else list(self._felt(source, trial, wider, rich))
         flaws = [fact for fact in related if not fact.says_answers]
-        if strong or replaced or felt:
-            return [*strong, *replaced, *felt, *flaws]
+        told = [*strong, *replaced, *felt]
 
         def ask(calls: Sequence[Arguments]) -> tuple[Answers, Answers]:
             return self._answers(source, trial, calls), self._solution(trial, calls)
 
-        contrast = find_contrast(wider, views, ask)
-        return [*(fact for fact in (contrast,) if fact is not None), *flaws]
+        left = [view for view in views if not any(capital_subject(view.words) in fact.title for fact in told)]
+        contrast = find_contrast(wider, left, ask) if len(told) < MAX_FACTS else None
+        return [*told, *(fact for fact in (contrast,) if fact is not None), *flaws]
 
     def _related(self, trial: FunctionTrial, view: ReturnedValue) -> list[SeenFact]:
         """The first relation of a value with the right one; of its columns, where these tell more."""
@@ -279,6 +281,8 @@ class Experimenter:
 
     def _parts(self, function: str) -> tuple[str, ...]:
         forms = [contract.returns for contract in self._grader.contracts if contract.function == function]
+        if forms and isinstance(forms[0], ArrayForm):
+            return forms[0].names
         return tuple(forms[0].parts) if forms and isinstance(forms[0], TupleForm) else ()
 
     def _solution(self, trial: FunctionTrial, calls: Sequence[Arguments]) -> list[list[Floats] | None]:

@@ -164,12 +164,14 @@ class WholeForm(NumberForm):
 
 @dataclass(frozen=True, kw_only=True)
 class ArrayForm(ValueForm):
-    """An array of this shape. `angle` is the place, in the last axis, of an angle counted modulo 2 pi."""
+    """An array of this shape. `angle` is the place, in the last axis, of an angle counted modulo 2 pi; `names` are
+    those of its values in the statement, if any."""
 
     shape: Shape
     dtype: str = "float64"
     called: str = "un tableau"
     angle: int | None = None
+    names: tuple[str, ...] = ()
 
     @property
     def words(self) -> str:

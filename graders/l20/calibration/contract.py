@@ -7,6 +7,7 @@ import numpy as np
 from graders.core.code.contracts import Boundary, FunctionContract
 from graders.core.compare.forms import NUMBER, ArrayForm, array
 from graders.l20.calibration.cases import right_ways
+from graders.l20.calibration.judge import NAMES
 
 STEPS = array("n", 3)
 
@@ -24,7 +25,7 @@ CONTRACTS = (
     FunctionContract(
         "etalonner",
         {"pas": STEPS, "vrais": STEPS},
-        ArrayForm(shape=(3,), called="trois nombres"),
+        ArrayForm(shape=(3,), called="trois nombres", names=NAMES),
         (
             Boundary("rien à corriger", np.array_equal),
             Boundary("trois pas", lambda pas, vrais: len(pas) == 3),

@@ -11,7 +11,16 @@ from itertools import pairwise
 
 import numpy as np
 
-from graders.core.code.probes import ProbeAnswer, ProbeFault, ProbeResults, Probes, array_or_reason, as_array, measuring
+from graders.core.code.probes import (
+    ProbeAnswer,
+    ProbeFault,
+    ProbeResults,
+    Probes,
+    array_or_reason,
+    as_array,
+    measuring,
+    undoing,
+)
 from graders.core.contract.values import Arguments, Floats, UnreadableError, Value, read_array
 from graders.l20 import world
 
@@ -115,7 +124,7 @@ def frozen(shown: ProbeResults) -> str | None:
     return "peigne_fige" if bounded and all(np.array_equal(c, uneven[0]) for c in uneven) else None
 
 
-@measuring
+@undoing
 def out_of_the_cloud(shown: ProbeResults) -> str | None:
     """An index beyond the last particle."""
     faults = sum(isinstance(one, ProbeFault) and one.name == "IndexError" for one in shown.got)
