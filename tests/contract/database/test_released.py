@@ -77,28 +77,36 @@ def read_file(path: Path) -> tuple[dict[UUID, Any], dict[tuple[UUID, str], Any],
     )
 
 
-@pytest.fixture(params=RELEASED, ids=lambda released: released.schema)
-def released(request: pytest.FixtureRequest) -> Released:
-    found: Released = request.param
-    return found
+@dataclass(frozen=True)
+class Upgraded:
+    """A released file, and the address of its database at the current schema."""
+
+    released: Released
+    url: str
 
 
-@pytest.fixture
-def upgraded(released: Released, settings: Settings, database_url: str | None, tmp_path: Path) -> Iterator[Settings]:
+@pytest.fixture(
+    scope="module",
+    params=[(released, engine) for engine in ("sqlite", "postgresql") for released in RELEASED],
+    ids=lambda param: f"{param[0].schema}-{param[1]}",
+)
+def upgraded(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Upgraded]:
     """Upgrade the file; on PostgreSQL, move it into a database of its own."""
-    file = released.unpack(tmp_path / "released.sqlite3")
-    with closing(Database(f"sqlite:///{file}")) as source, ExitStack() as stack:
+    released, engine = request.param
+    file = released.unpack(tmp_path_factory.mktemp("released") / "released.sqlite3")
+    url = f"sqlite:///{file}"
+    with closing(Database(url)) as source, ExitStack() as stack:
         upgrade(source.engine)
-        url = f"sqlite:///{file}"
-        if database_url is not None:
-            url = stack.enter_context(new_database(database_url, f"balise_released_{os.getpid()}"))
+        if engine == "postgresql":
+            server = request.getfixturevalue("postgres_url")
+            url = stack.enter_context(new_database(server, f"balise_released_{os.getpid()}"))
             with closing(Database(url)) as target:
                 move_rows(source, target, metadata.sorted_tables, lambda _table, _rows: None)
-        yield settings.model_copy(update={"database_url": url})
+        yield Upgraded(released, url)
 
 
-def test_verdicts_and_marks_are_those_of_then(released: Released, upgraded: Settings, tmp_path: Path) -> None:
-    gradings, standings, _ = read_file(released.unpack(tmp_path / "original.sqlite3"))
+def test_verdicts_and_marks_are_those_of_then(upgraded: Upgraded, tmp_path: Path) -> None:
+    gradings, standings, _ = read_file(upgraded.released.unpack(tmp_path / "original.sqlite3"))
     with closing(Database(upgraded.url)) as database, database.read() as db:
         after = {each.id: (each.outcome, each.score, each.verdict) for each in db.execute(select(Grading)).scalars()}
         best = {
@@ -112,10 +120,12 @@ def test_verdicts_and_marks_are_those_of_then(released: Released, upgraded: Sett
 
 
 def test_sessions_passwords_and_tokens_open_every_page(
-    released: Released, upgraded: Settings, course: Course, tmp_path: Path
+    upgraded: Upgraded, settings: Settings, course: Course, tmp_path: Path
 ) -> None:
+    released = upgraded.released
     _, _, classes = read_file(released.unpack(tmp_path / "original.sqlite3"))
-    with TestClient(standing_app(upgraded, course), follow_redirects=False) as client:
+    here = settings.model_copy(update={"database_url": upgraded.url})
+    with TestClient(standing_app(here, course), follow_redirects=False) as client:
         for person, headers in enter(client, released):
             for page in PAGES:
                 answer = client.get(page, headers=headers)

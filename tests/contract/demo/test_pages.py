@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
+import html
 import re
 from collections import deque
 from dataclasses import dataclass
-from html.parser import HTMLParser
 from typing import Any
 from urllib.parse import parse_qs, urljoin, urlsplit
 
@@ -35,18 +35,14 @@ MIN_REACHED = {"visitor": 12, "student": 18, "teacher": 42}
 LEFT_OUT = re.compile(r"/recherche|/hors-ligne|\.zip|/copies|/static/|/deconnexion|/evenements")
 
 
-class Links(HTMLParser):
-    """The addresses that a page's links and pictures lead to."""
+#: A link or a picture of a page, and where it leads: as our templates write both.
+LINK = re.compile(r"<(?:a|img)\b[^>]*?\s(?:href|src)=([\"'])(.*?)\1", re.DOTALL)
 
-    def __init__(self, page: str) -> None:
-        super().__init__()
-        self.addresses: list[str] = []
-        self.feed(page)
 
-    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
-        address = dict(attrs).get("href" if tag == "a" else "src" if tag == "img" else "")
-        if address and not re.match(r"\w+:|//|#", address):
-            self.addresses.append(address)
+def links(page: str) -> list[str]:
+    """Return the addresses that a page's links and pictures lead to, on this site."""
+    found = [html.unescape(address) for _, address in LINK.findall(page)]
+    return [address for address in found if address and not re.match(r"\w+:|//|#", address)]
 
 
 @dataclass(frozen=True)
@@ -92,7 +88,7 @@ def crawl(client: Any, routes: list[tuple[str, re.Pattern[str]]]) -> Crawl:
         result.reached.add(route)
         found = [answer.headers["location"]] if "location" in answer.headers else []
         if answer.headers.get("content-type", "").startswith("text/html"):
-            found += Links(answer.text).addresses
+            found += links(answer.text)
         queue.extend((urljoin(address, link), address) for link in found)
     return result
 
