@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import pytest
-from sqlalchemy import Engine, create_engine, exists, literal, select, text, union_all
+from sqlalchemy import CompoundSelect, Engine, create_engine, exists, literal, select, text, union_all
 from sqlalchemy.orm import Session
 
 from graders.core.contract.findings import Judgement
@@ -88,17 +88,17 @@ def _passwords_are_hashed_quickly() -> Iterator[None]:
 
 
 def _compiling_once(make: Callable[..., Engine]) -> Callable[..., Engine]:
-    """Makes engines of SQLite that know the statements which the others have compiled already."""
-    kept: list[Engine] = []
+    """Makes engines that know the statements which the others of their kind have compiled already."""
+    kept: dict[str, Engine] = {}
 
     def made(url: str, **options: Any) -> Engine:
         engine = make(url, **options, query_cache_size=5000)
-        if engine.dialect.name == "sqlite":
-            known = [one for one in kept if one.dialect.server_version_info]  # told by a first connection
-            first = (known or [engine])[0]
-            kept[:] = [first]
-            engine.dialect = engine.pool._dialect = first.dialect  # what is compiled is known by its dialect
-            engine._compiled_cache = first._compiled_cache
+        kind = engine.dialect.name
+        if kind not in kept or not kept[kind].dialect.server_version_info:  # told by a first connection
+            kept[kind] = engine
+        first = kept[kind]
+        engine.dialect = engine.pool._dialect = first.dialect  # what is compiled is known by its dialect
+        engine._compiled_cache = first._compiled_cache
         return engine
 
     return made
@@ -180,13 +180,17 @@ def opened(settings: Settings) -> Iterator[Database]:
 def _empty(db: Session) -> None:
     """Delete all rows, in few statements: most tables are empty."""
     db.execute(Account.__table__.delete())  # and what is theirs: a submission and its grading name each other
-    left = union_all(
-        *(select(literal(table.name)).where(exists().select_from(table)) for table in metadata.sorted_tables)
-    )
-    filled = set(db.scalars(left))
+    filled = set(db.scalars(_names_of_filled_tables()))
     for table in reversed(metadata.sorted_tables):
         if table.name in filled:
             db.execute(table.delete())
+
+
+@cache
+def _names_of_filled_tables() -> CompoundSelect[tuple[str]]:
+    return union_all(
+        *(select(literal(table.name)).where(exists().select_from(table)) for table in metadata.sorted_tables)
+    )
 
 
 @pytest.fixture
