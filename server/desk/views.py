@@ -46,7 +46,7 @@ from server.web import editions
 from server.web.form_version import version_of
 from server.web.words import list_names, plural, short_moment
 
-STUDENTS_A_PAGE = 20
+STUDENTS_A_PAGE = 18
 NEW_STAFF_NOTICE, MAX_STAFF_NOTICES = timedelta(days=7), 5
 NEW_STAFF = "{name} enseigne ou assiste ici depuis le {when}, à la demande de {by}."
 ROLES = {ClassRole.student: "élève", ClassRole.assistant: "assistant", ClassRole.teacher: "enseignant"}

@@ -251,10 +251,10 @@ def test_the_log_is_filtered_paged_and_downloaded(site: Site, term: Term, martin
             db, term.made.id, term.teacher.id, AuditAction.mark_overridden, student=ada.id, about="Poses", **change
         )
     page = text_of(martin, f"{href}/journal")
-    assert "104 changements, 1 à 20" in page
+    assert "104 changements, 1 à 18" in page
     older = re.search(r'rel="next" href="([^"]+)"', page)
     assert older
-    assert "21 à 40" in text_of(martin, older[1])
+    assert "19 à 36" in text_of(martin, older[1])
     assert "Cette page est vide" in text_of(martin, f"{href}/journal?p=9")
     only = text_of(martin, f"{href}/journal?eleve={ada.id}&genre=zut")
     assert "1 changement," in only

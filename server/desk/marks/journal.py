@@ -35,7 +35,7 @@ from server.web.words import iso_moment, short_moment
 
 router = APIRouter(include_in_schema=False)
 
-ENTRIES_PER_PAGE = 20
+ENTRIES_PER_PAGE = 18
 HEADER = ("Date", "Par", "Changement", "Élève", "Objet", "Avant et après", "Motif")
 Text = Annotated[str, Query(max_length=100)]
 
