@@ -6,6 +6,7 @@ import ast
 import re
 from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import cached_property
 
 from graders.core.syntax_trees import parse_source
 
@@ -32,8 +33,6 @@ class ProgramText:
         self.raw = source.encode()
         self.tree = parse_source(source)
         self._lines = [0, *(match.end() for match in re.finditer(b"\n", self.raw))]
-        self._parents = {child: node for node in ast.walk(self.tree) for child in ast.iter_child_nodes(node)}
-        self.imported = _imported(self.tree)
         self._variables: dict[ast.AST, list[str]] = {}
 
     @classmethod
@@ -54,6 +53,19 @@ class ProgramText:
 
     def slice(self, start: int, end: int) -> str:
         return self.raw[start:end].decode()
+
+    @cached_property
+    def imported(self) -> frozenset[str]:
+        """The names of modules: imported ones, and those that every kit gives."""
+        names = {"np", "math", "cmath"}
+        for node in ast.walk(self.tree):
+            if isinstance(node, ast.Import | ast.ImportFrom):
+                names.update((alias.asname or alias.name).split(".")[0] for alias in node.names)
+        return frozenset(names)
+
+    @cached_property
+    def _parents(self) -> dict[ast.AST, ast.AST]:
+        return {child: node for node in ast.walk(self.tree) for child in ast.iter_child_nodes(node)}
 
     def parent(self, node: ast.AST) -> ast.AST:
         """Return the parent of a node; the tree for itself."""
@@ -127,12 +139,3 @@ def _is_stored(node: ast.Name) -> bool:
 def _is_text(node: ast.AST) -> bool:
     """Whether a statement is a docstring or another constant."""
     return isinstance(node, ast.Expr) and isinstance(node.value, ast.Constant)
-
-
-def _imported(tree: ast.AST) -> frozenset[str]:
-    """Return the names of modules: imported ones, and those that every kit gives."""
-    names = {"np", "math", "cmath"}
-    for node in ast.walk(tree):
-        if isinstance(node, ast.Import | ast.ImportFrom):
-            names.update((alias.asname or alias.name).split(".")[0] for alias in node.names)
-    return frozenset(names)

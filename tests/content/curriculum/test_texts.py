@@ -108,6 +108,7 @@ def test_pages_are_whole_and_their_links_arrive(client: TestClient, module: str)
             assert not anchor or anchor in there.ids, f"{link} of {path} leads nowhere"
 
 
+@pytest.mark.long  # beside the test that reads the same pages
 @pytest.mark.parametrize("module", MODULES)
 def test_every_figure_says_what_it_shows(client: TestClient, module: str) -> None:
     """Drawing them all is the work of `tests/contract/figures/test_drawings.py`."""

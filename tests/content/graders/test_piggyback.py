@@ -41,7 +41,7 @@ def told(verdict: Verdict) -> dict[str, object]:
 @pytest.mark.parametrize("exercise", ["l20/poses", pytest.param("l20/odometrie", marks=pytest.mark.slow)])
 def test_a_mistake_has_the_same_verdict_whether_it_is_named_by_the_same_process_or_by_another(exercise: str) -> None:
     grader = replace(CODE[exercise], budget=Budget(calls=20, seconds=math.inf))
-    sources = [one.source for one in grader.misconceptions]
+    sources = [mistake.source for mistake in grader.misconceptions[::3]]
     spared = 0
     for source in sources:
         calls, afresh = Watched(), Watched()

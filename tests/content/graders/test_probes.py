@@ -302,13 +302,13 @@ def of(exercise: str) -> Prober:
 
 
 def asked_of_odd(prober: Prober) -> None:
-    for probes in some(prober.probes):
+    for function in some({probes.function for probes in prober.probes}):
         for odd in ODD:
             functions = sorted(prober.functions)
             source = "\n".join(f"def {name}(*args):\n    return {odd}\n" for name in functions)
             runner = Runner(LOCAL, source.encode(), world.STILL)
             with np.errstate(all="ignore"):
-                prober.recognise(runner, [probes.function], [])
+                prober.recognise(runner, [function], [])
             runner.close()
 
 

@@ -6,6 +6,7 @@ import itertools
 
 import pytest
 
+from graders.core.declared import trial
 from graders.core.declared.case_reading import parse_scenario
 from graders.core.declared.declaration import read_declaration
 from graders.core.declared.grading import DeclaredGrader
@@ -72,8 +73,9 @@ def tried(sandbox: Sandbox, functions: str, solution: str, *cases: str) -> Trial
     ],
 )
 def test_a_case_shows_a_function_that_looks_at_nothing(
-    sandbox: Sandbox, words: str, declared: tuple[str, ...], changed: str
+    sandbox: Sandbox, words: str, declared: tuple[str, ...], changed: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
+    monkeypatch.setattr(trial, "MAX_CHANGES", 4)  # besides those of whole functions, which are looked at here
     functions, solution, *cases = declared
     report = tried(sandbox, functions, solution, *cases)
     found = {change.words: change for change in report.changes if change.words}

@@ -267,9 +267,8 @@ def mistake(name: str) -> Any:
     return next(m for m in GRADER.misconceptions if m.id == name)
 
 
-@pytest.mark.parametrize("block", range(2))
-def test_the_solution_gets_full_marks_on_hundreds_of_seeds(block: int) -> None:
-    assert all(verdict(GRADER.solution, seed).score == 1.0 for seed in range(40 * block, 40 * block + 40))
+def test_the_solution_gets_full_marks_on_many_seeds() -> None:
+    assert all(verdict(GRADER.solution, seed).score == 1.0 for seed in range(30))
 
 
 @pytest.mark.parametrize("name", STYLES)
