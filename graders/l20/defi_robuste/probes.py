@@ -30,7 +30,13 @@ REORDERED: tuple[Arguments, ...] = (
     _chain(0, 2, 4, 1, 3),
     _chain(0, 1, 2, 3, 4),
 )
-COUNTED: tuple[Arguments, ...] = (*examples(np.random.default_rng(0)), *REORDERED)
+STAR = ((0, 1), (0, 2), (0, 3), (3, 4), (3, 5))
+#: One tree, then the same with each edge the other way round: of poses at one place, H is the same then.
+REVERSED: tuple[Arguments, ...] = tuple(
+    (np.zeros((6, 3)), [edge(*ends, (1, 0, 0.1), 1.7 + 0.3 * k, 2.9) for k, ends in enumerate(pairs)])
+    for pairs in (STAR, [ends[::-1] for ends in STAR])
+)
+COUNTED: tuple[Arguments, ...] = (*examples(np.random.default_rng(0)), *REVERSED, *REORDERED)
 
 TRUTH = rows((1, 2, 0.3), (3, 2.5, 0.9), (3.5, 4.5, 2.2), (1.5, 5, -2.9), (0.5, 3, -1.6))
 NOISE = rows((0.1, -0.05, 0.06), (-0.08, 0.12, -0.05), (0.06, 0.07, 0.04), (-0.12, 0.05, -0.07), (0.07, -0.1, 0.05))
@@ -149,15 +155,30 @@ def constant(shown: ProbeResults) -> str | None:
 @measuring
 def depends_on_the_order(shown: ProbeResults) -> str | None:
     """Other numbers for one graph whose edges come in another order, and the same for the same call asked again."""
-    numbers = [one for one in shown.got[-len(REORDERED) :] if isinstance(one, int | float)]
-    if len(numbers) < len(REORDERED) or numbers[0] != numbers[-1]:
-        return None
-    return "ordre_des_aretes" if len(set(numbers)) > 1 else None
+    numbers = _steady_numbers(shown)
+    return "ordre_des_aretes" if len(set(numbers[-len(REORDERED) :])) > 1 else None
+
+
+def depends_on_directions(shown: ProbeResults) -> str | None:
+    """Other numbers for one tree whose edges go the other way, and the same for the same call asked again."""
+    numbers = _steady_numbers(shown)[-len(REORDERED) - len(REVERSED) :]
+    return "sens_qui_compte" if len(set(numbers[: len(REVERSED)])) > 1 else None
+
+
+def _steady_numbers(shown: ProbeResults) -> list[float]:
+    """All answers; none where one is no number, or where the same call has another answer when it is asked again."""
+    numbers = [float(one) for one in shown.got if isinstance(one, int | float)]
+    again = numbers[-len(REORDERED) :]
+    return numbers if len(numbers) == len(COUNTED) and again[0] == again[-1] else []
 
 
 PROBES = (
     Probes(
-        function="dimension_noyau", calls=COUNTED, kit=world.STILL, read=count, rules=(constant, depends_on_the_order)
+        function="dimension_noyau",
+        calls=COUNTED,
+        kit=world.STILL,
+        read=count,
+        rules=(constant, depends_on_the_order, depends_on_directions),
     ),
     Probes(
         function="gauss_newton_robuste",

@@ -45,8 +45,26 @@ def no_gauge(shown: ProbeResults) -> str | None:
     return "jauge_libre" if all(map(lost, shown.got)) else None
 
 
+def other_gauge(shown: ProbeResults) -> str | None:
+    """What is left where no motion of the whole counts is right, of poses other than the first; the rest is not."""
+    for (H, i, j), answer, right in zip(shown.calls, shown.got, shown.right, strict=True):
+        if not i or not j:
+            continue
+        found = as_array(answer, (6, 6))
+        if found is None or np.allclose(found, right, 1e-6, 1e-6):
+            return None
+        which = np.r_[3 * i : 3 * i + 3, 3 * j : 3 * j + 3]
+        of_the_whole = np.linalg.eigh(H)[1][which, :3]  # (6, 3): what the three free motions do to both poses
+        inside = np.linalg.svd(of_the_whole.T)[2][3:]
+        if not np.allclose(inside @ found @ inside.T, inside @ right @ inside.T, 1e-5, 1e-6):
+            return None
+    return "autre_jauge"
+
+
 PROBES = (
-    Probes(function="covariance_jointe", calls=GRAPHS, kit=world.STILL, read=read_matrix, rules=(no_gauge,)),
+    Probes(
+        function="covariance_jointe", calls=GRAPHS, kit=world.STILL, read=read_matrix, rules=(no_gauge, other_gauge)
+    ),
     Probes(function="covariance_relative", calls=PAIRS, kit=world.STILL, read=read_matrix),
     Probes(
         function="juger_fermeture",
