@@ -147,7 +147,15 @@ def any_closures(rng: np.random.Generator) -> Iterator[Arguments]:
 
 def closures_at_a_level(rng: np.random.Generator) -> Iterator[Arguments]:
     yield from (args for args in _always() if len(args) == 6)
-    yield drawn_closure(rng, float(rng.uniform(0.2, 12.0)), float(np.round(rng.uniform(0.3, 0.99), 2)))
+    yield drawn_closure(rng, *drawn_target(rng))
+
+
+def drawn_target(rng: np.random.Generator) -> tuple[float, float]:
+    """A squared distance and a level of which the threshold is clear of it: no closure could decide otherwise."""
+    while True:
+        distance, level = float(rng.uniform(0.2, 12.0)), float(np.round(rng.uniform(0.3, 0.99), 2))
+        if abs(distance - threshold(level)) > 2.0 * MARGIN * threshold(level):
+            return distance, level
 
 
 @lru_cache(maxsize=1)
