@@ -159,6 +159,7 @@ def depends_on_the_order(shown: ProbeResults) -> str | None:
     return "ordre_des_aretes" if len(set(numbers[-len(REORDERED) :])) > 1 else None
 
 
+@measuring
 def depends_on_directions(shown: ProbeResults) -> str | None:
     """Other numbers for one tree whose edges go the other way, and the same for the same call asked again."""
     numbers = _steady_numbers(shown)[-len(REORDERED) - len(REVERSED) :]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from graders.core.code.probes import ProbeFault, ProbeResults, Probes, as_array, undoing
+from graders.core.code.probes import ProbeFault, ProbeResults, Probes, as_array, measuring, undoing
 from graders.core.contract.values import Arguments, UnreadableError, Value, read_array
 from graders.l19.pairs import ReadPair, only
 from graders.l20 import world
@@ -45,6 +45,7 @@ def no_gauge(shown: ProbeResults) -> str | None:
     return "jauge_libre" if all(map(lost, shown.got)) else None
 
 
+@measuring
 def other_gauge(shown: ProbeResults) -> str | None:
     """What is left where no motion of the whole counts is right, of poses other than the first; the rest is not."""
     for (H, i, j), answer, right in zip(shown.calls, shown.got, shown.right, strict=True):

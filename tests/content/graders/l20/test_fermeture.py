@@ -41,6 +41,14 @@ def test_no_distance_is_near_its_threshold_and_both_answers_are_asked(seed: int)
         assert np.sum(np.linalg.eigvalsh(H) < 1e-9) == 3
 
 
+def test_no_drawn_target_is_near_the_threshold_of_its_level() -> None:
+    """A closure is drawn until it decides: at such a distance none ever does, and grading would not end."""
+    rng = np.random.default_rng(0)
+    targets = [cases.drawn_target(rng) for _ in range(1000)]
+    gaps = [abs(distance - cases.threshold(level)) / cases.threshold(level) for distance, level in targets]
+    assert min(gaps) > cases.MARGIN
+
+
 def test_the_example_of_the_statement() -> None:
     *_, near, far, _ = cases.closures_by_hand(np.random.default_rng(0))
     assert [cases.right_test(*args)[1] for args in (near, far)] == [True, False]
@@ -52,6 +60,8 @@ def test_the_example_of_the_statement() -> None:
     [
         (edited(LEVER, "0 * " + LEVER + " - [0, 0, 1]"), "bras_oublie", {"relative_exemples", "relative_quelconque"}),
         (edited("gammaincinv(3 / 2, niveau)", "gammaincinv(1.0, niveau)"), "autres_degres", {"porte_quelconque"}),
+        (edited("    tout[3:, 3:] = np.linalg.inv(H[3:, 3:])", "    tout = np.linalg.pinv(H)\n    tout[:3] = 0.0"),
+         "autre_jauge", {"jointe_exemples", "jointe_quelconque"}),
         (edited("    tout = np.zeros(H.shape)\n", "    H[:3] = 0.0\n    tout = np.zeros(H.shape)\n"),
          "argument_modifie", {"arguments"}),
     ],
