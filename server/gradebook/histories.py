@@ -4,18 +4,19 @@ The database draws a new random revision for a submission whenever its counting 
 (`Submission.revision`). The sum of an account's revisions is a version tag: equal tags mean equal attempts. A page
 loads the tags with one small query, and reads the attempts only of the accounts whose tag has changed. Attempts are
 cached with the tag read in the same statement, so that an entry is right whatever other transactions do meanwhile.
-What is computed of a series of attempts alone (`computed_once`) lives as long as the series.
+What is computed of a series of attempts alone (`computed_once`) lives as long as the series; what is computed of all
+attempts of an account, with other arguments, until these change (`computed_for`).
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Mapping, Sequence
+from collections.abc import Callable, Collection, Hashable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from datetime import datetime
 from functools import wraps
 from itertools import groupby
 from operator import attrgetter, itemgetter
-from typing import Any, NamedTuple, TypeVar
+from typing import Any, NamedTuple, TypeVar, TypeVarTuple, Unpack
 from uuid import UUID
 
 from sqlalchemy import Integer, func, literal, select
@@ -61,7 +62,35 @@ class AttemptSeries(tuple[GradedAttempt, ...]):
     """Attempts as a history holds them. Functions marked `computed_once` leave in it what they have returned of it."""
 
 
+class OwnAttempts(dict[str, Attempts]):
+    """Attempts of one account by exercise, as a history holds them: never changed. `by_pair`: the same.
+
+    Functions marked `computed_for` leave in it what they have returned of it.
+    """
+
+    def __init__(self, account: UUID, attempts: Mapping[str, Attempts]) -> None:
+        super().__init__(attempts)
+        self.account = account
+        self.by_pair: AttemptsByPair = {(account, exercise): series for exercise, series in attempts.items()}
+        self.results: dict[tuple[str, Hashable], tuple[tuple[object, ...], Any]] = {}
+
+
+class LoadedAttempts(dict[tuple[UUID, str], Attempts]):
+    """Attempts by account and exercise; `by_account`: the same, of each account that has some."""
+
+    def __init__(self, loaded: Iterable[OwnAttempts]) -> None:
+        super().__init__()
+        self.by_account: dict[UUID, Mapping[str, Attempts]] = {}
+        for own in loaded:
+            if own:
+                self.by_account[own.account] = own
+                self.update(own.by_pair)
+
+
+MAX_RESULTS = 32  # of an account; then all are computed anew
 Result = TypeVar("Result")
+Place = TypeVar("Place", bound=Hashable)
+Arguments = TypeVarTuple("Arguments")
 
 
 def computed_once(compute: Callable[[Attempts], Result]) -> Callable[[Attempts], Result]:
@@ -81,6 +110,31 @@ def computed_once(compute: Callable[[Attempts], Result]) -> Callable[[Attempts],
     return find_or_compute
 
 
+def computed_for(
+    compute: Callable[[Mapping[str, Attempts], Place, Unpack[Arguments]], Result],
+) -> Callable[[Mapping[str, Attempts], Place, Unpack[Arguments]], Result]:
+    """Compute what depends on an account's attempts and other arguments anew only where one of these has changed.
+
+    The second argument says for what it is computed, such as a class: the last result of each stays in the history.
+    The function depends on nothing else, not on the time either; its arguments, compared by `==`, never change.
+    """
+    name = f"{compute.__module__}.{compute.__qualname__}"
+
+    @wraps(compute)
+    def find_or_compute(own: Mapping[str, Attempts], place: Place, *arguments: *Arguments) -> Result:
+        if not isinstance(own, OwnAttempts):
+            return compute(own, place, *arguments)
+        found = own.results.get((name, place))
+        if found is None or found[0] != arguments:
+            if found is None and len(own.results) >= MAX_RESULTS:
+                own.results.clear()
+            found = own.results[name, place] = arguments, compute(own, place, *arguments)
+        result: Result = found[1]
+        return result
+
+    return find_or_compute
+
+
 @computed_once
 def attempt_totals(attempts: Attempts) -> StandingTotals:
     """Return what `compute_totals` does."""
@@ -91,8 +145,7 @@ class AccountHistory(NamedTuple):
     """All graded attempts of an account, without internal errors; `size` counts the rows read."""
 
     revision: Revision
-    attempts: AttemptsByPair
-    exercises: frozenset[str]
+    attempts: OwnAttempts
     size: int
 
 
@@ -132,28 +185,37 @@ HISTORIES = AttemptHistories(MAX_CACHED_ATTEMPTS)
 
 def load_attempts(
     db: Session, revisions: Revisions, exercises: Collection[str], until: datetime | None
-) -> AttemptsByPair:
+) -> LoadedAttempts:
     """Return the attempts at these exercises, sent by `until` (None: at any time), by account and exercise.
 
     `revisions` were just loaded in the same transaction. Pairs without attempts are left out.
     """
     wanted = frozenset(exercises)
-    by_pair: dict[tuple[UUID, str], Attempts] = {}
-    for history in HISTORIES.load(db, revisions).values():
-        own = history.attempts
-        if not history.exercises <= wanted:
-            own = {pair: attempts for pair, attempts in own.items() if pair[1] in wanted}
-        by_pair.update(own)
-    if until is None:
-        return by_pair
-    sent = {pair: _sent_by(attempts, until) for pair, attempts in by_pair.items()}
-    return {pair: attempts for pair, attempts in sent.items() if attempts}
+    histories = (history.attempts for history in HISTORIES.load(db, revisions).values())
+    attempts = (own if own.keys() <= wanted else _choose(own, wanted, own.account) for own in histories)
+    return LoadedAttempts(attempts if until is None else (_sent_by(own, until) for own in attempts))
 
 
-def _sent_by(attempts: Attempts, until: datetime) -> Attempts:
-    if attempts[-1].sent_at <= until:
-        return attempts
-    return tuple(attempt for attempt in attempts if attempt.sent_at <= until)
+def group_by_account(attempts: AttemptsByPair) -> Mapping[UUID, Mapping[str, Attempts]]:
+    """Return the attempts of each account by exercise."""
+    if isinstance(attempts, LoadedAttempts):
+        return attempts.by_account
+    by_account: dict[UUID, dict[str, Attempts]] = {}
+    for (account, exercise), series in attempts.items():
+        by_account.setdefault(account, {})[exercise] = series
+    return by_account
+
+
+@computed_for
+def _choose(own: Mapping[str, Attempts], wanted: frozenset[str], account: UUID) -> OwnAttempts:
+    return OwnAttempts(account, {exercise: series for exercise, series in own.items() if exercise in wanted})
+
+
+def _sent_by(own: OwnAttempts, until: datetime) -> OwnAttempts:
+    if all(series[-1].sent_at <= until for series in own.values()):
+        return own
+    sent = {name: [attempt for attempt in series if attempt.sent_at <= until] for name, series in own.items()}
+    return OwnAttempts(own.account, {name: tuple(series) for name, series in sent.items() if series})
 
 
 def _read_histories(db: Session, accounts: Collection[UUID]) -> Mapping[UUID, AccountHistory]:
@@ -173,6 +235,5 @@ def _read_histories(db: Session, accounts: Collection[UUID]) -> Mapping[UUID, Ac
             if score is not None
         ]
         series = {name: AttemptSeries(attempts) for name, attempts in groupby(graded, attrgetter("exercise"))}
-        by_pair = {(account_id, exercise): attempts for exercise, attempts in series.items()}
-        histories[account_id] = AccountHistory(revision, by_pair, frozenset(series), len(own_rows) + 1)
+        histories[account_id] = AccountHistory(revision, OwnAttempts(account_id, series), len(own_rows) + 1)
     return histories

@@ -129,7 +129,7 @@ def build_gradebook(db: Session, inputs: GradebookInputs) -> Gradebook:
     rows = (
         StudentMarks(
             student,
-            tuple(marker.mark(student.id, attempts, choices, inputs.now) for marker in inputs.markers),
+            tuple(marker.mark(student.id, attempts.by_account, choices, inputs.now) for marker in inputs.markers),
             weights,
             tuple(
                 ColumnMark(column, inputs.typed.get((column.id, student.id), NEVER_TYPED), marking)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from datetime import datetime
+from functools import cached_property
 from uuid import UUID
 
 from server.assignments.class_assignments import ClassAssignments
@@ -14,7 +15,7 @@ from server.assignments.models import Assignment, AttemptSelection, Mode, Sittin
 from server.assignments.rules import OUTSIDE, Rules, Windows, concerns, rules_in_force
 from server.assignments.team_rules import TeamPlace, TeamShare, list_shares, team_rules_in_force
 from server.classes.schemas import StudentRecord
-from server.gradebook.histories import Attempts, AttemptsByPair
+from server.gradebook.histories import Attempts, computed_for
 from server.marks.schemas import ActiveDecision, ActiveOverride, AssignmentMark, ExerciseMark, OverrideKey
 from server.marks.states import DecidedState, MarkingRules, MarkState
 
@@ -34,13 +35,26 @@ class TeacherChoices:
     decisions: Mapping[tuple[UUID, UUID], ActiveDecision]
     marking: MarkingRules
 
+    @cached_property
+    def overrides_by_student(self) -> Mapping[UUID, OwnOverrides]:
+        """Return those of each student who has some, by exercise and assignment."""
+        by_student: dict[UUID, dict[tuple[str, UUID | None], ActiveOverride]] = {}
+        for (student, exercise, assignment), override in self.overrides.items():
+            by_student.setdefault(student, {})[exercise, assignment] = override
+        return by_student
+
+
+#: Of one student, by exercise and assignment; None for all assignments.
+OwnOverrides = Mapping[tuple[str, UUID | None], ActiveOverride]
+NO_OVERRIDES: OwnOverrides = {}
+
 
 @dataclass(frozen=True, eq=False)
 class AssignmentMarker:
     """Marks one assignment of a class. `rules` are those in force, by student."""
 
     assignment: Assignment
-    exercises: Sequence[WeightedExercise]
+    exercises: tuple[WeightedExercise, ...]
     sittings: Mapping[UUID, Sitting]
     rules: Mapping[UUID, Rules]
     teams: Sequence[TeamPlace] = ()
@@ -58,7 +72,7 @@ class AssignmentMarker:
             else (common if concerns(assignment, student.groups) else unconcerned)
             for student in students
         }
-        exercises = assigned.exercises.get(assignment.id, ())
+        exercises = tuple(assigned.exercises.get(assignment.id, ()))
         return cls(assignment, exercises, assigned.sittings.get(assignment.id, {}), rules, teams)
 
     def instants(self) -> Iterator[datetime | None]:
@@ -72,28 +86,23 @@ class AssignmentMarker:
     def mark(
         self,
         student: UUID,
-        attempts: AttemptsByPair,
+        attempts: Mapping[UUID, Mapping[str, Attempts]],
         choices: TeacherChoices,
         now: datetime,
     ) -> AssignmentMark:
-        """Return the mark of one student."""
+        """Return the mark of one student; `attempts`: by account and exercise."""
         rules, sitting = self.rules[student], self.sittings.get(student)
         shares = list_shares(self.teams, student) if self.teams else ()
         partners = tuple(sorted(share.partner.name for share in shares if share.until is None))
-        overrides, decision = choices.overrides, choices.decisions.get((student, self.assignment.id))
+        own, decision = attempts.get(student, NO_ATTEMPTS), choices.decisions.get((student, self.assignment.id))
         is_test, counts = self.assignment.mode == Mode.test, AttemptSelection(self.assignment.counts)
-        windows, marks = Windows(rules, sitting), []
-        for exercise, weight in self.exercises:
-            pair = student, exercise
-            sent: Attempts = attempts.get(pair, ())
-            if shares:
-                sent = add_team_attempts(sent, exercise, attempts, shares)
-            if is_test:
-                sent = [attempt for attempt in sent if windows.judge(attempt.sent_at) is not OUTSIDE]
-            override = None
-            if overrides:
-                override = overrides.get((*pair, self.assignment.id)) or overrides.get((*pair, None))
-            marks.append(mark_exercise(exercise, weight, sent, windows, counts, override))
+        windows = Windows(rules, sitting)
+        if shares:
+            own = {name: add_team_attempts(own.get(name, ()), name, attempts, shares) for name, _ in self.exercises}
+        if is_test:
+            own = {name: _sent_in(windows, own.get(name, ())) for name, _ in self.exercises}
+        overrides = choices.overrides_by_student.get(student, NO_OVERRIDES)
+        marks = mark_exercises(own, self.assignment.id, self.exercises, windows, counts, overrides)
         # A test ends for a student who has handed in, whose time is over, or once its results are out.
         ended = is_test and sitting_stage(self.assignment, rules, sitting, now) in ENDED_STAGES
         if not windows.concerns_student:
@@ -102,15 +111,57 @@ class AssignmentMarker:
             state = DECIDED[decision.state]
         else:
             state = mark_state(rules, marks, now, has_begun_test=sitting is not None, ended=ended)
-        return AssignmentMark(rules, state, tuple(marks), ended, choices.marking, decision, partners)
+        return _put_together(own, self.assignment.id, rules, state, marks, ended, choices.marking, decision, partners)
 
 
-def add_team_attempts(own: Attempts, exercise: str, attempts: AttemptsByPair, shares: Sequence[TeamShare]) -> Attempts:
+NO_ATTEMPTS: Mapping[str, Attempts] = {}
+
+
+def _sent_in(windows: Windows, attempts: Attempts) -> Attempts:
+    """Return what a student sent in the sitting of a test."""
+    return [attempt for attempt in attempts if windows.judge(attempt.sent_at) is not OUTSIDE]
+
+
+@computed_for
+def mark_exercises(
+    own: Mapping[str, Attempts],
+    assignment: UUID,
+    exercises: tuple[WeightedExercise, ...],
+    windows: Windows,
+    counts: AttemptSelection,
+    overrides: OwnOverrides,
+) -> tuple[ExerciseMark, ...]:
+    """Return the marks of a student at the exercises of an assignment; an override for it precedes one for all."""
+    marks = []
+    for exercise, weight in exercises:
+        override = overrides.get((exercise, assignment)) or overrides.get((exercise, None)) if overrides else None
+        marks.append(mark_exercise(exercise, weight, own.get(exercise, ()), windows, counts, override))
+    return tuple(marks)
+
+
+@computed_for
+def _put_together(
+    own: Mapping[str, Attempts],
+    assignment: UUID,
+    rules: Rules,
+    state: MarkState,
+    marks: tuple[ExerciseMark, ...],
+    ended: bool,
+    marking: MarkingRules,
+    decision: ActiveDecision | None,
+    partners: tuple[str, ...],
+) -> AssignmentMark:
+    return AssignmentMark(rules, state, marks, ended, marking, decision, partners)
+
+
+def add_team_attempts(
+    own: Attempts, exercise: str, attempts: Mapping[UUID, Mapping[str, Attempts]], shares: Sequence[TeamShare]
+) -> Attempts:
     """Return a student's attempts with those that partners sent while they handed in together, oldest first."""
     others = (
         attempt
         for share in shares
-        for attempt in attempts.get((share.partner.account_id, exercise), ())
+        for attempt in attempts.get(share.partner.account_id, NO_ATTEMPTS).get(exercise, ())
         if share.covers(attempt.sent_at)
     )
     by_id = {attempt.id: attempt for attempt in (*own, *others)}

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from itertools import chain
 from uuid import UUID, uuid4
 
@@ -14,11 +14,13 @@ from graders.core.contract.outcomes import Outcome
 from server.database import Database, table_of, utc_now
 from server.gradebook import service
 from server.gradebook.histories import (
+    MAX_RESULTS,
     AccountHistory,
     AttemptHistories,
     Attempts,
     GradedAttempt,
     Revision,
+    computed_for,
     computed_once,
     load_revisions,
 )
@@ -222,6 +224,32 @@ def test_what_follows_from_attempts_alone_is_computed_once(database: Database, a
     assert counts() == counts() == [3]
     assert computed == [2, 3]
     assert count(()) == count(()) == 0, "attempts that no history holds"
+
+
+def test_what_other_arguments_decide_is_computed_anew_with_these(database: Database, ada: UUID) -> None:
+    computed = []
+
+    @computed_for
+    def score(own: Mapping[str, Attempts], place: str, weights: list[float]) -> float:
+        computed.append(place)
+        return sum(weights) * sum(map(len, own.values()))
+
+    def scored(place: str, *weights: float) -> float:
+        with database.read() as db:
+            (history,) = kept.load(db, load_revisions(db, [ada])).values()
+        return score(history.attempts, place, list(weights))
+
+    kept = anew()
+    assert [scored("a", 1), scored("b", 2), scored("a", 1), scored("b", 2)] == [2, 4, 2, 4]
+    assert computed == ["a", "b"], "one place does not drive out another"
+    assert [scored("a", 3), scored("a", 1)] == [6, 2]
+    record(database, sent(database, ada), graded(Outcome.OK))
+    assert [scored("b", 2), score({}, "b", [2])] == [6, 0], "neither old attempts, nor those that no history holds"
+    several = [scored(str(place), 1) for place in range(100)]
+    assert several == [3] * 100
+    with database.read() as db:
+        (history,) = kept.load(db, load_revisions(db, [ada])).values()
+    assert len(history.attempts.results) <= MAX_RESULTS
 
 
 def test_a_great_many_attempts_have_a_revision(sqlite: Database) -> None:
