@@ -13,12 +13,14 @@ from types import MappingProxyType
 from uuid import UUID
 
 from server.base import school_time
+from server.board import stuck
 from server.board.attempts import FAILURES, Pair, group_by_student, is_solved, is_unexplained
 from server.board.progress import ClassProgress
 from server.board.stuck import PRESENCE, failures_without_progress
 from server.gradebook.histories import Attempts, AttemptsByPair, computed_once
 
-#: Different failures without progress at the end of the period, from which a student is to be seen.
+#: Different failures without progress at the end of the period, from which a student is to be seen; fewer are enough
+#: for one whom the lesson's page showed as stuck until its end.
 MIN_FAILURES = 3
 #: The same of a week, where a student is to be seen for what they worked at last; and the days of it on which the same
 #: mistake makes a student to be seen at any exercise.
@@ -126,7 +128,7 @@ def build_review(
     silent = [student for student in quiet if student.id not in elsewhere]
     seen = {student.id: student.seen_at for student in silent if student.seen_at and student.seen_at >= since}
     present = {account for account, at in seen.items() if at <= until + PRESENCE}
-    to_see = _students_to_see_of_week(period, since) if is_week else _students_to_see(period)
+    to_see = _students_to_see_of_week(period, since) if is_week else _students_to_see(period, until)
     to_explain = _mistakes_to_explain(period)
     return LessonReview(
         to_see=to_see[:MAX_TO_SEE],
@@ -163,15 +165,26 @@ def _attempts_in(
     return period
 
 
-def _students_to_see(period: Mapping[Pair, Attempts]) -> tuple[StudentToSee, ...]:
+def _students_to_see(period: Mapping[Pair, Attempts], until: datetime) -> tuple[StudentToSee, ...]:
     """Return the students without progress, each at the exercise where they failed most."""
+    last_work = {account: max(own.values(), key=_last_sent_at) for account, own in group_by_student(period).items()}
     worst: dict[UUID, StudentToSee] = {}
     for (account, exercise), series in period.items():
-        failures = 0 if is_solved(series) else len({attempt.digest for attempt in failures_without_progress(series)})
-        known = worst.get(account)
-        if failures >= MIN_FAILURES and (known is None or failures > known.failures):
+        run = () if is_solved(series) else failures_without_progress(series)
+        failures, known = len({attempt.digest for attempt in run}), worst.get(account)
+        ended_stuck = failures >= stuck.MIN_FAILURES and series is last_work[account] and _is_long(run, until)
+        if (failures >= MIN_FAILURES or ended_stuck) and (known is None or failures > known.failures):
             worst[account] = StudentToSee(account, exercise, failures, series[-1].diagnosis, series[-1].grading_id)
     return tuple(sorted(worst.values(), key=lambda row: (-row.failures, str(row.account))))
+
+
+def _last_sent_at(series: Attempts) -> datetime:
+    return series[-1].sent_at
+
+
+def _is_long(run: Attempts, until: datetime) -> bool:
+    """Whether failures without progress have lasted, at the end of a lesson, long enough for a student to be stuck."""
+    return until - run[0].sent_at >= stuck.MIN_DURATION and until - run[-1].sent_at <= stuck.MAX_SILENCE
 
 
 def _students_to_see_of_week(period: Mapping[Pair, Attempts], since: datetime) -> tuple[StudentToSee, ...]:
@@ -203,7 +216,9 @@ def list_to_see(
     progress: ClassProgress, exercises: Collection[str], since: datetime, until: datetime
 ) -> frozenset[UUID]:
     """Return all students whom the review of this lesson says to see."""
-    return frozenset(row.account for row in _students_to_see(_attempts_in(progress.attempts, exercises, since, until)))
+    return frozenset(
+        row.account for row in _students_to_see(_attempts_in(progress.attempts, exercises, since, until), until)
+    )
 
 
 def _mistakes_to_explain(period: Mapping[Pair, Attempts]) -> tuple[MistakeToExplain, ...]:

@@ -94,3 +94,16 @@ def test_a_week_says_to_see_fewer_students_than_its_lessons(sqlite: Database, co
     assert [[day.isoformat() for day in row.days] for row in review.to_see] == [["2026-03-03", "2026-03-05"], []]
     lesson = [POSES], OPENS + 2 * DAY, OPENS + 2 * DAY + timedelta(hours=1)
     assert list_to_see(progress, *lesson) == {many.id, few.id, moved_on.id}, "the rule of a lesson is not as strict"
+
+
+def test_who_was_stuck_until_the_end_of_a_lesson_is_to_be_seen(sqlite: Database, course: Course) -> None:
+    term, end = Term.begin(sqlite), OPENS + timedelta(hours=1)
+    stuck, quick, elsewhere, gone = (term.student(name, "Petit") for name in ("Ada", "Alan", "Grace", "Kurt"))
+    for student, minutes in ((stuck, (16, 13)), (quick, (5, 3)), (elsewhere, (16, 13)), (gone, (59, 50))):
+        for number, before in enumerate(minutes):
+            term.send(student, POSES, 3 - number, end - timedelta(minutes=before))
+    term.send(elsewhere, ODOMETRY, 5, end - timedelta(minutes=2))
+    with sqlite.read() as db:
+        progress = load_progress(db, course, term.made, end)
+    review = build_review(progress, [POSES, ODOMETRY], OPENS, end)
+    assert [(row.account, row.failures) for row in review.to_see] == [(stuck.id, 2)]
