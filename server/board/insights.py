@@ -23,7 +23,7 @@ from server.board.schemas import (
 )
 from server.board.stuck import median_or_none
 from server.course import Course
-from server.gradebook.histories import AttemptsByPair
+from server.gradebook.histories import Attempts, AttemptsByPair, computed_for, group_by_account
 from server.gradebook.schemas import HINT_OPENS_AFTER
 from server.gradebook.standings import StandingTotals
 from server.submissions.service import code_digest
@@ -117,10 +117,24 @@ def hint_stats(course: Course, exercises: Sequence[str], attempts: AttemptsByPai
         name: code_digest(known.starter) for name in exercises if (known := course.exercises.get(name)) is not None
     }
     improved: dict[str, dict[int, list[bool]]] = defaultdict(lambda: defaultdict(list))
-    for (_, exercise), own_attempts in attempts.items():
-        for failures, better in improvements_after_hints(own_attempts, starters.get(exercise), HINT_OPENS_AFTER):
+    for own in group_by_account(attempts).values():
+        for exercise, failures, better in _hints_opened(own, "all", starters):
             improved[exercise][failures].append(better)
     return tuple(HintStats(name, _by_hint(name, improved[name])) for name in exercises if name in improved)
+
+
+@computed_for
+def _hints_opened(
+    own: Mapping[str, Attempts],
+    place: str,
+    starters: Mapping[str, str],
+) -> tuple[tuple[str, int, bool], ...]:
+    """Return each hint opened to a student: exercise, failures before it, whether the next attempt scored more."""
+    return tuple(
+        (exercise, failures, better)
+        for exercise, series in own.items()
+        for failures, better in improvements_after_hints(series, starters.get(exercise), HINT_OPENS_AFTER)
+    )
 
 
 def _by_hint(exercise: str, improved: Mapping[int, Sequence[bool]]) -> tuple[ImprovementStats, ...]:

@@ -46,6 +46,12 @@ class ClassProgress:
         groups = self._groups.get(exercise) if self.scope.groups else None
         return groups is None or not groups.isdisjoint(student.groups)
 
+    def find_unconcerned(self, student: BoardStudent) -> frozenset[str]:
+        """Return the exercises that count, and are given to other groups only."""
+        if not self.scope.groups:
+            return frozenset()
+        return frozenset(name for name in self._groups if not self.concerns(student, name))
+
     @cached_property
     def standings(self) -> Mapping[Pair, StandingTotals]:
         return {pair: attempt_totals(attempts) for pair, attempts in self.attempts.items()}

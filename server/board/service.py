@@ -32,7 +32,14 @@ from server.board.stuck import progress_state
 from server.classes import repository as classes
 from server.classes.models import SchoolClass
 from server.course import Course
-from server.gradebook.histories import Attempts, attempt_totals, load_attempts, load_revisions
+from server.gradebook.histories import (
+    Attempts,
+    attempt_totals,
+    computed_for,
+    group_by_account,
+    load_attempts,
+    load_revisions,
+)
 from server.gradebook.team_work import TeamAttempt, TeamAttempts, load_team_attempts
 from server.identity.models import Account
 from server.marks.repository import load_exercise_overrides
@@ -88,42 +95,62 @@ class BoardInputs:
         )
 
     def _rows(self) -> Mapping[UUID, tuple[ProgressCell, ...]]:
-        attempts, overrides = group_by_student(self.progress.attempts), group_by_student(self.overrides)
-        shared, rows = group_by_student(self.team_attempts), {}
-        for student in self.progress.students:
-            sent, marked = attempts.get(student.id, {}), overrides.get(student.id, {})
-            received = shared.get(student.id, {})
-            rows[student.id] = tuple(
-                self._cell(student, name, sent.get(name), marked.get(name), received.get(name))
-                for name in self.progress.scope.exercises
+        progress, scope = self.progress, self.progress.scope
+        attempts, overrides = group_by_account(progress.attempts), group_by_student(self.overrides)
+        shared, stuck = group_by_student(self.team_attempts), dict(progress.stuck)
+        return {
+            student.id: _build_cells(
+                attempts.get(student.id, {}),
+                *(scope.class_id, student.id, scope.exercises, stuck.get(student.id), overrides.get(student.id, {})),
+                *(shared.get(student.id, {}), progress.find_unconcerned(student)),
             )
-        return rows
+            for student in progress.students
+        }
 
-    def _cell(
-        self,
-        student: BoardStudent,
-        exercise: str,
-        attempts: Attempts | None,
-        override: ActiveOverride | None,
-        shared: TeamAttempt | None,
-    ) -> ProgressCell:
-        """`attempts`: those of the student; `shared`: that of a partner."""
-        points, count, state, misconception, partner = None, 0, ProgressState.none, None, ""
-        if attempts:
-            totals = attempt_totals(attempts)
-            points, count, misconception = (
-                round(MAX_POINTS * totals.best_score, 4),
-                totals.attempts,
-                totals.last_diagnosis,
-            )
-            state = progress_state(totals, stuck=(student.id, exercise) in self.progress.stuck)
-        elif shared:
-            points, partner = round(MAX_POINTS * shared.score, 4), shared.partner
-            state = ProgressState.solved if shared.score == 1 else ProgressState.trying
-        if override:
-            points = override.points
-        is_concerned = self.progress.concerns(student, exercise)
-        return ProgressCell(student.id, exercise, points, count, state, misconception, is_concerned, partner)
+
+@computed_for
+def _build_cells(
+    own: Mapping[str, Attempts],
+    class_id: UUID,
+    student: UUID,
+    exercises: tuple[str, ...],
+    stuck: str | None,
+    overrides: Mapping[str, ActiveOverride],
+    shared: Mapping[str, TeamAttempt],
+    unconcerned: frozenset[str],
+) -> tuple[ProgressCell, ...]:
+    """Return the cells of one student; `own`: their attempts, `shared`: those of partners, `stuck`: an exercise."""
+    return tuple(
+        _build_cell(
+            *(student, name, own.get(name), overrides.get(name), shared.get(name)),
+            stuck=name == stuck,
+            is_concerned=name not in unconcerned,
+        )
+        for name in exercises
+    )
+
+
+def _build_cell(
+    student: UUID,
+    exercise: str,
+    attempts: Attempts | None,
+    override: ActiveOverride | None,
+    shared: TeamAttempt | None,
+    *,
+    stuck: bool,
+    is_concerned: bool,
+) -> ProgressCell:
+    points, count, state, misconception, partner = None, 0, ProgressState.none, None, ""
+    if attempts:
+        totals = attempt_totals(attempts)
+        points, count, misconception = round(MAX_POINTS * totals.best_score, 4), totals.attempts, totals.last_diagnosis
+        state = progress_state(totals, stuck=stuck)
+    elif shared:
+        points, partner = round(MAX_POINTS * shared.score, 4), shared.partner
+        state = ProgressState.solved if shared.score == 1 else ProgressState.trying
+    if override:
+        points = override.points
+    return ProgressCell(student, exercise, points, count, state, misconception, is_concerned, partner)
 
 
 def _count_students(

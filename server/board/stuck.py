@@ -14,9 +14,9 @@ from itertools import pairwise
 from statistics import median
 from uuid import UUID
 
-from server.board.attempts import FAILURES, group_by_student, is_solved
+from server.board.attempts import FAILURES, is_solved
 from server.board.schemas import ProgressState
-from server.gradebook.histories import Attempts, AttemptsByPair, computed_once
+from server.gradebook.histories import Attempts, AttemptsByPair, computed_once, group_by_account
 from server.gradebook.standings import StandingTotals
 
 #: Different failures without progress (a better score than all before), and their least duration.
@@ -75,7 +75,7 @@ def find_stuck(
 
     `expected`: the exercises of a lesson, where a student may also be stuck before the first attempt at the next one.
     """
-    own = group_by_student(attempts)
+    own = group_by_account(attempts)
     judged = (
         _judge_student(account, list(own.get(account, {}).values()), seen, now, expected)
         for account, seen in seen_at.items()

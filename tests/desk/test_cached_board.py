@@ -16,8 +16,7 @@ from server.classes.models import ClassRole, Membership, SchoolClass
 from server.database import utc_now
 from server.identity.models import Role
 from server.marks.models import Override
-from server.web.fragments import FRAGMENTS
-from tests.support.caches import record_renders
+from tests.support.caches import clear_caches, record_renders
 from tests.support.classes import Person, assign, new_class, person, seat
 from tests.support.crowd import Sent, lessons, seated, store
 from tests.support.service import EXERCISE, Site
@@ -83,7 +82,7 @@ def test_every_change_is_rendered_at_once(
         count = len(rendered)
         assert page(site, teacher, made) == after
         assert len(rendered) == count, "nothing is rendered again that has not changed"
-        FRAGMENTS.clear()
+        clear_caches()
         assert page(site, teacher, made) == after, change.__name__
         assert after != before, change.__name__
         before = after
@@ -109,6 +108,6 @@ def test_times_follow_the_time_zone_of_the_school(
     monkeypatch.setattr(school_time, "_zones", list(school_time._zones))
     school_time.set_time_zone("America/Martinique")
     elsewhere = page(site, teacher, made).split('id="activite"')[1]
-    FRAGMENTS.clear()
+    clear_caches()
     assert page(site, teacher, made).split('id="activite"')[1] == elsewhere
     assert elsewhere != before

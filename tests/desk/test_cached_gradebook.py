@@ -14,8 +14,7 @@ from server.classes.models import ClassRole, Membership
 from server.database import utc_now
 from server.identity.models import Role
 from server.marks.models import Override
-from server.web.fragments import FRAGMENTS
-from tests.support.caches import record_renders
+from tests.support.caches import clear_caches, record_renders
 from tests.support.classes import Person, person, seat
 from tests.support.marks import POSES, Term
 from tests.support.service import Site
@@ -78,7 +77,7 @@ def test_every_change_is_rendered_at_once(
         count = len(rendered)
         assert page(site, martin, term) == after
         assert len(rendered) == count, "nothing is rendered again that has not changed"
-        FRAGMENTS.clear()
+        clear_caches()
         assert page(site, martin, term) == after, name
         assert after != before, name
         before = after
@@ -109,6 +108,6 @@ def test_dates_follow_the_time_zone_of_the_school(
     monkeypatch.setattr(school_time, "_zones", list(school_time._zones))
     school_time.set_time_zone("America/Martinique")
     elsewhere = page(site, martin, term)
-    FRAGMENTS.clear()
+    clear_caches()
     assert page(site, martin, term) == elsewhere
     assert elsewhere != before

@@ -129,7 +129,7 @@ class BoardBody:
     columns: tuple[SortLink, ...]
     sorts: tuple[BoardLink, ...]
     groups: tuple[BoardLink, ...]
-    rows: tuple[BoardRow, ...]
+    rows: tuple[Markup, ...]
     student_count: int
     pages: tuple[BoardLink, ...]
     #: What names contain; the rest of the address; the board without a search; whether a search is worth its place.

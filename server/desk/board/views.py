@@ -8,6 +8,8 @@ from typing import Any
 from urllib.parse import urlencode
 from uuid import UUID
 
+from markupsafe import Markup
+
 from server.base import school_time
 from server.board import insights, service
 from server.board.schemas import Board, BoardStudent, MisconceptionStats, ProgressCell, ProgressState
@@ -153,7 +155,7 @@ def _board_body(board: Board, links: BoardLinks, query: BoardQuery) -> BoardBody
             for sort, label in ((BY_NAME, "par nom"), (BY_TROUBLE, "bloqués d’abord"), (BY_SUCCESS, "par réussites"))
         ),
         groups=_group_links(links, query),
-        rows=tuple(_row(links.href, board, student) for student in ordered[first : first + STUDENTS_PER_PAGE]),
+        rows=tuple(_render_row(links, board, student) for student in ordered[first : first + STUDENTS_PER_PAGE]),
         student_count=len(ordered),
         pages=tuple(
             BoardLink(str(number), _href(links, query, page=number), number == query.page)
@@ -226,6 +228,12 @@ def _group_links(links: BoardLinks, query: BoardQuery) -> tuple[BoardLink, ...]:
         BoardLink(f"{label} ({size})", _href(links, query, group=label, page=1), query.group == label)
         for label, size in sizes.items()
     )
+
+
+def _render_row(links: BoardLinks, board: Board, student: BoardStudent) -> Markup:
+    """Return the row of a student, rendered only where it is not cached: most are as they were before a verdict."""
+    key = ("board row", links.course, links.href, student.id, student.name, board.rows[student.id])
+    return FRAGMENTS.get_or_render(key, lambda: str(_macros("board_parts").row(_row(links.href, board, student))))
 
 
 def _row(class_href: str, board: Board, student: BoardStudent) -> BoardRow:
