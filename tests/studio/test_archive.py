@@ -77,8 +77,11 @@ def test_each_kind_of_exercise_comes_back_the_same(kind: Kind) -> None:
     assert completed(again) == first
 
 
-def test_an_exported_exercise_is_checked_as_it_is_and_comes_back_the_same(studio: Studio, tmp_path: Path) -> None:
+def test_an_exported_exercise_is_checked_as_it_is_and_comes_back_the_same(
+    studio: Studio, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     """Browser, folder, `balise check`, browser: the same version."""
+    monkeypatch.setattr("server.cli.parallel.usable_cores", lambda: 1)  # one exercise: one sandbox is enough
     exercise = studio.publish(**RICH)
     packed = studio.browser.get(f"/mes-exercices/{exercise.id}/archive.zip")
     assert packed.status_code == 200

@@ -6,6 +6,7 @@ from dataclasses import replace
 from functools import cache
 
 from graders.core.code.grading import CodeGrader
+from graders.core.code.prober import Prober
 from graders.core.compare.shrinking import Budget
 from graders.core.contract.findings import Judgement
 from graders.core.contract.local import LOCAL
@@ -51,6 +52,15 @@ def _unsimplified(exercise: str) -> CodeGrader:
 def _unnamed(exercise: str, simplified: bool) -> CodeGrader:
     grader = CODE[exercise] if simplified else _unsimplified(exercise)
     return replace(grader, prober=None, misconceptions=())
+
+
+def knowing(exercise: str, *mistakes: str) -> CodeGrader:
+    """The grader of an exercise whose model knows these mistakes alone: hundreds of others need not be undone first."""
+    grader = CODE[exercise]
+    assert grader.prober is not None
+    model = grader.prober.model
+    edits = tuple(edit for edit in model.edits if edit.id in mistakes)
+    return replace(grader, prober=Prober(replace(model, edits=edits), grader.prober.probes))
 
 
 def model_with(exercise: str, *changes: str) -> str:

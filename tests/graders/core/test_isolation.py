@@ -14,6 +14,7 @@ from graders.core.code.places import find_place
 from graders.core.code.prober import Prober
 from graders.core.contract.local import LOCAL
 from tests.support.shipped import CODE
+from tests.support.verdicts import knowing
 
 GAIN = """
 def gain(v, r):
@@ -202,7 +203,7 @@ def test_a_name_that_no_function_shows_beside_right_ones_is_withdrawn() -> None:
 
     The wrong helper of several functions is the place, not the lines that call it.
     """
-    verdict, found = place_of("l20/poses", HALF_TURN)
+    verdict, found = place_of("l20/poses", HALF_TURN, knowing("l20/poses", "signe_faux"))
     assert found is not None
     assert "un signe est faux" in [title.lower() for title in verdict.diagnosis.titles]
     assert "un signe est faux" not in [title.lower() for title in found.diagnosis.titles]
@@ -212,7 +213,7 @@ def test_a_name_that_no_function_shows_beside_right_ones_is_withdrawn() -> None:
 
 def test_no_line_of_another_function_makes_up_for_the_wrong_one() -> None:
     """`fusionner` alone is wrong in its weights, `enchainer` alone in the order of two lines: none mends the other."""
-    grader = CODE["l19/gain"]
+    grader = knowing("l19/gain")
     source = "import numpy as np\n" + GAIN.replace("/ variances ** 2", "// variances")
     verdict = grader.grade(source.encode(), LOCAL, seed=3, version="v").verdict
     found = find_place(grader, source, verdict, LOCAL, lambda: False)
@@ -232,7 +233,7 @@ def test_where_one_line_mends_all_no_condition_leads_away() -> None:
     right = "(np.eye(2) - K @ H) @ P"
     assert right in grader.solution
     source = grader.solution.replace(right, "(np.eye(2) - K @ H) @ P @ (np.eye(2) - K @ H).T + K @ K.T")
-    _, found = place_of("l19/etendu", source)
+    _, found = place_of("l19/etendu", source, knowing("l19/etendu"))
     assert found is not None
     assert "changer la ligne 18 suffit" in found.diagnosis.explanation
     assert "que quand" not in found.diagnosis.explanation

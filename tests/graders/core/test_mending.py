@@ -17,9 +17,12 @@ from graders.core.contract.local import LOCAL
 from graders.core.contract.program import KitSettings, Reply
 from graders.core.contract.verdict import CheckResult, Diagnosis, Verdict
 from tests.support.shipped import CODE
+from tests.support.verdicts import knowing
 
 KIT = KitSettings("l19")
 EXERCISE = "l19/predire_corriger"
+#: Without the mistakes of its catalogue, which are none of these programs'.
+BARE = knowing(EXERCISE)
 PROGRAM = """
 def predire(m, v, u, q):
     return m + u, v + q
@@ -37,13 +40,13 @@ def verdict_of(source: str) -> Verdict:
 
 
 def mending_of(source: str) -> Mending | None:
-    return MendingSearch(CODE[EXERCISE], LOCAL, 3, lambda: False).search(source)
+    return MendingSearch(BARE, LOCAL, 3, lambda: False).search(source)
 
 
 def test_the_line_and_the_kind_of_thing_are_told_and_never_the_change() -> None:
     source = PROGRAM.replace("a = 1 / v", "a = 1 // v")
     verdict = verdict_of(source)
-    found = find_place(CODE[EXERCISE], source, verdict, LOCAL, lambda: False)
+    found = find_place(BARE, source, verdict, LOCAL, lambda: False)
     assert found is not None
     assert found.diagnosis.title == "Changer la ligne 6 suffit"
     assert "« a = 1 // v »" in found.diagnosis.explanation
@@ -93,7 +96,7 @@ def test_the_changes_of_other_functions_are_left_out() -> None:
 
 
 def test_a_function_that_draws_is_held_against_the_solution_with_the_same_draws() -> None:
-    grader = CODE["l20/reechantillonnage"]
+    grader = knowing("l20/reechantillonnage")
     head = grader.solution.split("def reechantillonner_systematique")[0]
     source = (
         head
