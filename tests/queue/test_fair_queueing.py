@@ -67,8 +67,10 @@ class Bakery:
         self.finish(lease)
         return lease.key
 
-    def served(self, most: int = 1000) -> list[str]:
-        return [key for _ in range(most) if (key := self.take()) is not None]
+    def served(self, tries: int | None = None) -> list[str]:
+        """Take the next so many times, or until there is none left."""
+        taken = iter(self.take, None) if tries is None else (self.take() for _ in range(tries))
+        return [key for key in taken if key is not None]
 
     def places(self, keys: Iterable[str]) -> list[int | None]:
         with self.database.read() as db:
