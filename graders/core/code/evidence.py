@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from typing import Any
 
 import numpy as np
@@ -44,6 +44,21 @@ def are_opinions(shown: ProbeResults) -> bool:
         if len(differing) != 1 or differing[0] not in (0, 1, -1):
             return False
     return True
+
+
+def shows(shown: ProbeResults, alone: Sequence[Sequence[ProbeAnswer]]) -> bool:
+    """Whether a program is wrong where one mistake `alone`, in some way of making it, gives wrong answers: in half of
+    these probes or more. What two mistakes give together may hide both, and then neither is seen in the program."""
+    wrong = set(shown.wrong_indices())
+    for answers in alone:
+        its = {
+            k
+            for k, (answer, right) in enumerate(zip(answers, shown.right, strict=False))
+            if not shown.same(answer, right)
+        }
+        if 2 * len(its & wrong) >= len(its):
+            return True
+    return not alone
 
 
 def explain_themselves(shown: ProbeResults) -> bool:

@@ -19,10 +19,12 @@ import numpy as np
 
 from graders.core.code.answer_arrays import AnswerColumn, AnswerSequence
 from graders.core.code.confined import ConfinedWork, Unfinished
+from graders.core.code.evidence import shows
 from graders.core.code.mutations import Edit, Model, Mutant
-from graders.core.code.probes import Facet, ProbeAnswer, ProbeFault, Probes, same_probe_answer
+from graders.core.code.probes import Facet, ProbeAnswer, ProbeFault, ProbeResults, Probes, same_probe_answer
 from graders.core.code.reachability import PIECE_SEPARATOR, CodePiece, is_program, reachable_pieces
 from graders.core.code.reporting import report_call
+from graders.core.compare.slips import SLIPS
 from graders.core.contract.copies import copy_value
 from graders.core.contract.local import call_function, kit_names
 
@@ -154,6 +156,13 @@ class MutantAnswerCache:
         rows = [row for row in self.mutants_with(index, 1) if row.mutant.applies_to(blamed)]
         self._ask(index, rows, len(self.probes[index].calls))
         return [(row, row.stored.answers) for row in rows]
+
+    def are_shown(self, index: int, names: Sequence[str], shown: ProbeResults, blamed: Collection[str]) -> bool:
+        """Whether a program shows each of several mistakes, and not only what they give together."""
+        if len(names) < 2:
+            return True
+        single = self.with_all_answers(index, blamed)
+        return all(shows(shown, [answers for row, answers in single if row.mutant.ids == (name,)]) for name in names)
 
     def _row(self, index: int, mutant: Mutant) -> MutantRow:
         """Return the row of a mutant; mutants in which the function reaches the same text share their answers."""
@@ -322,3 +331,10 @@ def _portable(answer: ProbeAnswer) -> ProbeAnswer:
 def _digest(pieces: Sequence[CodePiece]) -> bytes:
     """Return a key for the text of these pieces: the texts themselves would take megabytes."""
     return hashlib.blake2b(PIECE_SEPARATOR.join(piece.text for piece in pieces).encode(), digest_size=16).digest()
+
+
+def common_mistakes(fits: Sequence[MutantRow]) -> Sequence[str]:
+    """Return the common mistakes of these mutants; those with mistakes of the exercise go before slips."""
+    fits = [row for row in fits if not SLIPS.keys() & set(row.mutant.ids)] or fits
+    common = set(fits[0].mutant.ids).intersection(*(row.mutant.ids for row in fits[1:]))
+    return [mistake for mistake in fits[0].mutant.ids if mistake in common]

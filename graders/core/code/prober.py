@@ -19,7 +19,7 @@ from typing import Any
 from graders.core.code.answer_arrays import AnswerSequence
 from graders.core.code.confined import Unfinished
 from graders.core.code.evidence import are_opinions, are_telling, are_too_poor_for_two, explain_themselves, say_nothing
-from graders.core.code.mutants import MAX_COMBINED_MISTAKES, MutantAnswerCache, MutantRow
+from graders.core.code.mutants import MAX_COMBINED_MISTAKES, MutantAnswerCache, MutantRow, common_mistakes
 from graders.core.code.mutations import Model, Mutant
 from graders.core.code.pair_search import OutOfTimeError, PairSearch, slice_untried_pairs, within_seconds
 from graders.core.code.part_matching import match_parts
@@ -37,7 +37,6 @@ from graders.core.code.recognised import RecognisedMistakes, RuledName, SilentNa
 from graders.core.code.runner import Runner
 from graders.core.code.shared_results import SHARED
 from graders.core.code.stateless import is_stateless, may_keep_state
-from graders.core.compare.slips import SLIPS
 from graders.core.contract.local import kit_names
 from graders.core.contract.program import KitSettings, PlannedCalls
 from graders.core.contract.rows import as_rows
@@ -165,7 +164,7 @@ class Prober:
         probes, answers = self.probes[index], sequence.answers
         with self._lock:
             right = self._right_answers(index, sequence)
-            if right is None or not are_telling(ProbeResults(probes.calls, answers, right, probes.same)):
+            if right is None or not are_telling(shown := ProbeResults(probes.calls, answers, right, probes.same)):
                 return []
             for rows in itertools.islice(self._candidates(index, answers), MAX_COMBINED_MISTAKES):
                 known = (row for row in rows if row.mutant.applies_to(blamed))
@@ -179,9 +178,11 @@ class Prober:
                     fits += self._mutants.matching(index, rows, sequence)
         except OutOfTimeError:
             return []
-        common = _common_mistakes(fits) if fits else []
+        common = common_mistakes(fits) if fits else []
         is_pair = len(common) == MAX_COMBINED_MISTAKES
-        return common if is_pair and search.holds(probes, fits[0].mutant.text) else []
+        is_held = is_pair and search.holds(probes, fits[0].mutant.text)
+        with self._lock:
+            return common if is_held and self._mutants.are_shown(index, common, shown, blamed) else []
 
     def _follows(self, index: int, sequence: AnswerSequence, mistakes: Sequence[str]) -> bool:
         """Whether the mistakes found in other functions explain all wrong answers of this one."""
@@ -306,7 +307,8 @@ class Prober:
                 break
             fitting = (r for r in rows if r.mutant.applies_to(blamed) and disproved.isdisjoint(r.mutant.ids))
             fits = self._mutants.matching(index, fitting, sequence)
-            if fits and (common := _common_mistakes(fits)):
+            common = common_mistakes(fits) if fits else []
+            if common and self._mutants.are_shown(index, common, shown, blamed):
                 return common, any(set(row.mutant.ids) == set(common) for row in fits)
             if fits:
                 break
@@ -326,8 +328,8 @@ class Prober:
         fits_of_parts = list(match_parts(shown.got, shown.right, rows))
         begun = [row for fits in fits_of_parts for row in fits]
         if whole := self._mutants.matching(index, self._mutants.with_one_more(index, begun), sequence):
-            return _common_mistakes(whole), True
-        return list(dict.fromkeys(name for fits in fits_of_parts for name in _common_mistakes(fits))), False
+            return common_mistakes(whole), True
+        return list(dict.fromkeys(name for fits in fits_of_parts for name in common_mistakes(fits))), False
 
     def _candidates(self, index: int, answers: Sequence[ProbeAnswer]) -> Iterator[Iterable[MutantRow]]:
         """Yield the mutants that may explain the answers, by increasing number of mistakes and cost."""
@@ -341,10 +343,3 @@ class Prober:
         agreeing = [self._mutants.count_agreements(index, row, sequence) for row in rows]
         best = agreeing.index(max(agreeing))
         return None if agreeing[best] == len(sequence.answers) else rows[best].stored.answers
-
-
-def _common_mistakes(fits: Sequence[MutantRow]) -> Sequence[str]:
-    """Return the common mistakes of these mutants; those with mistakes of the exercise go before slips."""
-    fits = [row for row in fits if not SLIPS.keys() & set(row.mutant.ids)] or fits
-    common = set(fits[0].mutant.ids).intersection(*(row.mutant.ids for row in fits[1:]))
-    return [mistake for mistake in fits[0].mutant.ids if mistake in common]

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import pytest
 
-from graders.core.code.probes import AnswerRule
+from graders.core.code.evidence import shows
+from graders.core.code.probes import AnswerRule, ProbeResults
 from graders.core.contract.local import LOCAL
 from tests.support.shipped import CODE
 
@@ -50,3 +51,17 @@ def test_a_rule_names_nothing_in_a_function_that_calls_a_broken_one() -> None:
     diagnosis = grader.grade(source.encode(), LOCAL, seed=3, version="v").verdict.diagnosis
     assert diagnosis is not None
     assert diagnosis.titles == ("L'angle de l'erreur est ramené dans [0, 2π[",)
+
+
+@pytest.mark.parametrize(
+    ("alone", "is_shown"),
+    [
+        ([[1.0, 2.0, 9.0]], True),
+        ([[7.0, 7.0, 3.0], [1.0, 2.0, 9.0]], True),  # in one way of making it
+        ([[7.0, 7.0, 3.0]], False),  # where it errs, the program is right
+    ],
+)
+def test_one_of_two_mistakes_shows_where_it_errs_alone(alone: list[list[float]], is_shown: bool) -> None:
+    """Two mistakes that hide each other may answer as a program that has neither."""
+    seen = ProbeResults([()] * 3, [1.0, 2.0, 4.0], [1.0, 2.0, 3.0])
+    assert shows(seen, alone) == is_shown
