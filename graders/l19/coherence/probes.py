@@ -21,7 +21,15 @@ ERRORS: tuple[Arguments, ...] = (
     (vector(0.5, 1.4, -0.8), vector(1.9, 0.7, 0.3), matrix((2.3, 0.5, -0.3), (0.5, 1.2, 0.25), (-0.3, 0.25, 3.4))),
     (vector(2.6), vector(1.1), matrix((1.9,))),
 )
-BANDS: tuple[Arguments, ...] = ((2, 7, 0.9), (3, 11, 0.7), (1, 30, 0.98), (2, 13), (4, 1, 0.8))
+BANDS: tuple[Arguments, ...] = (
+    (2, 7, 0.9),
+    (3, 11, 0.7),
+    (1, 30, 0.98),
+    (2, 13),
+    (4, 1, 0.8),
+    (2, 7, 0.6),
+    (7, 2, 0.9),
+)
 RUNS: tuple[Arguments, ...] = (
     drawn_runs(STEADY, 2, 7, 0.55),
     drawn_runs(STEADY, 3, 9, 1.6),

@@ -64,20 +64,23 @@ def alone(C: Floats, R: Floats) -> Floats:
 
 
 def one_by_one(rng: np.random.Generator) -> Iterator[Arguments]:
-    """A map of one landmark; one measurement; doubts along an axis, slanted, of different sizes."""
+    """A map of one landmark; one measurement; doubts along an axis, slanted, of different sizes; then one argument
+    changed at a time, which a memory with an incomplete key does not see."""
     yield matrix((1, 0), (0, 2)), matrix((0, 0)), np.array([np.diag([1.0, 4.0])])
     yield matrix((3, 0)), matrix((0, 0), (4, 0), (3, 2)), np.array([np.diag([9.0, 1.0]), np.eye(2), 2.0 * np.eye(2)])
-    yield (
-        matrix((1, 1), (2, 0)),
-        matrix((0, 0), (2, 2)),
-        np.array([matrix((2, 1), (1, 2)), matrix((1, -0.5), (-0.5, 1))]),
-    )
+    z, landmarks = matrix((1, 1), (2, 0)), matrix((0, 0), (2, 2))
+    S = np.array([matrix((2, 1), (1, 2)), matrix((1, -0.5), (-0.5, 1))])
+    yield z, landmarks, S
+    yield z, landmarks, S[::-1]
+    yield z[::-1], landmarks, S
+    yield z, landmarks + 1.0, S
     for _ in range(2):
         yield drawn_scan(rng, 3, 4)[:3]
 
 
 def scans_by_hand(rng: np.random.Generator) -> Iterator[Arguments]:
-    """Each its own; one alone; second choices; a landmark that is taken; doubts that differ; all out of every gate."""
+    """Each its own; one alone; second choices; a landmark that is taken; doubts that differ; all out of every gate;
+    the last again, with less doubt."""
     two, same = matrix((0, 0), (2, 0)), np.array([np.eye(2)] * 2)
     yield matrix((0.5, 0), (5, 1)), matrix((0, 0), (5, 0)), same
     yield matrix((5, 1), (0.5, 0)), matrix((0, 0), (5, 0)), same
@@ -91,6 +94,7 @@ def scans_by_hand(rng: np.random.Generator) -> Iterator[Arguments]:
     yield matrix((2.5, 0)), matrix((0, 0), (9, 0)), same
     yield matrix((0, 3.25), (5, 0)), matrix((0, 0), (9, 0)), same
     yield matrix((0, 2.9), (9, 0)), matrix((0, 0), (9, 0)), same
+    yield matrix((0, 2.9), (9, 0)), matrix((0, 0), (9, 0)), 0.25 * same
 
 
 #: Measurements, landmarks, level and seed of scans in which every known mistake shows that can show at all: a test
@@ -144,8 +148,9 @@ def is_clear(args: Arguments) -> bool:
 
 def joint_by_hand(rng: np.random.Generator) -> Iterator[Arguments]:
     """The statement's, in which the first pair that is tried may leave nobody for the other; one alone between two; two
-    of one landmark; a spurious one; D² near either side of a threshold; without an error in common, without any, a
-    sensor that is poor along y, landmarks of which one is known less; pairs whose order C must follow."""
+    of one landmark; a spurious one; D² near either side of a threshold, then with another C; without an error in
+    common, without any, a sensor that is poor along y, then another R, landmarks of which one is known less; pairs
+    whose order C must follow."""
     common, R = np.kron(np.ones((2, 2)), np.eye(2)), 0.04 * np.eye(2)
     two, apart = matrix((0, 0), (3, 0)), matrix((0, 0), (9, 0))
     yield matrix((1.8, 0), (4.6, 0)), two, common, R
@@ -157,10 +162,12 @@ def joint_by_hand(rng: np.random.Generator) -> Iterator[Arguments]:
     yield matrix((1, 0), (4.2, 0), (2.5, 2)), two, common, R
     yield matrix((0, 2.9)), apart, common, R
     yield matrix((2.45, 0), (7.95, 0)), matrix((0, 0), (5, 0)), common, R
+    yield matrix((2.45, 0), (7.95, 0)), matrix((0, 0), (5, 0)), np.eye(4), R
     yield matrix((9, 9), (-9, 5)), two, common, R
     yield matrix((1.75, 0), (3.6, 0)), two, np.eye(4), R
     yield matrix((1.1, 0), (4, 0)), two, np.zeros((4, 4)), np.eye(2)
     yield matrix((0.5, 4), (9.6, -4)), apart, common, np.diag([0.04, 4.0])
+    yield matrix((0.5, 4), (9.6, -4)), apart, common, 0.25 * np.eye(2)
     yield matrix((0, 7)), matrix((0, 0), (0, 10)), np.diag([0.01, 0.01, 1.0, 4.0]), R
     three = np.kron(np.ones((3, 3)), np.eye(2))
     yield matrix((1.1, 0), (3.2, 0.1), (6.5, 0)), matrix((0, 0), (1.5, 0), (5, 0)), three, R

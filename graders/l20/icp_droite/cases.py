@@ -124,6 +124,8 @@ def matrices_at_a_threshold(rng: np.random.Generator) -> Iterator[Arguments]:
     for source in (np.random.default_rng(TELLING), rng):
         for strengths, threshold in ASKED:
             yield drawn_matrix(source, strengths), threshold
+    A = drawn_matrix(np.random.default_rng(TELLING), (0.002, 0.03, 0.8))
+    yield from ((A, threshold) for threshold in (0.1, 0.0005))
 
 
 def drawn_matrix(rng: np.random.Generator, strengths: tuple[float, float, float]) -> Floats:

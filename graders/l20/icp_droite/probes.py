@@ -26,6 +26,8 @@ MATRICES: tuple[Arguments, ...] = (
     *((drawn_matrix(STEADY, strengths), threshold) for strengths, threshold in ASKED),
 )  # fmt: skip
 STEPS: tuple[Arguments, ...] = tuple(with_gradient(STEADY, args) for args in MATRICES)
+#: By which one more direction is free in the first matrix: a memory that forgets the threshold does not see it.
+HIGHER = 0.7
 #: Any direction, by which normals are turned to the same side.
 SIDE = np.array([0.83, 0.55])
 
@@ -61,6 +63,6 @@ def read_step(args: Arguments, value: Value) -> Value:
 PROBES = (
     Probes(function="normales", calls=WALLS, kit=world.STILL, read=read_normals),
     Probes(function="systeme_droite", calls=CLOUDS, kit=world.STILL, read=ReadPair(PARTS)),
-    Probes(function="directions_libres", calls=MATRICES, kit=world.STILL, read=read_span),
-    Probes(function="pas_droite", calls=STEPS, kit=world.STILL, read=read_step),
+    Probes(function="directions_libres", calls=(*MATRICES, (*MATRICES[0], HIGHER)), kit=world.STILL, read=read_span),
+    Probes(function="pas_droite", calls=(*STEPS, (*STEPS[0], HIGHER)), kit=world.STILL, read=read_step),
 )
