@@ -54,9 +54,13 @@ def is_variable_named_one(node: ast.AST) -> bool:
     )
 
 
+#: What stands behind a name where it is set, or is an argument; in prose too, now and then.
+SET_ONE = re.compile(r"\bone\b\s*(?:[-+*/|&^%@<>:]*=|[,):\]]|in\b|if\b|#|\\|$)", re.MULTILINE)
+
+
 def nodes_that_may_be_named_one() -> Iterator[tuple[str, ast.AST]]:
     for path, text in sources().items():
-        if re.search(r"\bone\b", text):
+        if SET_ONE.search(text):
             yield from ((path, node) for node in ast.walk(ast.parse(text)))
 
 
