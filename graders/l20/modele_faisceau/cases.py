@@ -175,7 +175,15 @@ def any_maps(rng: Rng) -> Iterator[Arguments]:
             libres = np.ones((height, width), dtype=bool)
             libres.flat[source.choice(libres.size, walls, replace=False)] = False
             yield (libres,)
-        yield (np.ascontiguousarray(world.random_map(source, 9, 12, fill=0.1)[1:-1, 1:-1]),)
+        yield (_open_map(source),)
+
+
+def _open_map(rng: Rng) -> Grid:
+    """A map of few walls, open on all sides: at least one, without which there is no distance."""
+    while True:
+        libres = np.ascontiguousarray(world.random_map(rng, 9, 12, fill=0.1)[1:-1, 1:-1])
+        if not libres.all():
+            return libres
 
 
 def shrink_map(value: Grid) -> Iterator[Grid]:

@@ -13,6 +13,7 @@ import pytest
 from scipy.stats import norm
 
 from graders.core.contract.outcomes import Outcome
+from graders.core.contract.streams import stream
 from graders.l20.modele_faisceau import cases
 from graders.l20.modele_faisceau.checks import SameField, SameLogarithm, distance_field, log_likelihood
 from graders.plotting import counterexample
@@ -254,3 +255,8 @@ def test_figures_draw(theme: str) -> None:
         assert counterexample(GRADER.exercise, data, theme=theme).startswith(b"<?xml")
     for data in (figures["imprevus"], fields["champ_exemples"]) if theme == "dark" else ():
         assert counterexample(GRADER.exercise, {**data, "got": None}, theme=theme).startswith(b"<?xml")
+
+
+def test_each_map_that_is_drawn_has_a_wall() -> None:
+    """A map without any is not asked: there is no distance then. This seed drew one."""
+    assert all(not libres.all() for (libres,) in cases.any_maps(stream(77, "champ_cartes")))
