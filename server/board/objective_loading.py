@@ -13,7 +13,6 @@ from sqlalchemy.orm import Session
 from server.assignments import feedback
 from server.assignments.feedback import NO_HOLDS, FeedbackHolds
 from server.assignments.service import load_counting_exercises
-from server.board.attempts import group_by_student
 from server.board.objectives import (
     ClassObjective,
     MistakeFinder,
@@ -24,11 +23,37 @@ from server.board.objectives import (
     summarise_class,
 )
 from server.board.progress import ClassProgress
-from server.board.schemas import BoardStudent
 from server.classes import repository as classes
 from server.classes.models import SchoolClass, Status
 from server.course import Course, Module
-from server.gradebook.histories import Attempts, load_attempts, load_revisions
+from server.gradebook.histories import Attempts, computed_for, group_by_account, load_attempts, load_revisions
+
+
+@dataclass(frozen=True)
+class Practice:
+    """The objectives of a module in a class where these exercises count; equal ones are of the same texts."""
+
+    course: Course
+    module: str
+    counted: tuple[str, ...]
+
+    @cached_property
+    def practised(self) -> tuple[PractisedObjective, ...]:
+        module = self.course.modules.get(self.module)
+        return () if module is None else counting_objectives(module, frozenset(self.counted))
+
+    @cached_property
+    def finder(self) -> MistakeFinder:
+        return MistakeFinder(self.course)
+
+    def without(self, unconcerned: frozenset[str]) -> tuple[PractisedObjective, ...]:
+        """Return the same objectives; exercises that are for other groups are not expected of a student."""
+        module = self.course.modules.get(self.module)
+        if module is None or not unconcerned:
+            return self.practised
+        own = counting_objectives(module, frozenset(self.counted) - unconcerned)
+        expected = {_key(practised): practised for practised in own}
+        return tuple(expected.get(_key(practised), practised) for practised in self.practised)
 
 
 @dataclass(frozen=True, eq=False)
@@ -39,36 +64,41 @@ class ClassObjectives:
     module: str
 
     @cached_property
+    def practice(self) -> Practice:
+        return Practice(self.progress.course, self.module, self.progress.scope.exercises)
+
+    @property
     def practised(self) -> tuple[PractisedObjective, ...]:
-        module = self.progress.course.modules.get(self.module)
-        return () if module is None else counting_objectives(module, frozenset(self.progress.scope.exercises))
+        return self.practice.practised
 
-    def _practised_by(self, student: BoardStudent) -> tuple[PractisedObjective, ...]:
-        """The same objectives; exercises that are for other groups are not expected of a student."""
-        module, scope = self.progress.course.modules.get(self.module), self.progress.scope
-        if module is None or not scope.groups:
-            return self.practised
-        own = counting_objectives(
-            module, frozenset(name for name in scope.exercises if self.progress.concerns(student, name))
-        )
-        expected = {_key(practised): practised for practised in own}
-        return tuple(expected.get(_key(practised), practised) for practised in self.practised)
-
-    @cached_property
+    @property
     def attempts(self) -> Mapping[UUID, Mapping[str, Attempts]]:
-        return group_by_student(self.progress.attempts)
+        return group_by_account(self.progress.attempts)
 
     @cached_property
     def states(self) -> Mapping[UUID, tuple[ObjectiveState, ...]]:
         """The states of each student, in the order of the list."""
-        finder = MistakeFinder(self.progress.course)
+        progress, attempts = self.progress, self.attempts
+        place = progress.scope.class_id, self.module
         return {
-            student.id: find_states(self._practised_by(student), self.attempts.get(student.id, {}), finder)
-            for student in self.progress.students
+            student.id: _find_own_states(
+                attempts.get(student.id, {}), place, self.practice, progress.find_unconcerned(student)
+            )
+            for student in progress.students
         }
 
     def summarise(self, week_ends: Sequence[datetime]) -> tuple[ClassObjective, ...]:
         return summarise_class(self.practised, self.states, week_ends)
+
+
+@computed_for
+def _find_own_states(
+    own: Mapping[str, Attempts],
+    place: tuple[UUID, str],
+    practice: Practice,
+    unconcerned: frozenset[str],
+) -> tuple[ObjectiveState, ...]:
+    return find_states(practice.without(unconcerned), own, practice.finder)
 
 
 def _key(practised: PractisedObjective) -> tuple[str, str]:
@@ -97,7 +127,7 @@ def load_student_states(
         membership.groups if membership else ()
     )
     attempts = load_attempts(db, load_revisions(db, [student]), counted, until)
-    own = group_by_student(attempts).get(student, {})
+    own = group_by_account(attempts).get(student, {})
     if as_student:
         own = hide_held_attempts(own, feedback.load_all_holds(db, student))
     return find_states(counting_objectives(module, frozenset(counted)), own, MistakeFinder(course))
@@ -113,7 +143,7 @@ def load_own_states(
         if is_student and school_class.module == module.slug and school_class.archived_at is None:
             return load_student_states(db, course, school_class, account_id, now, None, as_student=True)
     counted = [exercise.id for exercise in module.exercises]
-    own = group_by_student(load_attempts(db, load_revisions(db, [account_id]), counted, None)).get(account_id, {})
+    own = group_by_account(load_attempts(db, load_revisions(db, [account_id]), counted, None)).get(account_id, {})
     own = hide_held_attempts(own, feedback.load_all_holds(db, account_id))
     return find_states(counting_objectives(module, frozenset(counted)), own, MistakeFinder(course))
 

@@ -2,7 +2,8 @@
 
 With `server.gradebook.histories` this is the only cache between the database and a teacher's page. A key holds the
 version of the class (all inputs of the fragment, the time included where it matters) and the query of the page, so that
-nothing has to be invalidated: whatever changes makes another key.
+nothing has to be invalidated: whatever changes makes another key. The rows of long tables are fragments too, by the
+values that they show: after a verdict only the rows that it has changed are rendered.
 """
 
 from __future__ import annotations

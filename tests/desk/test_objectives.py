@@ -5,16 +5,19 @@ from __future__ import annotations
 import csv
 import io
 import re
+from collections.abc import Callable
 from datetime import timedelta
 
 import pytest
 from python_calamine import CalamineWorkbook
+from sqlalchemy import update
 
 from server.assignments.models import Mode
-from server.classes.models import SchoolClass
+from server.classes.models import Membership, SchoolClass, Status
 from server.database import utc_now
 from server.identity.models import Role
 from tests.desk.test_classes import text_of
+from tests.support.caches import clear_caches
 from tests.support.classes import Person, assign, new_class, person, seat
 from tests.support.counting import Counted
 from tests.support.crowd import Sent, seated, store
@@ -72,6 +75,37 @@ def test_the_pages_say_who_has_mastered_what(site: Site, martin: Person, made: S
     for path in (f"eleves/{weak.id}/objectifs", "conseil", "erreurs/fichier"):
         assert text_of(weak.browser(site), f"{href}/{path}", 403)
     assert text_of(browser, f"{href}/conseil?depuis=hier", 422)
+
+
+def test_the_cached_page_of_a_class_equals_a_fresh_one_after_each_change(
+    site: Site, martin: Person, made: SchoolClass
+) -> None:
+    ada, alan = person(site, Role.student, "Ada Lovelace"), person(site, Role.student, "Alan Turing")
+    for student in (ada, alan):
+        seat(site.database, made, student.account)
+    send(site, alan, (0.25, WRONG), (0.25, WRONG))
+
+    def set_member(**values: object) -> None:
+        with site.database.write() as db:
+            db.execute(update(Membership).where(Membership.account_id == ada.id).values(**values))
+
+    changes: dict[str, Callable[[], object]] = {
+        "verdict": lambda: send(site, ada, (0.25, WRONG)),
+        "solved": lambda: send(site, ada, (1.0, None)),
+        "renamed": lambda: set_member(given_name="Augusta", family_name="Byron"),
+        "assigned to a group": lambda: assign(site.database, made, EXERCISE, "l20/odometrie", groups=["TP1"]),
+        "in the group": lambda: set_member(groups=["TP1"]),
+        "gone": lambda: set_member(status=Status.left),
+    }
+    browser, href = martin.browser(site), f"/classes/{made.id}/objectifs"
+    before = text_of(browser, href)
+    for name, change in changes.items():
+        change()
+        after = text_of(browser, href)
+        clear_caches()
+        assert text_of(browser, href) == after, name
+        assert name == "in the group" or after != before, name
+        before = after
 
 
 def test_a_test_that_is_not_released_stays_out_of_the_students_own_page(

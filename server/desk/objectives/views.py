@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from datetime import datetime, timedelta
 from itertools import groupby
+from typing import Any
 from uuid import UUID
 
 from markupsafe import Markup
@@ -51,11 +52,11 @@ NEXT_ORDER = {Mastery.weak: 0, Mastery.started: 1, Mastery.none: 2}
 
 @dataclass(frozen=True)
 class ClassObjectiveGroup:
-    """The objectives of one lesson in a class, unfolded where `is_open`."""
+    """The objectives of one lesson in a class, unfolded where `is_open`; `rows`: rendered `ObjectiveRow`s."""
 
     title: str
     is_open: bool
-    rows: tuple[ObjectiveRow, ...]
+    rows: tuple[Markup, ...]
 
 
 @dataclass(frozen=True)
@@ -126,17 +127,19 @@ def _render_body(loaded: ClassObjectives, school_class: SchoolClass) -> str:
     progress = loaded.progress
     links = BoardLinks(progress.course, class_href(school_class), progress.students)
     week_ends = [progress.now - WEEK * weeks for weeks in reversed(range(WEEKS_SHOWN))]
-    rows = loaded.summarise(week_ends)
+    people = {student.id: (student.name, f"{links.href}/eleves/{student.id}/objectifs") for student in links.students}
+    macros: Any = jinja_environment().get_template("classes/objective_parts.html").module
+
+    def render(objective: ClassObjective) -> Markup:
+        """Render what most verdicts leave as it was only where it is not cached."""
+        row = _class_row(links, people, objective)
+        return FRAGMENTS.get_or_render(("objective row", row), lambda: str(macros.class_objective(row)))
+
     groups = [
-        ClassObjectiveGroup(
-            lesson_title(lesson),
-            lesson.kind is SEANCE,
-            tuple(_class_row(links, row, len(progress.students)) for row in own),
-        )
-        for lesson, own in _by_lesson(progress.course, school_class.module, rows)
+        ClassObjectiveGroup(lesson_title(lesson), lesson.kind is SEANCE, tuple(map(render, own)))
+        for lesson, own in _by_lesson(progress.course, school_class.module, loaded.summarise(week_ends))
     ]
-    macros = jinja_environment().get_template("classes/objective_parts.html").module
-    return str(macros.class_objectives(groups, links.href, RULE))  # type: ignore[attr-defined]
+    return str(macros.class_objectives(groups, RULE))
 
 
 def _by_lesson(
@@ -146,7 +149,8 @@ def _by_lesson(
         yield lesson_of(course, module, slug), list(own)
 
 
-def _class_row(links: BoardLinks, row: ClassObjective, students: int) -> ObjectiveRow:
+def _class_row(links: BoardLinks, people: Mapping[UUID, Link], row: ClassObjective) -> ObjectiveRow:
+    students = len(people)
     begun = students - row.count(Mastery.none)
     percent = f"{round(100 * row.count(Mastery.mastered) / begun)} %" if begun >= FEWEST_FOR_A_SHARE else ""
     shown = [number for number in row.weekly if number] or [0]
@@ -161,7 +165,7 @@ def _class_row(links: BoardLinks, row: ClassObjective, students: int) -> Objecti
                 WORDS[state],
                 row.count(state),
                 round(100 * row.count(state) / max(1, students), 1),
-                _people(links, row.students[state]),
+                tuple(people[account] for account in row.students[state]),
             )
             for state in SHOWN_STATES
         ),
@@ -176,15 +180,6 @@ def _class_row(links: BoardLinks, row: ClassObjective, students: int) -> Objecti
             )
             for (exercise, mistake), count in row.mistakes[:MAX_MISTAKES]
         ),
-    )
-
-
-def _people(links: BoardLinks, accounts: Sequence[UUID]) -> tuple[Link, ...]:
-    wanted = set(accounts)
-    return tuple(
-        (student.name, f"{links.href}/eleves/{student.id}/objectifs")
-        for student in links.students
-        if student.id in wanted
     )
 
 
