@@ -11,7 +11,7 @@ from statistics import correlation
 from typing import NamedTuple
 from uuid import UUID
 
-from server.board.attempts import FirstSuccess, Pair, first_success, group_by_student, improvements_after_hints
+from server.board.attempts import FirstSuccess, first_success, improvements_after_hints
 from server.board.schemas import (
     FEWEST_FOR_A_CORRELATION,
     FEWEST_FOR_A_SHARE,
@@ -23,9 +23,8 @@ from server.board.schemas import (
 )
 from server.board.stuck import median_or_none
 from server.course import Course
-from server.gradebook.histories import Attempts, AttemptsByPair, computed_for, group_by_account
+from server.gradebook.histories import Attempts, AttemptsByPair, attempt_totals, computed_for, group_by_account
 from server.gradebook.schemas import HINT_OPENS_AFTER
-from server.gradebook.standings import StandingTotals
 from server.submissions.service import code_digest
 
 LESSON, SLOT = timedelta(hours=2), timedelta(minutes=5)
@@ -40,29 +39,25 @@ class ScoreSum(NamedTuple):
     exercises: int
 
 
-def exercise_stats(
-    exercises: Sequence[str], standings: Mapping[Pair, StandingTotals], attempts: AttemptsByPair
-) -> tuple[ExerciseStats, ...]:
+def exercise_stats(exercises: Sequence[str], attempts: AttemptsByPair) -> tuple[ExerciseStats, ...]:
     """Return the statistics of each exercise."""
     successes: dict[str, list[FirstSuccess]] = defaultdict(list)
-    for (_, exercise), own_attempts in attempts.items():
-        if success := first_success(own_attempts):
-            successes[exercise].append(success)
-    scores, sums = _best_scores(standings)
+    scores: dict[str, dict[UUID, float]] = defaultdict(dict)
+    sums: dict[UUID, ScoreSum] = {}
+    for account_id, own in group_by_account(attempts).items():
+        rows = _own_scores(own, "all")
+        for exercise, best_score, success in rows:
+            scores[exercise][account_id] = best_score
+            if success:
+                successes[exercise].append(success)
+        sums[account_id] = ScoreSum(sum(best_score for _, best_score, _ in rows), len(rows))
     return tuple(_stats_of(name, scores.get(name, {}), successes.get(name, []), sums) for name in exercises)
 
 
-def _best_scores(
-    standings: Mapping[Pair, StandingTotals],
-) -> tuple[Mapping[str, Mapping[UUID, float]], Mapping[UUID, ScoreSum]]:
-    """Return the best score of each student, by exercise; and the sum of each student's best scores."""
-    scores: dict[str, dict[UUID, float]] = defaultdict(dict)
-    sums: dict[UUID, ScoreSum] = {}
-    for account_id, own in group_by_student(standings).items():
-        for exercise, totals in own.items():
-            scores[exercise][account_id] = totals.best_score
-        sums[account_id] = ScoreSum(sum(totals.best_score for totals in own.values()), len(own))
-    return scores, sums
+@computed_for
+def _own_scores(own: Mapping[str, Attempts], place: str) -> tuple[tuple[str, float, FirstSuccess | None], ...]:
+    """Return the best score and the first success of a student at each exercise."""
+    return tuple((name, attempt_totals(series).best_score, first_success(series)) for name, series in own.items())
 
 
 def _stats_of(

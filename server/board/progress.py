@@ -93,7 +93,7 @@ class ClassProgress:
 
     @property
     def exercise_stats(self) -> tuple[ExerciseStats, ...]:
-        return insights.exercise_stats(self.scope.exercises, self.standings, self.attempts)
+        return insights.exercise_stats(self.scope.exercises, self.attempts)
 
     @property
     def improvements(self) -> tuple[ImprovementStats, ...]:
