@@ -33,9 +33,9 @@ def replacements(names: tuple[str, ...], call: Arguments) -> Iterator[ArgumentCh
     """Yield what may have been read in the place of an argument of calls like this one, said after « comme si »."""
     for index, (name, value) in enumerate(zip(names, call, strict=False)):
         if _is_number(value):
-            yield from _at(index, _number_replacements(name))
+            yield from _at(index, value, _number_replacements(name))
         elif _is_array(value):
-            yield from _at(index, _array_replacements(name, value))
+            yield from _at(index, value, _array_replacements(name, value))
     for first in range(len(call)):
         for second in range(first + 1, min(len(call), len(names))):
             if _kind(call[first]) and _kind(call[first]) == _kind(call[second]):
@@ -65,23 +65,26 @@ def variations(names: tuple[str, ...], call: Arguments) -> Iterator[tuple[int, A
                 changes.append((f"les nombres {elided('de', name)} viennent dans un autre ordre", lambda x: x[::-1]))
         else:
             continue
-        yield from ((index, ArgumentChange(words, _Replace(index, change))) for words, change in changes)
+        yield from ((index, change) for change in _at(index, value, iter(changes)))
 
 
 @dataclass(frozen=True)
 class _Replace:
-    """Replaces the argument at an index; None where nothing changes."""
+    """Replaces the argument at an index; None where nothing changes, or a number stands where an array was, or back."""
 
     index: int
+    is_array: bool
     change: Change
 
     def __call__(self, call: Arguments) -> Arguments | None:
         if self.index >= len(call):
             return None
         old = call[self.index]
+        if isinstance(old, np.ndarray) is not self.is_array:
+            return None
         try:
             with np.errstate(all="ignore"):
-                new = self.change(np.array(old, dtype=float) if isinstance(old, np.ndarray) else old)
+                new = self.change(np.array(old, dtype=float) if self.is_array else old)
         except (ValueError, IndexError, ZeroDivisionError, TypeError, OverflowError):
             return None
         if not np.all(np.isfinite(np.asarray(new, dtype=float))) or _equal(old, new):
@@ -113,7 +116,7 @@ def _is_number(value: Value) -> bool:
 
 
 def _is_array(value: Value) -> bool:
-    return isinstance(value, np.ndarray) and value.dtype.kind in "fi" and 0 < value.size <= MAX_SIZE
+    return isinstance(value, np.ndarray) and value.dtype.kind in "fi" and value.ndim > 0 and 0 < value.size <= MAX_SIZE
 
 
 def _kind(value: Value) -> tuple[str, tuple[int, ...]] | None:
@@ -122,8 +125,9 @@ def _kind(value: Value) -> tuple[str, tuple[int, ...]] | None:
     return ("tableau", value.shape) if _is_array(value) else None
 
 
-def _at(index: int, changes: Iterator[tuple[str, Change]]) -> Iterator[ArgumentChange]:
-    return (ArgumentChange(words, _Replace(index, change)) for words, change in changes)
+def _at(index: int, value: Value, changes: Iterator[tuple[str, Change]]) -> Iterator[ArgumentChange]:
+    is_array = isinstance(value, np.ndarray)
+    return (ArgumentChange(words, _Replace(index, is_array, change)) for words, change in changes)
 
 
 def _number_replacements(name: str) -> Iterator[tuple[str, Change]]:

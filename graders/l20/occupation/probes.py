@@ -105,9 +105,16 @@ def only_arrays(shown: ProbeResults) -> str | None:
 
 @measuring
 def overflows(shown: ProbeResults) -> str | None:
-    """All is right but log-odds beyond what exp can hold."""
+    """All is right but log-odds beyond what exp can hold: the answer is no finite number there, or stays at the
+    same value between 0 and 1 whatever the log-odds, which are then clipped."""
     wrong = set(shown.wrong_indices())
-    return "exponentielle_deborde" if wrong and wrong <= set(BEYOND) else None
+    if not wrong or not wrong <= set(BEYOND):
+        return None
+    large, both, small = (as_array(shown.got[k], shape) for k, shape in zip(BEYOND, ((), (2,), ()), strict=True))
+    if large is None or both is None or small is None:
+        return "exponentielle_deborde"
+    is_flat = bool(np.array_equal([large, small], both)) and 0.0 <= small < large <= 1.0
+    return "log_odds_ecretes" if is_flat else None
 
 
 def _grids(shown: ProbeResults) -> list[Floats | None]:

@@ -168,6 +168,7 @@ MISTAKES = [
     ("grille_oubliee", edited("l = l.copy()", "l = np.zeros((H, W))")),
     ("exponentielle_deborde", "import math\n" + edited("(1 + np.tanh(l / 2)) / 2",
                                                            "np.exp(l) / (np.exp(l) + 1)")),
+    ("log_odds_ecretes", edited("(1 + np.tanh(l / 2)) / 2", "1 / (1 + np.exp(-np.clip(l, -6.0, 6.0)))")),
     ("signe_exponentielle", edited("(1 + np.tanh(l / 2)) / 2", "1 / (1 + np.exp(l))")),
 ]  # fmt: skip
 
