@@ -112,11 +112,21 @@ def readings(rng: Rng) -> Iterator[Scene]:
         ],
         launched=0.9,
     )
+    yield Scene(list(_one_sided()))
     ranges = np.where(rng.random(72) < 0.25, NAN, np.round(rng.uniform(1.0, 6.0, 72), 2))
     near = ranges.copy()
     near[36 + rng.integers(-4, 1)] = 0.22
     told = "0,22 m devant, et des nan çà et là"
     yield Scene([phase(ranges, "des nan çà et là, rien à moins de 1 m"), phase(near, told)])
+
+
+def _one_sided() -> Iterator[Phase]:
+    """Many invalid readings on one side: the window is that of all beams, and not of those that have read something."""
+    for nothing, name in ((NAN, "nan"), (INF, "+inf")):
+        blind = dict.fromkeys(range(34), nothing)
+        told = f"{name} aux rayons 0 à 33"
+        yield phase(beams(90, blind | {44: 0.2}), f"{told}, 0,2 m au rayon 44, dans la fenêtre")
+        yield phase(beams(90, blind | {62: 0.2}), f"{told}, 0,2 m au rayon 62, hors de la fenêtre")
 
 
 def settings(rng: Rng) -> Iterator[Scene]:

@@ -66,6 +66,10 @@ VALUES = Scene(
         phase(beams(36, {18: 12.0}), "", distance=0.5),
         phase(beams(36, {18: 0.1}), "", distance=0.5, range_min=0.02),
         phase(beams(36, {18: 2e-4}), "", distance=0.5, range_min=1e-4),  # less than 0.5 in millimetres too
+        phase(beams(90, dict.fromkeys(range(34), NAN) | {44: 0.2}), ""),
+        phase(beams(90, dict.fromkeys(range(34), NAN) | {62: 0.2}), ""),
+        phase(beams(90, dict.fromkeys(range(34), INF) | {44: 0.2}), ""),
+        phase(beams(90, dict.fromkeys(range(34), INF) | {62: 0.2}), ""),
     ],
     launched=0.6,
     pace=QUICK,
