@@ -30,6 +30,8 @@ def copies(text: ProgramText, node: ast.AST) -> Iterator[Change]:
     """A copy of an argument, or of what is kept."""
     if isinstance(node, ast.Assign) and isinstance(node.value, ast.Name | ast.Subscript):
         yield text.replaced(node.value, f"np.array({text.source_of(node.value)}, dtype=float)", "copie")
+        if isinstance(node.value, ast.Name):
+            yield text.replaced(node.value, f"list({node.value.id})", "copie")
     if isinstance(node, ast.Call) and name_of(node) == "append" and len(node.args) == 1:
         argument = node.args[0]
         if isinstance(argument, ast.Name):

@@ -45,6 +45,8 @@ REORDERING = ("ordre des lignes", "indentation")
 COPY = "copie"
 #: Other seeds on whose inputs a mended check must pass too.
 MAX_SEEDS = 4
+#: Copies that are tried where a function modifies its arguments.
+MAX_COPIES = 4
 
 
 @dataclass(frozen=True)
@@ -154,6 +156,8 @@ class MendingSearch:
         tried: list[tuple[ProgramChange, frozenset[str]]] = []
         seen: dict[str, LineValues] = {}
         screened = self._screen.mending(source, changes, functions)
+        if any(check.id in failed and check.requires_other_check for check in self._grader.checks):
+            screened = [*_unscreened_copies(changes, screened), *screened]
         for change in screened[:MAX_VERIFIED]:
             if self._spent() and tried:
                 break
@@ -265,6 +269,12 @@ class MendingSearch:
         finally:
             runner.close()
         return failed
+
+
+def _unscreened_copies(changes: Sequence[ProgramChange], screened: Sequence[ProgramChange]) -> list[ProgramChange]:
+    """Return the first copies that change no answer of a function: its only fault may be to modify its arguments."""
+    copies = [change for change in changes if change.operator == COPY and change not in screened]
+    return copies[:MAX_COPIES]
 
 
 def in_lines_of(source: str, steps: Sequence[MendingStep]) -> Iterator[MendingStep]:

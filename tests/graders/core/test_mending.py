@@ -118,6 +118,20 @@ def test_a_function_that_draws_is_held_against_the_solution_with_the_same_draws(
     assert source.splitlines()[mending.steps[0].change.line - 1].strip().startswith("garde.append")
 
 
+@pytest.mark.parametrize("second_name", ["poids = variances", "poids = np.asarray(variances)\n    poids = poids"])
+def test_a_copy_that_changes_no_answer_mends_a_modified_argument(second_name: str) -> None:
+    grader = knowing("l19/gain")
+    head, _, tail = grader.solution.partition("def fusionner(mesures, variances):")
+    returned = "np.dot(poids, mesures) / np.sum(poids), 1 / np.sum(poids)"
+    body = f"    {second_name}\n    poids[:] = 1 / poids\n    return {returned}\n"
+    rest = tail[tail.index("\ndef ") :]
+    source = f"{head}def fusionner(mesures, variances):\n{body}\n{rest}"
+    mending = MendingSearch(grader, LOCAL, 3, lambda: False).search(source)
+    assert mending is not None
+    assert not mending.left
+    assert "poids = " in source.splitlines()[mending.steps[0].change.line - 1]
+
+
 def test_one_check_that_a_second_change_mends_is_told_in_the_singular() -> None:
     steps = tuple(
         MendingStep(ProgramChange("", "", k, "angle"), frozenset({check})) for k, check in ((1, "a"), (2, "b"))
