@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 
 import numpy as np
 
@@ -154,6 +155,28 @@ def weights_ignored(shown: ProbeResults) -> str | None:
     return "omega_ignoree" if all(map(_reached, found, equal)) else None
 
 
+#: What may stand in the place of the weight of an edge, (3, 3).
+MISUSES: tuple[Callable[[Floats], Floats], ...] = (
+    lambda omega: omega**2,
+    lambda omega: omega**0.5,
+    lambda omega: np.asarray(np.linalg.inv(omega), dtype=float),
+    lambda omega: omega[0, 0] * np.eye(3),
+)
+
+
+@measuring
+def weights_misused(shown: ProbeResults) -> str | None:
+    """What is reached is the optimum of other weights: the squares, the roots, the inverses, or one number an edge."""
+    found, graphs = [_poses(shown, PLAIN), _poses(shown, WRAPPING)], [GRAPHS[PLAIN], GRAPHS[WRAPPING]]
+    if any(map(_reached, found, graphs)):
+        return None
+    for change in MISUSES:
+        changed = [Graph(g.poses, tuple((i, j, z, change(omega)) for i, j, z, omega in g.edges)) for g in graphs]
+        if all(map(_reached, found, changed)):
+            return "omega_mal_employee"
+    return None
+
+
 def goes_on_from_its_end(trial: ProgramTrial) -> bool:
     """Asked again from where it ended, the program comes nearer to each optimum: it had stopped before it.
 
@@ -257,6 +280,7 @@ PROBES = (
             first_moves,
             turns_only,
             weights_ignored,
+            weights_misused,
             one_step_only,
             one_of_a_pair,
             wraps_badly,

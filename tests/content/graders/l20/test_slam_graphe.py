@@ -71,7 +71,13 @@ def test_honest_variants_pass(name: str) -> None:
     assert failed(verdict(HONEST[name], 4)) == set()
 
 
+LEAST_SQUARES = SPECIMENS["scipy_least_squares"]
 STYLES = {
+    "residuals weighted by the whole weight": ("omega_mal_employee", edited(LEAST_SQUARES, "np.sqrt(om) @", "om @")),
+    "residuals weighted by the fourth root": (
+        "omega_mal_employee",
+        edited(LEAST_SQUARES, "np.sqrt(om) @", "np.sqrt(np.sqrt(om)) @"),
+    ),
     "sign of the step, numeric": ("signe_du_pas", edited(NUMERIC, "solve(H, -b)", "solve(H, b)")),
     "sign of the step, vectors": ("signe_du_pas", edited(VECTORS, "x -= np", "x += np")),
     "sign of the step, rounding otherwise": ("signe_du_pas", edited(VECTORS, "x -= np", "x += (1.0 + 1e-6) * np")),
