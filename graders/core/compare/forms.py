@@ -227,9 +227,10 @@ def _of(dtype: str) -> str:
 
 @dataclass(frozen=True, kw_only=True)
 class IndicesForm(ValueForm):
-    """A row of whole numbers; `ordered` where they increase."""
+    """A row of whole numbers; `may_be_empty` where there may be none."""
 
     called: str = "une suite d’indices croissants"
+    may_be_empty: bool = True
 
     @property
     def words(self) -> str:
@@ -237,7 +238,8 @@ class IndicesForm(ValueForm):
 
     @property
     def also(self) -> str:
-        return "liste, tuple ou tableau à une dimension, vide s’il n’y en a pas ; entiers, ou flottants entiers (3.0)"
+        empty = ", vide s’il n’y en a pas" if self.may_be_empty else ""
+        return f"liste, tuple ou tableau à une dimension{empty} ; entiers, ou flottants entiers (3.0)"
 
     def holds(self, value: Value, sizes: dict[str, int]) -> bool:
         return type(value) is list and all(type(item) is int for item in value)

@@ -9,7 +9,7 @@ from graders.core.compare.forms import NUMBER, IndicesForm, array
 from graders.l20.association.cases import right_joint, right_nearest, right_new
 
 SCAN = {"z": array("m", 2), "amers": array("l", 2), "S": array("l", 2, 2)}
-NUMBERS = IndicesForm(called="m entiers, le numéro d’un amer ou −1")
+NUMBERS = IndicesForm(called="m entiers, le numéro d’un amer ou −1", may_be_empty=False)
 NO_TIE = Boundary("une distance au seuil, ou deux distances égales", free="cela n’arrive pas")
 
 CONTRACTS = (

@@ -31,6 +31,7 @@ CONTRACTS = (
         ),
         (
             Boundary("les poids renvoyés", free="ceux du dernier tour, ou recalculés aux poses renvoyées"),
+            Boundary("un cap de la première pose hors de ]−π, π]", free="il n’est pas donné"),
             Boundary("moins de n_iter tours", free="on peut s’arrêter quand plus rien ne bouge"),
             Boundary("la fonction de poids", free="celle que vous voulez, pourvu que delta serve d’échelle"),
             Boundary(

@@ -24,7 +24,7 @@ CONTRACTS = (
         (
             Boundary("une seule itération", lambda P, Q, R0, t0, n=30: n == 1),
             Boundary("n_iter omis", lambda *args: len(args) == 4),
-            Boundary("un départ déjà donné", lambda P, Q, R0, t0, *n: bool(np.any(np.eye(2) != R0))),
+            Boundary("un départ autre que l’identité", lambda P, Q, R0, t0, *n: bool(np.any(np.eye(2) != R0))),
             Boundary("des nuages de tailles différentes", lambda P, Q, *r: len(P) != len(Q)),
             Boundary("un point à égale distance de deux autres", free="il n’y en a jamais"),
             Boundary("la longueur k de la suite", free="de 1 à n_iter + 1, avec ou sans l’erreur du départ"),

@@ -17,8 +17,9 @@ AFTER = TupleForm(
     parts={"particules": ArrayForm(shape=("m", 3), called="des particules"), "poids": array("m")},
     precision=f"Les poids sont positifs, de somme 1 à {power_text(SUM_TOLERANCE)} près ; m va jusqu’à {MOST}. Des "
     f"particules confondues se dispersent : au moins {FEWEST_DISTINCT} poses différentes, mais la moitié d’entre elles "
-    f"à moins de {number(WIDE)} du déplacement. Le nuage qui explique le scan finit avec plus de {100 * WINS:.0f} % du "
-    f"poids ; après {STILL_SCANS} scans sans bouger, le bon groupe a plus de {100 * FILLS:.0f} % des particules.",
+    f"à moins de {number(WIDE)}, en cases et en radians, de l’endroit où mène le déplacement. Le nuage qui explique le "
+    f"scan finit avec plus de {100 * WINS:.0f} % du poids ; après {STILL_SCANS} scans sans bouger, le bon groupe a "
+    f"plus de {100 * FILLS:.0f} % des particules.",
 )
 ESTIMATE = ArrayForm(shape=(3,), called="une pose", precision="L’angle est jugé à un tour près.")
 ONCE = "est lancé une fois pour les premières vérifications, où les appels se suivent ; puis pour chaque essai."
