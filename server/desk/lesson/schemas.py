@@ -15,6 +15,9 @@ from server.lesson.models import Afterwards
 class StuckRow:
     """A stuck student: `minutes` since when, the mistake of the latest attempt in words, and what that attempt changed.
 
+    The minutes count from the latest progress at the exercise: the mistake may be more recent. Where `sign` is no
+    failure, they count from the latest attempt.
+
     `mistake` is empty without an attempt. `attempts` counts all at this exercise; `silent_minutes`: those since the
     latest, where they are many beside failures. `helper`: who has finished and could help, once they have helped
     `helps_before`; empty where nobody should. `seen`: when the student was seen at this exercise and by whom, in words;
@@ -41,8 +44,8 @@ class StuckRow:
 
 @dataclass(frozen=True)
 class MistakeRow:
-    """A mistake of the lesson: `still` names those who make it, of `made` who did, with the minutes of those who are
-    stuck on it; `href`: its page.
+    """A mistake of the lesson: `still` names those who make it, of `made` who did, the stuck first; `href`: its
+    page.
 
     `project_href` is empty where fewer than `fewest` made it. `remedial_href` leads to the form that gives an
     exercise to those who make it still.

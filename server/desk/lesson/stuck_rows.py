@@ -48,7 +48,7 @@ class StuckRows:
             exercise_id=row.exercise,
             name=self.names[row.account],
             exercise=self.links.title(row.exercise),
-            minutes=minutes_since(row, progress),
+            minutes=minutes_between(row.since, progress.now),
             sign=row.sign,
             failures=row.failures,
             attempts=len(attempts),
@@ -131,7 +131,3 @@ def _seen_words(visit: Visit | None, now: datetime) -> str:
 
 def minutes_between(start: datetime, end: datetime) -> int:
     return max(0, round((end - start).total_seconds() / 60))
-
-
-def minutes_since(row: StuckStudent, progress: ClassProgress) -> int:
-    return minutes_between(row.since, progress.now)

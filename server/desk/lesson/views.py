@@ -30,7 +30,7 @@ from server.desk.lesson.schemas import (
     MistakeRow,
     StartPage,
 )
-from server.desk.lesson.stuck_rows import build_stuck_rows, minutes_since, mistake_title
+from server.desk.lesson.stuck_rows import build_stuck_rows, mistake_title
 from server.desk.views import class_head, class_href
 from server.lesson import repository, service
 from server.lesson.models import Afterwards, LiveLesson
@@ -144,7 +144,7 @@ def _mistake_row(
     stuck: Mapping[UUID, StuckStudent],
     mistake: LessonMistake,
 ) -> MistakeRow:
-    """Build the row of a mistake; the stuck are named first, the longest first, and since when."""
+    """Build the row of a mistake; the stuck are named first, the longest first."""
     href = misconception_href(links.href, mistake.exercise, mistake.id)
     held = [row for row in stuck.values() if row.account in mistake.still and row.exercise == mistake.exercise]
     held.sort(key=lambda row: row.since)
@@ -153,7 +153,7 @@ def _mistake_row(
         title=mistake_title(progress.course, mistake.exercise, mistake.id),
         exercise=links.title(mistake.exercise),
         still=(
-            *(f"{names[row.account]} ({minutes_since(row, progress)}\N{NO-BREAK SPACE}min)" for row in held),
+            *(names[row.account] for row in held),
             *(names[account] for account in others),
         ),
         made=mistake.made,
