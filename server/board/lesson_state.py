@@ -57,7 +57,8 @@ class LessonState:
     """A lesson at one time. `stuck`: the longest first, then those who were `just_seen`; `visits`: to those of them
     who were seen at the exercise at which they are stuck.
 
-    `mistakes`: those that most students still make, then most of the stuck; `overcome`: those of the last minutes that
+    `mistakes`: those that most students still make, then most of the stuck; `more_mistakes`: the number of those for
+    which there is no room; `overcome`: those of the last minutes that
     nobody makes any more, where there is room. `finished` have solved all exercises of the day, the latest last;
     `absent` were not there since it began; `working` are all others.
     `helpers`: by stuck student, who has finished and could help them.
@@ -67,6 +68,7 @@ class LessonState:
     just_seen: frozenset[UUID]
     visits: Mapping[UUID, Visit]
     mistakes: tuple[LessonMistake, ...]
+    more_mistakes: int
     overcome: tuple[LessonMistake, ...]
     finished: tuple[UUID, ...]
     absent: tuple[UUID, ...]
@@ -89,7 +91,8 @@ def build_state(progress: ClassProgress, lesson: LiveLesson, visits: Mapping[UUI
     mistakes = sorted(
         lesson_mistakes(progress, expected), key=lambda row: (-len(row.still), -len(are_stuck.intersection(row.still)))
     )
-    current = tuple(row for row in mistakes if row.still)[:MAX_MISTAKES]
+    made_still = tuple(row for row in mistakes if row.still)
+    current = made_still[:MAX_MISTAKES]
     absent = _absent(progress, lesson.started_at)
     listed = {*are_stuck, *finished, *absent}
     return LessonState(
@@ -97,6 +100,7 @@ def build_state(progress: ClassProgress, lesson: LiveLesson, visits: Mapping[UUI
         just_seen=just_seen,
         visits=seen,
         mistakes=current,
+        more_mistakes=len(made_still) - len(current),
         overcome=tuple(row for row in mistakes if _is_just_overcome(row, progress.now))[: MAX_MISTAKES - len(current)],
         finished=finished,
         absent=absent,

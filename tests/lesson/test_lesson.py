@@ -237,6 +237,7 @@ def test_the_stream_sends_the_parts_and_the_end(site: Site, course: Course, mart
     parts = parts_of(browser.get(path).text)
     assert parts.keys() == {"clock", "tabs", "days", "stuck", "mistakes", "finished"}
     assert "Bloqués 1" in parts["tabs"]
+    assert "Erreurs 1, finis" in parts["tabs"]
     assert "stuck-row" in parts["stuck"]
     wall = parts_of(browser.get(path, params={"mur": "oui"}).text)
     assert wall.keys() == {"wall"}
@@ -271,6 +272,25 @@ def test_a_lesson_is_read_again_where_it_has_changed(
         service.end_lesson(db, made, martin.account.id, utc_now())
     look()
     assert all(before != after for before, after in pairwise(pulses))
+
+
+def test_the_page_says_how_many_mistakes_it_leaves_out(
+    site: Site, course: Course, martin: Person, made: SchoolClass
+) -> None:
+    mistakes = (WRONG, "vt_pour_v", "ordre_matrices", "degres", "signe")
+    students = seated(site.database, made, len(mistakes), utc_now())
+    store(
+        site.database,
+        [
+            Sent(student, EXERCISE, utc_now(), 0.25, mistake)
+            for student, mistake in zip(students, mistakes, strict=True)
+        ],
+    )
+    begin(site.database, course, made, martin.account, EXERCISE)
+    text = text_of(martin.browser(site), f"/classes/{made.id}/seance")
+    assert "Erreurs en cours les 3 plus fréquentes sur 5" in words_of(text)
+    assert "Erreurs 3 sur 5, finis 0" in text, "on the tab of a phone too"
+    assert text.count("à l’élève qui fait encore cette erreur. La page suivante demande") == 3
 
 
 def test_a_page_takes_as_many_queries_for_many_as_for_few(site: Site, martin: Person, course: Course) -> None:

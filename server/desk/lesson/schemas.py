@@ -76,7 +76,7 @@ class DayExercise:
 class LessonParts:
     """Everything on the page that changes while the lesson goes on. `elapsed`: since it began, in words.
 
-    `overcome`: title and address of each mistake of the last minutes that nobody makes any more. Each student is among
+    `more_mistakes`: the number of those that `mistakes` leaves out. `overcome`: title and address of each mistake of the last minutes that nobody makes any more. Each student is among
     the stuck, the `finished`, the `absent` or the `working`.
     """
 
@@ -84,6 +84,7 @@ class LessonParts:
     stuck: tuple[StuckRow, ...]
     more_stuck: tuple[str, ...]
     mistakes: tuple[MistakeRow, ...]
+    more_mistakes: int
     overcome: tuple[tuple[str, str], ...]
     finished: tuple[str, ...]
     absent: tuple[str, ...]

@@ -120,6 +120,7 @@ def lesson_parts(db: Session, progress: ClassProgress, school_class: SchoolClass
         stuck=build_stuck_rows(db, progress, links, names, state, helpers, SHOWN_STUCK),
         more_stuck=tuple(names[row.account] for row in state.stuck[SHOWN_STUCK:]),
         mistakes=tuple(_mistake_row(progress, links, names, stuck, mistake) for mistake in state.mistakes),
+        more_mistakes=state.more_mistakes,
         overcome=tuple(
             (mistake_title(progress.course, row.exercise, row.id), misconception_href(links.href, row.exercise, row.id))
             for row in state.overcome
