@@ -16,11 +16,11 @@ from server.base import school_time
 from server.board import stuck
 from server.board.attempts import FAILURES, Pair, group_by_student, is_solved, is_unexplained
 from server.board.progress import ClassProgress
-from server.board.stuck import PRESENCE, failures_without_progress
+from server.board.stuck import PRESENCE, StuckStudent, failures_without_progress, find_stuck
 from server.gradebook.histories import Attempts, AttemptsByPair, computed_once
 
 #: Different failures without progress at the end of the period, from which a student is to be seen; fewer are enough
-#: for one whom the lesson's page showed as stuck until its end.
+#: for a student whom the lesson's page showed as stuck until its end.
 MIN_FAILURES = 3
 #: The same of a week, where a student is to be seen for what they worked at last; and the days of it on which the same
 #: mistake makes a student to be seen at any exercise.
@@ -37,7 +37,7 @@ UNEXPLAINED_SHARE, UNSOLVED_SHARE = 1 / 3, 3 / 4
 @dataclass(frozen=True)
 class StudentToSee:
     """A student who ended the period without progress: `failures` different ones; `mistake` is that of the last, whose
-    grading is `grading`.
+    grading is `grading`. `stuck`: how the lesson's page showed them at its end, at this exercise, if it did.
 
     `days`: those of a week on which they made it, on the school's clock; empty of a lesson.
     """
@@ -48,6 +48,7 @@ class StudentToSee:
     mistake: str | None
     grading: UUID
     days: tuple[date, ...] = ()
+    stuck: StuckStudent | None = None
 
 
 @dataclass(frozen=True)
@@ -128,7 +129,11 @@ def build_review(
     silent = [student for student in quiet if student.id not in elsewhere]
     seen = {student.id: student.seen_at for student in silent if student.seen_at and student.seen_at >= since}
     present = {account for account, at in seen.items() if at <= until + PRESENCE}
-    to_see = _students_to_see_of_week(period, since) if is_week else _students_to_see(period, until)
+    to_see = (
+        _students_to_see_of_week(period, since)
+        if is_week
+        else _students_to_see(period, until, _stuck_at(progress, until))
+    )
     to_explain = _mistakes_to_explain(period)
     return LessonReview(
         to_see=to_see[:MAX_TO_SEE],
@@ -155,17 +160,31 @@ def _attempts_in(
     wanted = frozenset(exercises)
     period: dict[Pair, Attempts] = {}
     for pair, all_series in attempts.items():
-        series = all_series
-        if pair[1] not in wanted or series[-1].sent_at < since:
+        if pair[1] not in wanted or all_series[-1].sent_at < since:
             continue
-        if series[-1].sent_at > until:
-            series = tuple(attempt for attempt in series if attempt.sent_at <= until)
+        series = _until(all_series, until)
         if series and series[-1].sent_at >= since:
             period[pair] = series
     return period
 
 
-def _students_to_see(period: Mapping[Pair, Attempts], until: datetime) -> tuple[StudentToSee, ...]:
+def _until(attempts: Attempts, until: datetime) -> Attempts:
+    if attempts[-1].sent_at <= until:
+        return attempts
+    return tuple(attempt for attempt in attempts if attempt.sent_at <= until)
+
+
+def _stuck_at(progress: ClassProgress, until: datetime) -> Mapping[UUID, StuckStudent]:
+    """Return who was stuck at the end of a lesson; who was seen later is taken to have been there."""
+    cut = {pair: _until(series, until) for pair, series in progress.attempts.items()}
+    before = {pair: series for pair, series in cut.items() if series}
+    seen_at = {student.id: student.seen_at for student in progress.students}
+    return {row.account: row for row in find_stuck(before, seen_at, until)}
+
+
+def _students_to_see(
+    period: Mapping[Pair, Attempts], until: datetime, stuck_at_end: Mapping[UUID, StuckStudent]
+) -> tuple[StudentToSee, ...]:
     """Return the students without progress, each at the exercise where they failed most."""
     last_work = {account: max(own.values(), key=_last_sent_at) for account, own in group_by_student(period).items()}
     worst: dict[UUID, StudentToSee] = {}
@@ -173,8 +192,12 @@ def _students_to_see(period: Mapping[Pair, Attempts], until: datetime) -> tuple[
         run = () if is_solved(series) else failures_without_progress(series)
         failures, known = len({attempt.digest for attempt in run}), worst.get(account)
         ended_stuck = failures >= stuck.MIN_FAILURES and series is last_work[account] and _is_long(run, until)
-        if (failures >= MIN_FAILURES or ended_stuck) and (known is None or failures > known.failures):
-            worst[account] = StudentToSee(account, exercise, failures, series[-1].diagnosis, series[-1].grading_id)
+        row = stuck_at_end.get(account)
+        shown = row if run and row is not None and row.exercise == exercise else None
+        is_to_see = failures >= MIN_FAILURES or ended_stuck or shown is not None
+        if is_to_see and (known is None or failures > known.failures):
+            last = series[-1]
+            worst[account] = StudentToSee(account, exercise, failures, last.diagnosis, last.grading_id, stuck=shown)
     return tuple(sorted(worst.values(), key=lambda row: (-row.failures, str(row.account))))
 
 
@@ -216,9 +239,8 @@ def list_to_see(
     progress: ClassProgress, exercises: Collection[str], since: datetime, until: datetime
 ) -> frozenset[UUID]:
     """Return all students whom the review of this lesson says to see."""
-    return frozenset(
-        row.account for row in _students_to_see(_attempts_in(progress.attempts, exercises, since, until), until)
-    )
+    period = _attempts_in(progress.attempts, exercises, since, until)
+    return frozenset(row.account for row in _students_to_see(period, until, _stuck_at(progress, until)))
 
 
 def _mistakes_to_explain(period: Mapping[Pair, Attempts]) -> tuple[MistakeToExplain, ...]:

@@ -16,6 +16,7 @@ from server.board.lesson_review import (
     list_to_see,
 )
 from server.board.service import load_progress
+from server.board.stuck import StuckSign
 from server.classes.models import Membership
 from server.course import Course
 from server.database import Database
@@ -98,12 +99,22 @@ def test_a_week_says_to_see_fewer_students_than_its_lessons(sqlite: Database, co
 
 def test_who_was_stuck_until_the_end_of_a_lesson_is_to_be_seen(sqlite: Database, course: Course) -> None:
     term, end = Term.begin(sqlite), OPENS + timedelta(hours=1)
-    stuck, quick, elsewhere, gone = (term.student(name, "Petit") for name in ("Ada", "Alan", "Grace", "Kurt"))
-    for student, minutes in ((stuck, (16, 13)), (quick, (5, 3)), (elsewhere, (16, 13)), (gone, (59, 50))):
+    names = ("Ada", "Alan", "Grace", "Kurt", "Emmy", "Hugo")
+    stuck, quick, elsewhere, gone, silent, left = (term.student(name, "Petit") for name in names)
+    all_minutes = ((16, 13), (5, 3), (16, 13), (59, 50), (25,), (25,))
+    for student, minutes in zip((stuck, quick, elsewhere, gone, silent, left), all_minutes, strict=True):
         for number, before in enumerate(minutes):
             term.send(student, POSES, 3 - number, end - timedelta(minutes=before))
     term.send(elsewhere, ODOMETRY, 5, end - timedelta(minutes=2))
+    with sqlite.write() as db:
+        for student, seen_at in ((silent, end + timedelta(hours=9)), (left, end - timedelta(minutes=24))):
+            own = Membership.class_id == term.made.id, Membership.account_id == student.id
+            db.execute(update(Membership).where(*own).values(last_seen_at=seen_at))
     with sqlite.read() as db:
         progress = load_progress(db, course, term.made, end)
     review = build_review(progress, [POSES, ODOMETRY], OPENS, end)
-    assert [(row.account, row.failures) for row in review.to_see] == [(stuck.id, 2)]
+    assert [(row.account, row.failures) for row in review.to_see] == [(stuck.id, 2), (silent.id, 1)]
+    shown = review.to_see[1].stuck
+    assert shown is not None
+    assert (shown.sign, shown.since) == (StuckSign.silence, end - timedelta(minutes=25)), "as the lesson's page said"
+    assert list_to_see(progress, [POSES, ODOMETRY], OPENS, end) == {stuck.id, silent.id}

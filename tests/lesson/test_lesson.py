@@ -403,7 +403,7 @@ def test_the_review_of_a_lesson_says_whom_to_see_and_what_to_explain(
         for name in ("voir", "expliquer", "enonces", "rien", "progres")
     }
     assert all(f"/eleves/{student}/{EXERCISE}" in parts["voir"] for student in students[:6])
-    assert "3 essais ratés sans progrès" in parts["voir"]
+    assert "3 essais ratés sans progrès les 10 dernières minutes" in parts["voir"]
     assert "6 élèves" in parts["expliquer"]
     for lead in (f"/erreurs/{EXERCISE}/{WRONG}/projeter", "/soumissions/", "/mots?exercice=", "Relire «"):
         assert lead in parts["expliquer"], "each line leads to its doing"

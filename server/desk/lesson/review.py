@@ -19,11 +19,12 @@ from server.board.failed_checks import load_failures
 from server.board.lesson_review import MIN_DAYS, LessonReview, build_review, list_to_see
 from server.board.progress import ClassProgress
 from server.board.service import load_progress
+from server.board.stuck import StuckSign, StuckStudent
 from server.classes.models import SchoolClass
 from server.course import Course
 from server.desk.board.links import BoardLinks, misconception_href
 from server.desk.lesson.remedial import remedial_href
-from server.desk.lesson.stuck_rows import failure_words, mistake_title
+from server.desk.lesson.stuck_rows import failure_words, minutes_between, mistake_title
 from server.desk.schemas import ClassHead
 from server.desk.views import class_head, class_href
 from server.lesson import repository as lessons
@@ -45,7 +46,8 @@ Link = tuple[str, str]
 class SeeRow:
     """A student to see; `mistake` is the last by its name, empty where it has none: then `failure` says what fails.
 
-    `days`: those of a week on which they made it, in words, empty for fewer than two; `named_before`: the day of the
+    `ending`: since when they make no progress or have sent nothing, in words, to be read after the failures. `days`:
+    those of a week on which they made it, in words, empty for fewer than two; `named_before`: the day of the
     latest lesson of the week before whose page says to see them already, in words, or empty.
     """
 
@@ -55,6 +57,7 @@ class SeeRow:
     failures: int
     mistake: str
     failure: str
+    ending: str
     objectives: str
     remedial: str
     days: str
@@ -166,6 +169,7 @@ def review_page(
                 row.failures,
                 "" if row.mistake is None else mistake_title(course, row.exercise, row.mistake),
                 failure_words(course, row.exercise, failures[row.grading]) if row.grading in failures else "",
+                _ending_words(row.stuck, until),
                 f"{links.href}/eleves/{row.account}/objectifs",
                 remedy(row.exercise, [row.account]),
                 join_words(map(short_day, row.days)) if len(row.days) >= MIN_DAYS else "",
@@ -198,6 +202,13 @@ def review_page(
         ),
         idle_remedial=remedy(exercises[0] if exercises else "", [*review.idle, *review.absent, *review.unknown]),
     )
+
+
+def _ending_words(row: StuckStudent | None, until: datetime) -> str:
+    if row is None:
+        return " sans progrès"
+    what = " sans progrès" if row.sign is StuckSign.failures else ", rien envoyé"
+    return f"{what} les {minutes_between(row.since, until)} dernières minutes"
 
 
 def _days_named_before(progress: ClassProgress, earlier: Sequence[LiveLesson]) -> Mapping[UUID, str]:

@@ -76,8 +76,9 @@ class DayExercise:
 class LessonParts:
     """Everything on the page that changes while the lesson goes on. `elapsed`: since it began, in words.
 
-    `more_mistakes`: the number of those that `mistakes` leaves out. `overcome`: title and address of each mistake of the last minutes that nobody makes any more. Each student is among
-    the stuck, the `finished`, the `absent` or the `working`.
+    `more_mistakes`: the number of those that `mistakes` leaves out. `overcome`: title and address of each mistake of
+    the last minutes that nobody makes any more. Each student is among the stuck, the `finished`, the `absent` or the
+    `working`.
     """
 
     elapsed: str
