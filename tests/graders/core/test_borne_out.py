@@ -28,7 +28,8 @@ STEPS = "for _ in range(n_iter):"
     ("edits", "told"),
     [
         ({STEPS: "for _ in range(1):"}, "une_seule_iteration"),
-        ({STEPS: "for _ in range(25):", "] = omega": "] = omega @ omega"}, "pas_le_minimum"),
+        ({STEPS: "for _ in range(25):", "] = omega": "] = omega + np.diag([30.0, 0.0, 0.0])"}, "pas_le_minimum"),
+        ({STEPS: "for _ in range(25):", "] = omega": "] = omega @ omega"}, "omega_mal_employee"),
     ],
 )
 def test_a_name_stands_where_its_experiment_bears_it_out(edits: dict[str, str], told: str) -> None:
