@@ -10,10 +10,8 @@ from sqlalchemy.orm import Session
 
 from graders.core.contract.outcomes import Outcome
 from graders.core.contract.verdict import Verdict
-from server.base.caches import LRUCache
 from server.gradebook import repository
 
-MAX_CACHED = 4096
 #: Outcomes of a file that does not run: no check says more.
 OF_THE_FILE = frozenset((Outcome.SYNTAX_ERROR, Outcome.IMPORT_ERROR))
 
@@ -23,10 +21,6 @@ class FailedCheck(NamedTuple):
 
     outcome: Outcome
     check: str
-
-
-#: By grading, which never changes.
-_FAILURES: LRUCache[UUID, FailedCheck] = LRUCache(MAX_CACHED)
 
 
 def first_failure(verdict: Verdict) -> FailedCheck:
@@ -40,9 +34,5 @@ def first_failure(verdict: Verdict) -> FailedCheck:
 
 def load_failures(db: Session, gradings: Collection[UUID]) -> Mapping[UUID, FailedCheck]:
     """Return what the attempts with these gradings, all of them wrong, fail at."""
-    found = {grading: failure for grading in gradings if (failure := _FAILURES.get(grading)) is not None}
-    missing = [grading for grading in gradings if grading not in found]
-    if missing:
-        for grading, verdict in repository.load_verdicts(db, missing).items():
-            found[grading] = _FAILURES.put(grading, first_failure(Verdict.from_json(verdict)))
-    return found
+    verdicts = repository.load_verdicts(db, gradings) if gradings else {}
+    return {grading: first_failure(Verdict.from_json(verdict)) for grading, verdict in verdicts.items()}
