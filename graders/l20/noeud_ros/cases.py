@@ -112,7 +112,7 @@ def readings(rng: Rng) -> Iterator[Scene]:
         ],
         launched=0.9,
     )
-    yield Scene(list(_one_sided()))
+    yield Scene(list(one_sided()))
     ranges = np.where(rng.random(72) < 0.25, NAN, np.round(rng.uniform(1.0, 6.0, 72), 2))
     near = ranges.copy()
     near[36 + rng.integers(-4, 1)] = 0.22
@@ -120,7 +120,7 @@ def readings(rng: Rng) -> Iterator[Scene]:
     yield Scene([phase(ranges, "des nan çà et là, rien à moins de 1 m"), phase(near, told)])
 
 
-def _one_sided() -> Iterator[Phase]:
+def one_sided() -> Iterator[Phase]:
     """Many invalid readings on one side: the window is that of all beams, and not of those that have read something."""
     for nothing, name in ((NAN, "nan"), (INF, "+inf")):
         blind = dict.fromkeys(range(34), nothing)

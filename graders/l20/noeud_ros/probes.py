@@ -6,7 +6,7 @@ import numpy as np
 
 from graders.core.code.probes import Probes
 from graders.core.contract.values import Arguments, UnreadableError, Value
-from graders.l20.noeud_ros.cases import INF, NAN, beams
+from graders.l20.noeud_ros.cases import INF, NAN, beams, one_sided
 from graders.l20.noeud_ros.judge import read_log
 from graders.l20.noeud_ros.scenes import COMMAND, NODE, QUICK, SCAN, STILL, Scene, phase, scenario
 
@@ -66,10 +66,7 @@ VALUES = Scene(
         phase(beams(36, {18: 12.0}), "", distance=0.5),
         phase(beams(36, {18: 0.1}), "", distance=0.5, range_min=0.02),
         phase(beams(36, {18: 2e-4}), "", distance=0.5, range_min=1e-4),  # less than 0.5 in millimetres too
-        phase(beams(90, dict.fromkeys(range(34), NAN) | {44: 0.2}), ""),
-        phase(beams(90, dict.fromkeys(range(34), NAN) | {62: 0.2}), ""),
-        phase(beams(90, dict.fromkeys(range(34), INF) | {44: 0.2}), ""),
-        phase(beams(90, dict.fromkeys(range(34), INF) | {62: 0.2}), ""),
+        *one_sided(),
     ],
     launched=0.6,
     pace=QUICK,
