@@ -84,10 +84,10 @@ Recognise = Callable[[ProbeResults], str | None]
 
 @dataclass(frozen=True)
 class ProgramTrial:
-    """What an experiment may do with a program that a rule has named: its answers to the probes, the answers that it
-    gives to further calls, and whether the named mistake, undone in its file, makes some wrong answer right."""
+    """What an experiment may do with a program that a rule has named: ask for its answers to the probes, or to further
+    calls, and whether the named mistake, undone in its file, makes some wrong answer right."""
 
-    shown: ProbeResults
+    ask_probes: Callable[[], ProbeResults]
     ask: Callable[[Sequence[Arguments]], Sequence[ProbeAnswer]]
     undo: Callable[[], bool]
 

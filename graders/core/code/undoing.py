@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Callable, Collection, Sequence
-from functools import cache, partial
+from functools import partial
 
 from graders.core.code.call_graph import find_callers
 from graders.core.code.changes import count_turns
@@ -88,7 +88,7 @@ def _borne_out_name(ruled: RuledName, prober: Prober, runner: Runner) -> tuple[s
     still_open = ""
     for name, experiment in ruled.candidates:
         undo = partial(_mends, name, edits.get(name, ()), ruled.number, prober, runner)
-        is_borne_out = experiment(_trial(ruled.number, prober, runner, cache(undo)))
+        is_borne_out = experiment(_trial(ruled.number, prober, runner, undo))
         if is_borne_out:
             return name, False
         if is_borne_out is None:
@@ -103,9 +103,12 @@ def _trial(index: int, prober: Prober, runner: Runner, undo: Callable[[], bool])
         (given,) = VariantCaller(runner.programs).answers([source], probes.function, calls, probes.kit)
         return [probes.read_answer(call, answer) for call, answer in zip(calls, given, strict=False)]
 
-    answers = ask(probes.calls)
-    right = prober.nearest_right_answers(index, answers) if len(answers) == len(probes.calls) else answers
-    return ProgramTrial(ProbeResults(probes.calls, answers, right, probes.same), ask, undo)
+    def ask_probes() -> ProbeResults:
+        answers = ask(probes.calls)
+        right = prober.nearest_right_answers(index, answers) if len(answers) == len(probes.calls) else answers
+        return ProbeResults(probes.calls, answers, right, probes.same)
+
+    return ProgramTrial(ask_probes, ask, undo)
 
 
 def _mends(name: str, functions: Collection[str], index: int, prober: Prober, runner: Runner) -> bool:

@@ -178,9 +178,12 @@ def turns_only(shown: ProbeResults) -> str | None:
 
 def goes_on_from_its_end(trial: ProgramTrial) -> bool:
     """Asked again from where it ended, the program comes nearer to each optimum: it had stopped before it."""
-    ends = [_found(trial.shown, k) for k in ONE_STEP]
+    shown = trial.ask_probes()
+    if len(shown.got) < len(shown.calls):
+        return False
+    ends = [_found(shown, k) for k in ONE_STEP]
     calls = [
-        (end.poses, end.landmarks, *trial.shown.calls[k][2:])
+        (end.poses, end.landmarks, *shown.calls[k][2:])
         for end, k in zip(ends, ONE_STEP, strict=True)
         if end is not None
     ]

@@ -182,9 +182,12 @@ def goes_on_from_its_end(trial: ProgramTrial) -> bool:
 
     One that has converged to something else stays there.
     """
-    ends = [_poses(trial.shown, k) for k in (PLAIN, WRAPPING, DOUBLED)]
+    shown = trial.ask_probes()
+    if len(shown.got) < len(shown.calls):
+        return False
+    ends = [_poses(shown, k) for k in (PLAIN, WRAPPING, DOUBLED)]
     graphs = [GRAPHS[k] for k in (PLAIN, WRAPPING, DOUBLED)]
-    calls = [(end, *trial.shown.calls[k][1:]) for end, k in zip(ends, (PLAIN, WRAPPING, DOUBLED), strict=True)]
+    calls = [(end, *shown.calls[k][1:]) for end, k in zip(ends, (PLAIN, WRAPPING, DOUBLED), strict=True)]
     if any(end is None for end in ends):
         return False
     again = [as_array(answer) for answer in trial.ask(calls)]
