@@ -38,6 +38,7 @@ RUNS: tuple[Arguments, ...] = (
     drawn_runs(STEADY, 2, 14, 0.05),
     drawn_runs(STEADY, 2, 20, 1.05),
     drawn_runs(STEADY, 3, 16, -0.06),
+    drawn_runs(STEADY, 2, 8, 4.5),  # above the band of a single run
 )
 
 

@@ -65,7 +65,7 @@ def test_two_mistakes_are_both_told() -> None:
     diagnosis = verdict(edited("v1 = v + q", "v1 = v", "v2 = (1 - K) * v", "v2 = (1 - K) * r"), 1).diagnosis
     assert diagnosis is not None
     assert "n'ajoute aucun doute" in diagnosis.title
-    assert "part retirée" in diagnosis.title
+    assert "gardé comme variance" in diagnosis.title
 
 
 def test_the_counterexample_is_small_and_shows_both_wrong_values() -> None:
