@@ -15,6 +15,8 @@ from graders.core.contract.values import Arguments, Floats, UnreadableError, Val
 
 #: What two answers to a probe may differ by and still be the same.
 ALIKE = 1e-7
+#: Characters of a name that is a symbol, such as b or d².
+LONGEST_SYMBOL = 2
 
 
 class NotAPairError(Exception):
@@ -69,8 +71,8 @@ class SamePair:
 
 
 def _told(name: str, wanted: Floats, found: Floats, right: bool, is_verdict: bool) -> str:
-    """One sentence on one of the two; `is_verdict`: True or False is awaited."""
-    name = name[0].upper() + name[1:]
+    """One sentence on one of the two; `is_verdict`: True or False is awaited. A symbol, such as b, stays as it is."""
+    name = name if len(name) <= LONGEST_SYMBOL else name[0].upper() + name[1:]
     if right:
         return f"{name} : c'est juste."
     if found.ndim == 0:

@@ -1,4 +1,9 @@
-"""A failed call beside a near one that comes out right: both are run, and nothing is said of any other call."""
+"""A failed call beside a near one that comes out right: both are run, and nothing is said of any other call.
+
+A near call teaches nothing where little is left to compute: no iteration, a share of 1, a start outside the map. So
+each argument that the right answer to the failed call feels must be felt by the right answer to the near one too. Where
+right answers are whole numbers, such as indices, both must be the same: another one depends on other things.
+"""
 
 from __future__ import annotations
 
@@ -7,20 +12,25 @@ from collections.abc import Callable, Sequence
 import numpy as np
 
 from graders.core.code.seen_facts import FactKind, FunctionTrial, ReturnedValue, SeenFact, capital_subject, shown_value
+from graders.core.compare.changed_arguments import variations
 from graders.core.compare.near_calls import near_calls
+from graders.core.compare.series import same
 from graders.core.contract.values import Arguments, Floats
 
 #: Failed calls beside which near ones are tried, and the error up to which an answer is the awaited one.
 MAX_FAILED, JUST = 2, 1e-8
+#: Near calls of a failed one that come out right of which it is looked at what their right answers feel.
+MAX_LOOKED_AT = 6
 _QUESTION = "Qu’est-ce qui change dans votre calcul, du premier appel au second ?"
 #: Answers of a program, and of the solution, to some calls; fewer where the time is spent.
 Answers = Sequence[list[Floats] | None]
+Ask = Callable[[Sequence[Arguments]], Answers]
 
 
-def find_contrast(
-    trial: FunctionTrial, views: Sequence[ReturnedValue], ask: Callable[[Sequence[Arguments]], tuple[Answers, Answers]]
-) -> SeenFact | None:
+def find_contrast(trial: FunctionTrial, views: Sequence[ReturnedValue], run: Ask, solve: Ask) -> SeenFact | None:
     """Return the smallest change of a failed call that makes a wrong value right; None where none of those tried does.
+
+    `run` asks the program, `solve` the solution.
 
     The failed call is asked again before and after the near ones: a program that draws, or remembers, shows nothing.
     """
@@ -30,15 +40,44 @@ def find_contrast(
             failed = trial.calls[number]
             near = list(near_calls(trial.names, failed))
             calls = [failed, *(each.call for each in near), failed]
-            mine, its = ask(calls)
+            mine, its = run(calls), solve(calls)
             if len(mine) < len(calls) or len(its) < len(calls) or _are_just(view, mine[0], its[0]):
                 continue
             if not _are_just(view, mine[0], mine[-1]):
                 continue
-            for each, got, right in zip(near, mine[1:], its[1:], strict=False):
-                if got is not None and right is not None and _are_just(view, got, right):
+            just = [
+                (each, right)
+                for each, got, right in zip(near, mine[1:], its[1:], strict=False)
+                if right is not None and _are_just(view, got, right) and _is_comparable(view, right, its[0])
+            ]
+            felt = _felt_arguments(trial.names, failed, its[0], view, solve) if just else frozenset()
+            for each, right in just[:MAX_LOOKED_AT]:
+                if felt <= _felt_arguments(trial.names, each.call, right, view, solve):
                     return _told(trial, view, number, each.words, view.read(right))
     return None
+
+
+def _is_comparable(view: ReturnedValue, near: Sequence[Floats], failed: Sequence[Floats] | None) -> bool:
+    """Whether two right answers are the same, unless they hold more than whole numbers."""
+    if failed is None:
+        return False
+    first, second = view.read(near), view.read(failed)
+    are_whole = all(bool(np.all(value == np.round(value))) for value in (first, second))
+    return not are_whole or same(first, second)
+
+
+def _felt_arguments(
+    names: tuple[str, ...], call: Arguments, right: Sequence[Floats] | None, view: ReturnedValue, solve: Ask
+) -> frozenset[int]:
+    """Return the indices of the arguments of which some variation changes the right answer to a call."""
+    varied = [(index, other) for index, change in variations(names, call) if (other := change.apply(call)) is not None]
+    answers = solve([other for _, other in varied])
+    return frozenset(
+        index
+        for (index, _), answer in zip(varied, answers, strict=False)
+        if answer is not None and right is not None and len(answer) == len(right)
+        if not same(view.read(answer), view.read(right))
+    )
 
 
 def _are_just(view: ReturnedValue, got: Sequence[Floats] | None, right: Sequence[Floats] | None) -> bool:

@@ -11,12 +11,13 @@ from __future__ import annotations
 import itertools
 import pickle
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from functools import partial
 from types import MappingProxyType
 
 import numpy as np
 
 from graders.core.code.checks import Cases
-from graders.core.code.contrasts import Answers, find_contrast
+from graders.core.code.contrasts import find_contrast
 from graders.core.code.example_calls import like_call
 from graders.core.code.grading import CodeGrader
 from graders.core.code.seen_facts import (
@@ -95,12 +96,10 @@ class Experimenter:
         felt = [] if strong or replaced or is_free else list(self._felt(source, trial, wider, rich))
         flaws = [fact for fact in related if not fact.says_answers]
         told = [*strong, *replaced, *felt]
-
-        def ask(calls: Sequence[Arguments]) -> tuple[Answers, Answers]:
-            return self._answers(source, trial, calls), self._solution(trial, calls)
+        run, solve = partial(self._answers, source, trial), partial(self._solution, trial)
 
         left = [view for view in views if not any(capital_subject(view.words) in fact.title for fact in told)]
-        contrast = find_contrast(wider, left, ask) if len(told) < MAX_FACTS else None
+        contrast = find_contrast(wider, left, run, solve) if len(told) < MAX_FACTS else None
         return [*told, *(fact for fact in (contrast,) if fact is not None), *flaws]
 
     def _related(self, trial: FunctionTrial, view: ReturnedValue) -> list[SeenFact]:

@@ -15,6 +15,8 @@ from graders.core.contract.values import Floats
 
 #: Relative error up to which a relation holds.
 EXACT = 1e-9
+#: Turns up to which a difference is a whole number of them: finite differences leave a millionth.
+TURN = 1e-6
 #: Entries from which it is told how many of them are wrong.
 MANY = 4
 _FACTORS = {2.0: "le double", 0.5: "la moitié", -1.0: "l’opposé", 4.0: "le quadruple", 0.25: "le quart"}
@@ -23,9 +25,13 @@ _FACTORS = {2.0: "le double", 0.5: "la moitié", -1.0: "l’opposé", 4.0: "le q
 def tell_relation(expected: Floats, got: Floats) -> str:
     """Return one French sentence on two arrays of the same shape that differ; empty where nothing is to be said.
 
-    Nothing is said of single numbers: simplified ones are twice or a quarter of each other by chance.
+    Nothing but whole turns is said of single numbers: simplified ones are twice or a quarter of each other by chance.
     """
-    if np.unique(expected).size < 2 or not (np.isfinite(got).all() and np.isfinite(expected).all()):
+    if not (np.isfinite(got).all() and np.isfinite(expected).all()):
+        return ""
+    if turns := next(_turns(expected, got), ""):
+        return turns
+    if np.unique(expected).size < 2:
         return ""
     with np.errstate(all="ignore"):
         return next((told for find in _RELATIONS for told in find(expected, got)), "")
@@ -49,6 +55,18 @@ def _property(expected: Floats, got: Floats) -> Iterator[str]:
         least, right = float(np.linalg.eigvalsh(got)[0]), float(np.linalg.eigvalsh(expected)[0])
         if right >= -EXACT and least < -EXACT * size:
             yield f"Le tableau a une valeur propre négative, {number(least, 4)}, ce que n’a aucune covariance."
+
+
+def _turns(expected: Floats, got: Floats) -> Iterator[str]:
+    """Whole turns, wherever the values differ: an angle that was not brought back, or brought back elsewhere."""
+    turns = np.abs(got - expected) / (2.0 * np.pi)
+    whole = np.round(turns)
+    if whole.max(initial=0.0) < 1.0 or not np.allclose(turns, whole, rtol=0.0, atol=TURN):
+        return
+    if whole.max() > 1.0:
+        yield f"L’écart est un multiple de 2π{', partout' * (got.size > 1)} : un nombre entier de tours."
+    else:
+        yield f"L’écart est de 2π, un tour entier{', partout où c’est faux' * (got.size > 1)}."
 
 
 def _factor(expected: Floats, got: Floats) -> Iterator[str]:

@@ -154,14 +154,18 @@ def _quantities(series: Series, known: Sequence[int]) -> Iterator[tuple[str, Flo
             yield f"la somme {elided('de', name)}", np.array([value.sum() for value in values], dtype=float)
 
 
+def _turns(series: Series) -> Iterator[str]:
+    """Whole turns too much."""
+    gaps = [(got - right).ravel() for got, right in zip(series.got, series.right, strict=True)]
+    turns = np.concatenate(gaps) / (2.0 * np.pi)
+    if turns.size and np.abs(turns).max() > 0.5 and np.allclose(turns, np.round(turns), atol=EXACT):
+        yield "est juste à un nombre entier de tours près"
+
+
 def _offsets(series: Series) -> Iterator[str]:
-    """The same number too much in all calls, or an argument; or whole turns."""
+    """The same number too much in all calls, or an argument."""
     gaps = [got - right for got, right in zip(series.got, series.right, strict=True)]
     flat = np.concatenate([gap.ravel() for gap in gaps])
-    turns = flat / (2.0 * np.pi)
-    if flat.size and np.abs(turns).max() > 0.5 and np.allclose(turns, np.round(turns), atol=EXACT):
-        yield "est juste à un nombre entier de tours près"
-        return
     if flat.size and np.ptp(flat) < EXACT and abs(flat[0]) > EXACT and len(gaps) > MIN_WRONG:
         yield f"a partout {number(float(abs(flat[0])), 5)} de {'trop' if flat[0] > 0 else 'moins'}"
         return
@@ -311,7 +315,7 @@ def _nearness(series: Series) -> Iterator[str]:
 
 #: The relations, the most telling first.
 _RELATIONS = (
-    _functions, _factors, _offsets, _orders, _arguments, _steps, _nearness,
+    _turns, _functions, _factors, _offsets, _orders, _arguments, _steps, _nearness,
 )  # fmt: skip
 #: What says no more than where the answers are wrong, or which property they have not.
 _FLAWS = (_invariants, _lines, _sizes)

@@ -8,10 +8,11 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
+from graders.core.code.contrasts import find_contrast
 from graders.core.code.example_calls import like_call
 from graders.core.code.experiments import Experimenter
 from graders.core.code.places import EXPERIMENT, SEEN_ALSO, describe_facts, join_place
-from graders.core.code.seen_facts import FactKind, Variation, VariedAnswers, are_coarse
+from graders.core.code.seen_facts import FactKind, FunctionTrial, ReturnedValue, Variation, VariedAnswers, are_coarse
 from graders.core.compare.changed_arguments import replacements, variations
 from graders.core.compare.near_calls import near_calls
 from graders.core.compare.series import Series, tell_relations
@@ -22,6 +23,9 @@ from tests.support.shipped import CODE
 
 TABLES = [np.array([[1.0, 2.0], [3.0, 5.0], [4.0, 9.0]]), np.array([[2.0, 7.0], [5.0, 6.0], [8.0, 3.0]])]
 ROWS = [np.array([1.0, 4.0, 2.5]), np.array([3.0, 5.0, 7.5]), np.array([0.5, 9.0, 2.0])]
+
+
+Answerer = Callable[..., float]
 
 
 def told(got: list[Floats], right: list[Floats], calls: list[tuple[object, ...]] | None = None) -> list[str]:
@@ -156,6 +160,32 @@ def test_a_failed_call_is_told_beside_the_nearest_that_comes_out_right() -> None
     assert contrast.title.endswith("est faux pour un appel, et juste pour le même appel mais avec r = 1")
     assert "Pour le même appel mais avec r = 1, on attend et on obtient" in contrast.proof
     assert not any("que quand" in fact.title for fact in facts)
+
+
+def contrast_of(names: tuple[str, ...], right: Answerer, wrong: Answerer, *calls: tuple[float, ...]) -> str:
+    """Return the title of what sets a failed call apart from a near one, for a function of numbers."""
+    run, solve = ([[np.array(it(*call))] for call in calls] for it in (wrong, right))
+    trial = FunctionTrial("f", names, (), lambda: None, calls, run, solve)  # type: ignore[arg-type]
+    view = ReturnedValue("f", lambda values: values[0])
+    found = find_contrast(
+        trial, [view],
+        lambda asked: [[np.array(wrong(*call))] for call in asked],
+        lambda asked: [[np.array(right(*call))] for call in asked],
+    )  # fmt: skip
+    return "" if found is None else found.title.rpartition(" mais ")[2]
+
+
+def test_a_near_call_that_leaves_little_to_compute_is_no_contrast() -> None:
+    """With part = 0 or 1, nothing of one of the two ends is left, and the chord is right; r = 1 leaves all to do."""
+    between, chord = (lambda a, b, part: a + part * (b - a)), (lambda a, b, part: a + part**2 * (b - a))
+    assert contrast_of(("a", "b", "part"), between, chord, (0.3, 2.6, 0.3), (1.2, 2.1, 0.4)) == ""
+    gain, of_square = (lambda v, r: v / (v + r)), (lambda v, r: v / (v + r * r))
+    assert contrast_of(("v", "r"), gain, of_square, (0.5, 0.25), (3.5, 0.6)) == "avec r = 1"
+
+
+def test_an_index_that_becomes_another_one_is_no_contrast() -> None:
+    nearest, always_first = (lambda x, y: float(x > y)), (lambda x, y: 0.0)
+    assert contrast_of(("x", "y"), nearest, always_first, (3.0, 2.0), (4.0, 2.0)) == ""
 
 
 def test_a_change_that_leaves_a_call_as_it_is_or_makes_no_number_is_none() -> None:

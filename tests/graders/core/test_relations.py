@@ -35,6 +35,9 @@ THIRD_COLUMN = np.arange(12.0).reshape(3, 4) ** 2 + np.array([0.0, 0.0, 1.3, 0.0
         (ROW, np.array([0.3, 8.0, -1.0, 2.0]), ""),
         (ROW, ROW * np.nan, ""),
         (np.array(1.0), np.array(1.7), ""),
+        (np.array(0.5), np.array(0.5 - 2.0 * np.pi), "L’écart est de 2π, un tour entier."),
+        (np.array([0.0, 0.0, 2.0]), np.array([0.0, 0.0, 2.0 - 2.0 * np.pi]), "un tour entier, partout où c’est faux"),
+        (np.array([0.0, -1.0, 1.0]), np.array([0.0, 4.0 * np.pi - 1.0, 1.0]), "un nombre entier de tours"),
         (np.zeros(3), np.array([1.0, 2.0, 3.0]), ""),
     ],
 )
