@@ -165,13 +165,15 @@ def same_value(left: Value, right: Value, *, tolerance: float = 1e-7) -> bool:
         if same_numbers or left.shape != right.shape:
             return bool(left.shape == right.shape)
     if isinstance(left, dict) and isinstance(right, dict):
-        return left.keys() == right.keys() and all(same_value(left[k], right[k]) for k in left)
+        return left.keys() == right.keys() and all(
+            same_value(left[key], right[key], tolerance=tolerance) for key in left
+        )
     if isinstance(left, str) or isinstance(right, str) or left is None or right is None:
         return left is right or (isinstance(left, str) and isinstance(right, str) and left == right)
     try:
         a, b = read_array(left), read_array(right)
     except UnreadableError:
-        return _same_items(left, right)
+        return _same_items(left, right, tolerance)
     return a.shape == b.shape and bool(near(a, b, tolerance).all())
 
 
@@ -182,9 +184,11 @@ def near(a: Floats, b: Floats, tolerance: float) -> NDArray[np.bool_]:
     return np.asarray(close | (a == b) | (np.isnan(a) & np.isnan(b)))
 
 
-def _same_items(left: Value, right: Value) -> bool:
+def _same_items(left: Value, right: Value, tolerance: float) -> bool:
     """Tuples of differently shaped arrays, such as (R, t), are the same when their items are."""
     left, right = (value.tolist() if isinstance(value, np.ndarray) else value for value in (left, right))
     if not isinstance(left, tuple | list) or not isinstance(right, tuple | list):
         return type(left) is type(right) and bool(left == right)
-    return len(left) == len(right) and all(same_value(a, b) for a, b in zip(left, right, strict=True))
+    return len(left) == len(right) and all(
+        same_value(a, b, tolerance=tolerance) for a, b in zip(left, right, strict=True)
+    )

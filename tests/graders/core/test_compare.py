@@ -1,7 +1,9 @@
 """Comparators: generous about containers, strict about content, never raising on what a student returned."""
 
 import math
+from collections.abc import Callable
 from copy import deepcopy
+from typing import Any
 
 import numpy as np
 import pytest
@@ -121,6 +123,12 @@ def test_values_of_any_kind_are_the_same_as_their_copies() -> None:
         assert same_value(value, deepcopy(value))
     assert not same_value(pair, pair[::-1])
     assert not same_value(np.array([1j]), np.array([2j]))
+
+
+@pytest.mark.parametrize("held", [lambda x: x, lambda x: {"x": x}, lambda x: (np.eye(2), x), lambda x: [x, "a"]])
+def test_values_in_tuples_and_dictionaries_are_compared_up_to_the_same_tolerance(held: Callable[[float], Any]) -> None:
+    assert not same_value(held(1.0), held(1.0 + 1e-9), tolerance=0.0)
+    assert same_value(held(1.0), held(1.01), tolerance=0.1)
 
 
 def test_a_text_is_never_the_same_as_an_array() -> None:
