@@ -8,11 +8,13 @@ from __future__ import annotations
 
 import re
 from collections import Counter
-from collections.abc import Collection, Iterable, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
+from types import MappingProxyType
 
 from graders.core.code.folder import Misconception
+from graders.core.code.recognised import Ground
 from graders.core.code.reenacting import Reenactment
 from graders.core.code.runner import Observation
 from graders.core.compare.slips import SLIPS, Slip
@@ -25,8 +27,13 @@ EXPLAINS, FAILS_TOO = "Cela explique", "Autre vérification qui échoue"
 OTHERS_FAIL = "Autres vérifications qui échouent"
 #: Said of a mistake that shows only where the other functions are right.
 _HIDDEN = "se voit avec les autres fonctions justes"
-#: Said of a mistake that others resemble.
-_RESEMBLES = "Votre fonction répond comme avec cette erreur ; d'autres donneraient cela aussi."
+#: Said of a mistake on its ground, and of several on answers that are those of all of them.
+_GROUND_WORDS = {
+    Ground.RESEMBLANCE: "Votre fonction répond comme avec cette erreur ; d'autres donneraient cela aussi.",
+    Ground.ANSWERS: "Vos réponses sont celles que donne cette erreur.",
+    Ground.MIXED_ANSWERS: "Vos réponses sont celles que donne cette erreur, avec une autre.",
+}
+_TOGETHER = "Vos réponses sont celles que donnent ces erreurs."
 
 
 @dataclass(frozen=True)
@@ -114,30 +121,36 @@ def combine_diagnoses(
     facts: Sequence[Slip] = (),
     *,
     hidden: Collection[str] = (),
-    likely: Collection[str] = (),
+    grounds: Mapping[str, Ground] = MappingProxyType({}),
     explains_all: bool = True,
 ) -> Diagnosis:
     """Return one diagnosis of several mistakes, slips and facts: the id of the first, the texts of all.
 
-    `hidden` are the titles of those that show only where the other functions are right, `likely` the ids of those that
-    others resemble. What is true only of a program
+    `hidden` are the titles of those that show only where the other functions are right, `grounds` those of the ids.
+    What is true only of a program
     with one mistake is left out beside another one, and where not `explains_all`.
     """
     named: dict[str, Misconception | Slip] = {**SLIPS, **{mistake.id: mistake for mistake in misconceptions}}
     together: list[Misconception | Slip] = [*(named[mistake] for mistake in ids), *facts]
     is_alone = len(together) == 1 and explains_all
+    by_answers = [m.id for m in together if grounds.get(m.id) in (Ground.ANSWERS, Ground.MIXED_ANSWERS)]
     paragraphs: list[str] = []
     for mistake in together:
         explanation = mistake.explanation if is_alone else _beside_others(mistake)
-        is_hidden, is_likely = mistake.title in hidden, mistake.id in likely
+        ground = grounds.get(mistake.id)
+        is_hidden, is_likely = mistake.title in hidden, ground is Ground.RESEMBLANCE
         begin = f"Cette erreur {_HIDDEN}. " if is_hidden else ""
         if paragraphs:
             other = f"Autre erreur{f', qui {_HIDDEN}' if is_hidden else ''}{', peut-être' if is_likely else ''}"
             begin = f"{other} : {lowercase_title(mistake.title)}. "
-        if is_likely:
-            begin += f"{_RESEMBLES} "
+        if len(by_answers) < 2 or mistake.id not in by_answers:
+            begin += f"{_GROUND_WORDS[ground]} " if ground in _GROUND_WORDS else ""
+        elif mistake.id == by_answers[0]:
+            begin += f"{_TOGETHER} "
         paragraphs += [begin + explanation, mistake.question]
-    titles = [f"{LIKELY}{lowercase_title(m.title)}" if m.id in likely else m.title for m in together]
+    titles = [
+        f"{LIKELY}{lowercase_title(m.title)}" if grounds.get(m.id) is Ground.RESEMBLANCE else m.title for m in together
+    ]
     titles[1:] = [f"{title[:1].lower()}{title[1:]}" if title.startswith(LIKELY) else title for title in titles[1:]]
     title = AND_ALSO.join(titles)
     return Diagnosis(together[0].id, title, "\n\n".join(part.strip() for part in paragraphs))

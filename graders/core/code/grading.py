@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Collection, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cache, partial
 from pathlib import Path
@@ -22,7 +22,7 @@ from graders.core.code.folder import Misconception, Specimen, read_specimens
 from graders.core.code.pair_search import PairSearch
 from graders.core.code.prober import Prober
 from graders.core.code.probes import explains_itself
-from graders.core.code.recognised import RecognisedMistakes
+from graders.core.code.recognised import Ground, RecognisedMistakes
 from graders.core.code.reenacting import Reenactor
 from graders.core.code.rounded_constants import rounded_constant_diagnosis
 from graders.core.code.runner import DEFAULT_BUDGET, Runner
@@ -52,7 +52,7 @@ class NamedMistakes:
     """The mistakes named in a program: ids of the catalogue, facts, and for each the checks that it explains.
 
     `certain` is as in `Diagnosis`; `failed` are ids of checks. `hidden` are the titles of the mistakes and facts that
-    the program shows only with right functions in the place of others; `likely`, ids of mistakes that others resemble.
+    the program shows only with right functions in the place of others.
     """
 
     ids: tuple[str, ...] = ()
@@ -61,7 +61,7 @@ class NamedMistakes:
     certain: bool = False
     failed: frozenset[str] = frozenset()
     hidden: frozenset[str] = frozenset()
-    likely: frozenset[str] = frozenset()
+    grounds: Mapping[str, Ground] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
@@ -213,7 +213,7 @@ class CodeGrader:
         """Return the diagnosis of named mistakes, without what it leaves unexplained."""
         facts, explains_all = [fact.slip for fact in named.facts], named.failed <= set().union(*named.explains)
         diagnosis = combine_diagnoses(
-            named.ids, self.misconceptions, facts, hidden=named.hidden, likely=named.likely, explains_all=explains_all
+            named.ids, self.misconceptions, facts, hidden=named.hidden, grounds=named.grounds, explains_all=explains_all
         )
         return replace(diagnosis, explains=named.explains, certain=named.certain)
 
@@ -239,13 +239,11 @@ class CodeGrader:
         facts = find_facts(pairs, source, self.solution, [self.title_of(mistake) for mistake in ids])
         at_fault = [check for check, finding in pairs if not finding.result.neutral]
         following = set(found.consequences) if ids == found.mistakes else set()
-        explains = (
-            *(self._explained(mistake, at_fault, following) for mistake in ids),
-            *(fact.checks for fact in facts),
-        )
+        explains = *(self._explained(name, at_fault, following) for name in ids), *(fact.checks for fact in facts)
         certain = found.certain and not reenacted and ids == found.mistakes
+        grounds = {name: found.ground_of(name) for name in ids if name not in SLIPS}
         failed_ids = frozenset(check.id for check in at_fault)
-        return NamedMistakes(ids, tuple(facts), explains, certain, failed_ids, likely=frozenset(found.likely))
+        return NamedMistakes(ids, tuple(facts), explains, certain, failed_ids, grounds=grounds)
 
     def _borne_out(self, ids: Sequence[str], failed: Sequence[Check]) -> tuple[str, ...]:
         """Return the ids whose words the failed checks do not contradict: nothing fails that they say to be right."""

@@ -153,8 +153,8 @@ def name_isolated(grader: CodeGrader, isolated: IsolatedFunctions, checks: Seque
     certain = not facts and all(own[name].certain or isolated.is_certain(name) for name in isolated.guilty())
     hidden = frozenset(title for title, function in shown.items() if function in isolated.dependent)
     failed = whole.failed - isolated.doubtful()
-    likely = whole.likely.union(*(mistakes.likely for mistakes in own.values()))
-    return grader.describe_mistakes(NamedMistakes(tuple(ids), tuple(facts), explains, certain, failed, hidden, likely))
+    grounds = {name: ground for mistakes in (*own.values(), whole) for name, ground in mistakes.grounds.items()}
+    return grader.describe_mistakes(NamedMistakes(tuple(ids), tuple(facts), explains, certain, failed, hidden, grounds))
 
 
 def tell_shares(isolated: IsolatedFunctions, checks: Sequence[CheckResult], diagnosis: Diagnosis) -> Diagnosis:

@@ -123,7 +123,7 @@ class MendingSearch:
 
     def _certain_name(self, source: str) -> Diagnosis | None:
         named = self._grader.name_mistakes(source + self._suffix, self._programs, self._seed)
-        return self._grader.describe_mistakes(named) if named.ids and named.certain else None
+        return self._grader.describe_mistakes(replace(named, grounds={})) if named.ids and named.certain else None
 
     def values_at(self, source: str, line: int, function: str, arguments: Arguments) -> list[tuple[str, float]]:
         """Return the numbers that a line reads when a call first comes to it, in the program as it is."""

@@ -26,6 +26,7 @@ from graders.core.code.probes import (
     read_answer,
     same_probe_answer,
 )
+from graders.core.code.recognised import Ground
 from graders.core.code.reenacting import Reenactor
 from graders.core.code.runner import Runner
 from graders.core.code.running import run_checks
@@ -223,7 +224,7 @@ def test_a_mistake_named_on_answers_that_tell_nothing_is_undone_in_the_program(e
     head, tail = grader.solution.split(function)
     first, rest = tail.split(":\n", 1)
     other_named = grader.name_mistakes(f"{head}{function}{first}:\n{silencing}{rest}", LOCAL, 3)
-    assert not named.likely
+    assert Ground.RESEMBLANCE not in named.grounds.values()
     assert grader.describe_mistakes(named).title == mistake.title
     other = grader.describe_mistakes(other_named)
     assert other.title == f"Peut-être : {lowercase_title(mistake.title)}"

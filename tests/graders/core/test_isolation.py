@@ -8,10 +8,13 @@ from dataclasses import replace
 import pytest
 
 from graders.core.code.diagnosis import combine_diagnoses
+from graders.core.code.folder import Misconception
 from graders.core.code.grading import CodeGrader
 from graders.core.code.isolation import isolate_functions, replacing_suffix
 from graders.core.code.places import find_place
 from graders.core.code.prober import Prober
+from graders.core.code.probes import ProgramTrial
+from graders.core.code.recognised import Ground, RecognisedMistakes, RuledName
 from graders.core.contract.local import LOCAL
 from tests.support.shipped import CODE
 from tests.support.verdicts import knowing
@@ -172,6 +175,41 @@ def test_beside_another_mistake_nothing_is_said_to_be_right() -> None:
     assert "à un tour près" in combine_diagnoses(["angles_jamais_ramenes"], mistakes).explanation
     left = combine_diagnoses(["angles_jamais_ramenes"], mistakes, explains_all=False).explanation
     assert left.startswith("x + Δ peut faire passer un cap au-delà du demi-tour.")
+
+
+@pytest.mark.parametrize(
+    ("grounds", "begin"),
+    [
+        ({}, "On demande"),
+        ({"reecrit": Ground.EXPERIMENT}, "On demande"),
+        ({"reecrit": Ground.ANSWERS}, "Vos réponses sont celles que donne cette erreur. On"),
+        ({"reecrit": Ground.MIXED_ANSWERS}, "Vos réponses sont celles que donne cette erreur, avec une autre. On"),
+        ({"reecrit": Ground.RESEMBLANCE}, "Votre fonction répond comme avec cette erreur ; d'autres"),
+        ({"reecrit": Ground.ANSWERS, "autre": Ground.ANSWERS}, "Vos réponses sont celles que donnent ces erreurs. On"),
+    ],
+)
+def test_a_name_says_what_it_is_founded_on(grounds: dict[str, Ground], begin: str) -> None:
+    ids = list(grounds) or ["reecrit"]
+    mistakes = [Misconception(name, ("f",), "Titre", "On demande autre chose.", "?", "") for name in ids]
+    told = combine_diagnoses(ids, mistakes, grounds=grounds)
+    assert told.explanation.startswith(begin)
+    assert told.explanation.count("Vos réponses") <= 1
+    assert told.is_likely == (Ground.RESEMBLANCE in grounds.values())
+
+
+def _unasked(trial: ProgramTrial) -> bool:
+    raise AssertionError(trial)
+
+
+def test_a_mistake_known_by_its_answers_says_so_and_one_known_by_a_rule_does_not() -> None:
+    grader = CODE["l20/kabsch"]
+    mistake = next(each for each in grader.misconceptions if each.id == "t_oppose")
+    named = grader.name_mistakes(mistake.source, LOCAL, 3)
+    assert named.grounds == {"t_oppose": Ground.ANSWERS}
+    ruled = RecognisedMistakes(("a",), ruled=(RuledName("a", 0, (("a", _unasked), ("b", _unasked))),), likely=("c",))
+    assert [ruled.ground_of(name) for name in "abcd"] == [
+        Ground.EXPERIMENT, Ground.EXPERIMENT, Ground.RESEMBLANCE, Ground.ANSWERS
+    ]  # fmt: skip
 
 
 @pytest.mark.parametrize("exercise", CODE)
