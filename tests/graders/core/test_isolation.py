@@ -84,9 +84,9 @@ def test_a_mistake_that_another_function_hides_is_named_beside_a_right_one() -> 
     source = head.split("def nees(")[0] + NEES + "\n\ndef bande(" + tail
     swapped = source.replace("moyenne, 1", "moyenne, 2").replace("moyenne, -1", "moyenne, 1").replace(", 2", ", -1")
     verdict, found = place_of("l19/coherence", swapped)
-    assert verdict.diagnosis.titles == ("Une racine carrée est prise en trop",)
+    assert verdict.diagnosis.titles == ("C'est la racine carrée du NEES",)
     assert found is not None
-    assert found.diagnosis.titles == ("Une racine carrée est prise en trop", "Les deux avis sont échangés")
+    assert found.diagnosis.titles == ("C'est la racine carrée du NEES", "Les deux avis sont échangés")
     assert "qui se voit avec les autres fonctions justes : les deux avis" in found.diagnosis.explanation
     isolated = isolate_functions(grader, source, LOCAL, 3, lambda: False)
     assert isolated is not None
