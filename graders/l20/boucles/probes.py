@@ -23,7 +23,7 @@ def read_found(args: Arguments, value: Value) -> Value:
             array = read_array(value)
         except UnreadableError as error:
             return str(error)
-        return ["nombres", array] if array.ndim == 1 else f"dimension {array.ndim}"
+        return ["nombres", array] if array.ndim == 1 else f"forme {array.shape}"
     return ["masque", *indices] if is_mask(value) else np.array(indices, dtype=float)
 
 
