@@ -15,6 +15,7 @@ from graders.core.code.checks import Check
 from graders.core.code.diagnosis import number_text
 from graders.core.code.facts import is_told
 from graders.core.code.grading import CodeGrader, NamedMistakes
+from graders.core.code.related_lines import JudgedFunctions
 from graders.core.contract.program import Programs
 from graders.core.contract.verdict import CheckResult, Diagnosis
 
@@ -90,6 +91,11 @@ class IsolatedFunctions:
     def explained(self) -> list[str]:
         """Return the functions that need no search: right by themselves, or with a certain name."""
         return [name for name in self.own if name not in self.unexplained()]
+
+    def judged(self, functions: Sequence[str]) -> JudgedFunctions:
+        """Return which of the exercise's functions fail by themselves, and which are right."""
+        guilty = self.guilty()
+        return JudgedFunctions(guilty, [name for name in functions if name not in guilty] if guilty else [])
 
     def guilty(self) -> list[str]:
         """Return the functions that fail by themselves; where none does, only their common conventions are wrong."""

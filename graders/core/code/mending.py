@@ -53,13 +53,15 @@ MAX_COPIES = 4
 class MendingStep:
     """A change, the ids of the checks that it mends, and the other changes of as much effect at other places.
 
-    `is_doubtful`: it is unlikely, and the values of the line do not bear it out.
+    `is_doubtful`: it is unlikely, and the values of the line do not bear it out. `is_borne_out`: these are the
+    solution's once the line is changed, and only then.
     """
 
     change: ProgramChange
     mended: frozenset[str]
     rivals: tuple[ProgramChange, ...] = ()
     is_doubtful: bool = False
+    is_borne_out: bool = False
 
 
 @dataclass(frozen=True)
@@ -179,7 +181,9 @@ class MendingSearch:
         best, left = tried[0]
         alike = tuple(change for change, other in tried[1:] if other == left)
         doubtful = {c.text for c, _ in tried if c.unlikely and seen.get(c.text) is not LineValues.WRONG}
-        steps = [MendingStep(best, failed - left, alike, best.text in doubtful)] if left < failed else []
+        borne_out = {text for text, values in seen.items() if values is LineValues.WRONG}
+        first = MendingStep(best, failed - left, alike, best.text in doubtful, best.text in borne_out)
+        steps = [first] if left < failed else []
         if most == 1 or not left:
             return steps
         for change, other in tried[:MAX_BEGUN]:
@@ -187,7 +191,8 @@ class MendingSearch:
                 break
             further = self._steps(change.text, other, most - 1, within, helpers)
             if further and (mended := (failed - other).union(*(step.mended for step in further))) > failed - left:
-                begun = MendingStep(change, failed - other, is_doubtful=change.text in doubtful)
+                is_doubtful, is_borne_out = change.text in doubtful, change.text in borne_out
+                begun = MendingStep(change, failed - other, (), is_doubtful, is_borne_out)
                 steps, left = [begun, *further], failed - mended
         return steps
 

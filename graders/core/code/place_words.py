@@ -10,6 +10,7 @@ from dataclasses import dataclass, replace
 
 from graders.core.code.changes import ProgramChange
 from graders.core.code.mending import Mending
+from graders.core.code.related_lines import NOT_JUDGED, JudgedFunctions, tell_related_lines
 from graders.core.compare.slips import Slip
 
 
@@ -31,7 +32,8 @@ _RANKING = Aspect(
 _NUMBER = Aspect("un nombre", "D'où vient le nombre qui est écrit là ?")
 _AXIS = Aspect("un axe", "Cette opération va-t-elle d'une ligne à l'autre du tableau, ou d'une colonne à l'autre ?")
 _BOUND = Aspect("un indice ou une borne", "Quel est ici le premier indice atteint ? Et le dernier ?")
-_CONDITION = Aspect("une condition", "Dans quels cas cette condition est-elle vraie ? Et à l'égalité ?")
+_COMPARISON = Aspect("une comparaison", "Dans quels cas cette comparaison est-elle vraie ? Et à l'égalité ?")
+_CONDITION = Aspect("une condition", "Quand cette condition est-elle vraie, et quand doit-elle l'être ?")
 _SIGN = Aspect("un signe", "De quel signe doit être chaque terme de cette ligne ?")
 _SHAPE = Aspect("la forme du calcul", "Est-ce cette valeur, ou une autre que l'on en tire, qu'il faut employer ici ?")
 _CALL = Aspect("un appel de fonction", "Que fait la fonction appelée ici à ce qu'on lui donne ?")
@@ -47,7 +49,7 @@ ASPECTS: Mapping[str, Aspect] = {
     "opérateur": _OPERATION, "terme oublié": _SUPERFLUOUS, "terme ou facteur manquant": _MISSING,
     "opérandes échangés": _ORDER, "ordre du produit": _ORDER, "ordre": _ORDER, "arguments échangés": _ORDER,
     "ordre de la composition": _ORDER, "ligne et colonne": _ORDER, "constante": _NUMBER, "axe": _AXIS,
-    "indice décalé": _BOUND, "intervalle décalé": _BOUND, "comparaison": _CONDITION, "borne oubliée": _CONDITION,
+    "indice décalé": _BOUND, "intervalle décalé": _BOUND, "comparaison": _COMPARISON, "borne oubliée": _COMPARISON,
     "condition": _CONDITION, "condition oubliée": _CONDITION, "et, ou": _CONDITION, "if ou while": _CONDITION,
     "elif ou if": _CONDITION, "branche": _CONDITION, "signe": _SIGN, "signe ou négation oubliés": _SIGN,
     "rotation transposée": _SIGN, "carré": _SHAPE, "racine": _SHAPE, "facteur": _SHAPE, "inverse": _SHAPE,
@@ -60,6 +62,8 @@ ASPECTS: Mapping[str, Aspect] = {
 _ANY = Aspect("", "Que vaut chaque terme de cette ligne, dans l'exemple d'une vérification qui échoue ?")
 _ELSEWHERE = " Si elle vous paraît juste, cherchez parmi les lignes qui calculent ou emploient les mêmes valeurs."
 PLACE, LOOK = "lieu", "L’essai qui réussit y change"
+#: What a change may override instead of mending it: a value that the line reads, and that another one computes.
+_OVERRIDING = (_CONDITION, _VARIABLE, _SHAPE)
 #: Characters of a line that is quoted; lines among which one is to be changed that are told.
 MAX_LINE, MAX_LINES = 90, 3
 
@@ -69,7 +73,8 @@ class Place:
     """Lines that are changed together, first those of the first change; the checks that pass then and failed before.
 
     `others` are lines of which each, changed alone, has the same effect. If `is_second`, another place is changed too;
-    if `beside_right_ones`, right functions stand in the place of some. `leaves_nothing`: no check fails then.
+    if `beside_right_ones`, right functions stand in the place of some. `leaves_nothing`: no check fails then;
+    `is_borne_out`: the values of the line show that it is the wrong one.
     """
 
     changes: tuple[ProgramChange, ...]
@@ -78,6 +83,7 @@ class Place:
     is_second: bool = False
     beside_right_ones: bool = False
     leaves_nothing: bool = False
+    is_borne_out: bool = False
 
     @property
     def lines(self) -> list[int]:
@@ -115,32 +121,41 @@ def _places_of(mending: Mending) -> list[Place]:
         changes = tuple(step.change for step in mending.steps)
         return [Place(changes, mending.mended, beside_right_ones=beside, leaves_nothing=nothing)]
     return [
-        Place((step.change,), step.mended, step.rivals, k > 0, beside, nothing) for k, step in enumerate(mending.steps)
+        Place((step.change,), step.mended, step.rivals, k > 0, beside, nothing, step.is_borne_out)
+        for k, step in enumerate(mending.steps)
     ]
 
 
 def describe_place(
-    place: Place, source: str, titles: Mapping[str, str], values: Mapping[int, str], failed: Collection[str]
-) -> Slip:
-    """Return a place in words: what changing it makes of the checks that `failed`, and where to look there."""
+    place: Place, source: str, titles: Mapping[str, str], values: Mapping[int, str], failed: Collection[str],
+    functions: JudgedFunctions | None = NOT_JUDGED,
+) -> Slip:  # fmt: skip
+    """Return a place in words: what changing it makes of the checks that `failed`, and where to look there.
+
+    Where the values of the line do not show that it is the wrong one, lines that it has to do with are told too,
+    unless `functions` is None.
+    """
     is_all = place.leaves_nothing and place.mended.issuperset(failed) and not place.beside_right_ones
     others = ", les autres fonctions une fois justes" if place.beside_right_ones else ""
     title = f"Changer {'ensuite ' if place.is_second else ''}{place.told_lines()} {_outcome(place, is_all)}{others}"
     where = " ".join(f"Ligne {number} : « {_quoted(source, number)} »." for number in place.either)
     seen = f" {values[place.lines[0]]}" if place.lines[0] in values and len(place.either) == 1 else ""
     aspect = _aspect((*place.changes, *place.others))
-    look = _ELSEWHERE if len(place.either) == 1 and place.changes[0].unlikely else ""
+    is_borne_out = place.is_borne_out and aspect not in _OVERRIDING
+    related = ""
+    if functions is not None and set(place.either) == set(place.lines):
+        related = tell_related_lines(source, place.lines, functions, is_borne_out)
+    look = f" {related}" if related else _ELSEWHERE if len(place.either) == 1 and place.changes[0].unlikely else ""
     look += f" {LOOK} {aspect.noun}." if aspect.noun and len(place.either) == 1 else ""
     return Slip(PLACE, title, f"{where}{seen} {_proof(place, titles, is_all)}{look}", aspect.question)
 
 
 def _outcome(place: Place, is_all: bool) -> str:
     if is_all:
-        return "suffisent" if len(place.lines) > 1 else "suffit"
+        return "suffit"
     count = len(place.mended)
-    verb = "font" if len(place.lines) > 1 else "fait"
     plural = "s" * (count > 1)
-    return f"{verb} réussir {count} {f'autre{plural} ' * place.is_second}vérification{plural}"
+    return f"fait réussir {count} {f'autre{plural} ' * place.is_second}vérification{plural}"
 
 
 def _proof(place: Place, titles: Mapping[str, str], is_all: bool) -> str:

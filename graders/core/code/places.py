@@ -27,6 +27,7 @@ from graders.core.code.isolation import (
 from graders.core.code.mending import Mending, MendingSearch
 from graders.core.code.place_words import LOOK, PLACE, describe_place, places_of
 from graders.core.code.probes import explains_itself
+from graders.core.code.related_lines import NOT_JUDGED, JudgedFunctions
 from graders.core.code.seen_facts import FactKind, SeenFact
 from graders.core.compare import words as render
 from graders.core.contract.program import Programs
@@ -66,12 +67,13 @@ def _says_enough(check: CheckResult) -> bool:
 
 
 def describe_mendings(
-    mendings: Sequence[Mending], source: str, checks: Sequence[CheckResult], values: Mapping[int, str] | None = None
-) -> Diagnosis:
+    mendings: Sequence[Mending], source: str, checks: Sequence[CheckResult], values: Mapping[int, str] | None = None,
+    functions: JudgedFunctions = NOT_JUDGED,
+) -> Diagnosis:  # fmt: skip
     """Return the diagnosis of the places found; `values` are what is worth seeing at a line, in French."""
     titles, failed = _titles(checks), _at_fault(checks)
     places = places_of(mendings)
-    first, *others = [describe_place(place, source, titles, values or {}, failed) for place in places]
+    first, *others = [describe_place(place, source, titles, values or {}, failed, functions) for place in places]
     paragraphs = [first.explanation, first.question]
     for other in others:
         paragraphs += [f"{other.title}. {other.explanation}", other.question]
@@ -127,7 +129,8 @@ def find_place(
         facts = [fact for fact in facts if fact.kind is not FactKind.CONTRAST]
     steps = [step for mending in mendings for step in mending.steps]
     operators = " ; ".join(step.change.operator or step.change.mistake for step in steps)
-    found = _told_together(grader, verdict, source, named, mendings, values, facts)
+    judged = NOT_JUDGED if isolated is None else isolated.judged(grader.functions)
+    found = _told_together(grader, verdict, source, named, mendings, values, facts, judged)
     if isolated is not None and isolated.guilty():
         found = found or (verdict.diagnosis if len(isolated.guilty()) > 1 else None)
         if found is not None:
@@ -180,13 +183,13 @@ def _may_hide_others(grader: CodeGrader, verdict: Verdict) -> bool:
 
 def _told_together(
     grader: CodeGrader, verdict: Verdict, source: str, named: Diagnosis | None, mendings: Sequence[Mending],
-    values: Mapping[int, str], facts: Sequence[SeenFact],
+    values: Mapping[int, str], facts: Sequence[SeenFact], functions: JudgedFunctions,
 ) -> Diagnosis | None:  # fmt: skip
     """Return one diagnosis of a program's names, places and facts; None where the verdict tells as much."""
     known = named or verdict.diagnosis
-    place = describe_mendings(mendings, source, verdict.checks, values) if mendings else None
+    place = describe_mendings(mendings, source, verdict.checks, values, functions) if mendings else None
     if place is not None and known is not None and not _is_disproved(known, place):
-        known = named = _with_places(known, mendings, source, verdict.checks, values)
+        known = named = _with_places(known, mendings, source, verdict.checks, values, functions)
     elif place is not None:
         known = named = place
     if named is not None:
@@ -196,7 +199,7 @@ def _told_together(
 
 def _with_places(
     named: Diagnosis, mendings: Sequence[Mending], source: str, checks: Sequence[CheckResult],
-    values: Mapping[int, str],
+    values: Mapping[int, str], functions: JudgedFunctions,
 ) -> Diagnosis:  # fmt: skip
     """Return named mistakes with the places found: another mistake where one mends checks that no name explains."""
     titles, failed = _titles(checks), _at_fault(checks)
@@ -207,8 +210,9 @@ def _with_places(
         if found.lines[0] in lines:
             continue
         lines.add(found.lines[0])
-        place = describe_place(found, source, titles, values, failed)
-        if found.mended <= explained:
+        is_explained = found.mended <= explained
+        place = describe_place(found, source, titles, values, failed, None if is_explained else functions)
+        if is_explained:
             where = place.explanation.partition(LOOK)[0].strip()
             told = f"Dans votre programme : {lowercase_title(place.title)}. {where}"
         else:

@@ -12,6 +12,7 @@ from graders.core.code.diagnosis import tell_remainder
 from graders.core.code.line_values import LineValues, compare_values, seen_at, seen_everywhere
 from graders.core.code.mending import Mending, MendingSearch, MendingStep, in_lines_of
 from graders.core.code.places import describe_mendings, find_place, is_worth_searching, join_place
+from graders.core.code.related_lines import JudgedFunctions, tell_related_lines
 from graders.core.code.variants import VariantCaller
 from graders.core.contract.local import LOCAL
 from graders.core.contract.program import KitSettings, Reply
@@ -144,10 +145,50 @@ def test_two_lines_that_only_together_mend_are_told_together() -> None:
     change = ProgramChange("", "", 2, "", "axes_echanges", (3,))
     mending = Mending((MendingStep(change, frozenset({"a"})),), frozenset())
     words = describe_mendings([mending], "def f(g):\n    n, m = g.shape\n    return g[n - 1, 0]\n", ())
-    assert words.title == "Changer les lignes 2 et 3 suffisent"
+    assert words.title == "Changer les lignes 2 et 3 suffit"
     assert "« n, m = g.shape »" in words.explanation
     assert "« return g[n - 1, 0] »" in words.explanation
     assert "Écrites autrement ensemble, ces lignes font réussir tout ce qui échoue." in words.explanation
+
+
+SHARED = """STEP = 1e-3
+
+def raw(v):
+    return v - 1
+
+def first(v):
+    return raw(v) % 7
+
+def second(v):
+    far = [k > v for k in range(9)]
+    far[0] = True
+    for k in range(-v, v):
+        if far[k]:
+            v += k * STEP
+    return raw(v) + sum(far)
+"""
+
+
+@pytest.mark.parametrize(
+    ("lines", "right", "told"),
+    [
+        ((15,), (), "Elle lit v (ligne 14) et far (ligne 11)."),
+        ((12,), (), "k sert aux lignes 13 et 14."),
+        ((14,), (), "Elle lit k (ligne 12) et STEP (ligne 1)."),
+        ((11, 12), (), "Elles lisent far (ligne 10)."),
+        ((4,), ("first",), "Mais raw sert aussi à first, qui n’a rien de faux : regardez plutôt ce que second en fait"),
+        ((4,), (), ""),
+        ((1,), (), ""),
+    ],
+)
+def test_lines_that_have_to_do_with_a_changed_one_are_told(
+    lines: tuple[int, ...], right: tuple[str, ...], told: str
+) -> None:
+    """What it reads is computed elsewhere, what it counts is read elsewhere, or a right function calls it too."""
+    found = tell_related_lines(SHARED, lines, JudgedFunctions(("second",), right))
+    assert found.startswith(told) if told else not found
+    borne_out = tell_related_lines(SHARED, lines, JudgedFunctions(("second",), right), is_borne_out=True)
+    assert borne_out == (found if right else "")
 
 
 def test_two_lines_that_each_mend_all_are_both_told() -> None:
