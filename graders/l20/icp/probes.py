@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from graders.core.code.probes import ProbeResults, Probes, measuring
 from graders.core.contract.values import Arguments, Floats, UnreadableError, Value, read_array
 from graders.l20 import world
 from graders.l20.icp import cases
-from graders.l20.icp.descent import DEFAULT, Registration, descend, staircase
+from graders.l20.icp.descent import DEFAULT, Registration, Step, descend, staircase
 from graders.l20.icp.judge import ERROR_ABSOLUTE, ERROR_RELATIVE, misplaced, read, unread
 
 KINDS = (
@@ -35,8 +37,8 @@ OF_ERRORS: tuple[Registration, ...] = (
     *(_asked(kind, kind.seeds[1]) for kind in (cases.SHORT, cases.NOISY, cases.ONE_FROM, cases.THREE_FROM)),
     cases.example(3),
 )
-#: What is shown of errors that are no sum of squares in any usual way, that rise, that are no sequence.
-OTHER, RISES, NONE = 7.0, 8.0, 9.0
+#: What is shown of errors that are no sum in any usual way, that rise, that are one number, that cannot be read.
+OTHER, RISES, SINGLE, UNREAD = 7.0, 8.0, 9.0, 10.0
 
 
 def registration(args: Arguments) -> Registration:
@@ -61,15 +63,35 @@ def read_errors(args: Arguments, value: Value) -> Value:
     try:
         found = read_array(read(value).errors)
     except UnreadableError:
-        return NONE
+        return UNREAD
+    if found.ndim == 0:
+        return SINGLE
     if found.ndim != 1 or not 1 <= found.size <= case.iterations + 1 or not np.all(np.isfinite(found)):
-        return NONE
+        return UNREAD
     if np.any(np.diff(found) > 1e-6 * np.maximum(1.0, np.abs(found[:-1]))):
         return RISES
-    stairs = staircase(descend(*case[:4], case.iterations + 1))
-    n = len(case.P)
-    ways = {0.0: stairs, 1.0: stairs / n, 2.0: np.sqrt(stairs), 3.0: np.sqrt(stairs / n)}
+    steps = descend(*case[:4], case.iterations + 1)
+    stairs, lengths, n = staircase(steps), _lengths(case, steps), len(case.P)
+    ways = {
+        0.0: stairs,
+        1.0: stairs / n,
+        2.0: np.sqrt(stairs),
+        3.0: np.sqrt(stairs / n),
+        4.0: lengths,
+        5.0: lengths / n,
+    }
     return next((way for way, values in ways.items() if _among(values, found)), OTHER)
+
+
+def _lengths(case: Registration, steps: Sequence[Step]) -> Floats:
+    """The sums of distances where `staircase` has those of squares."""
+    found, R, t = [], case.R0, case.t0
+    for step in steps:
+        for turned, moved in ((R, t), (step.R, step.t)):
+            gaps = case.P @ turned.T + moved - case.Q[step.pairs]
+            found.append(float(np.sum(np.hypot(*gaps.T))))
+        R, t = step.R, step.t
+    return np.array(found)
 
 
 def _among(values: Floats, found: Floats) -> bool:
