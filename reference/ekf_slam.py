@@ -69,21 +69,21 @@ class Sighting:
 Update = Callable[[Floats, Sighting, Floats], Floats]
 
 
-def rank_two_update(P: Floats, sighting: Sighting, R: Floats) -> Floats:
+def update_covariance_in_place(P: Floats, sighting: Sighting, R: Floats) -> Floats:
     """(1), in place when P (N, N) is in Fortran's order: returns P - W W^T."""
     PHt = P[:, sighting.columns] @ sighting.H.T
     W = np.linalg.solve(np.linalg.cholesky(sighting.innovation.covariance), PHt.T).T
     return np.asarray(dgemm(-1.0, W, W, beta=1.0, c=P, trans_b=True, overwrite_c=True))
 
 
-def textbook_update(P: Floats, sighting: Sighting, R: Floats) -> Floats:
+def updated_covariance_textbook(P: Floats, sighting: Sighting, R: Floats) -> Floats:
     """(I - K H) P, as it is written: two products of matrices (N, N), O(n^3)."""
     H = full_jacobian(sighting, len(P))
     K = P @ H.T @ np.linalg.inv(sighting.innovation.covariance)
     return np.asarray((np.eye(len(P)) - K @ H) @ P)
 
 
-def joseph_update(P: Floats, sighting: Sighting, R: Floats) -> Floats:
+def updated_covariance_joseph(P: Floats, sighting: Sighting, R: Floats) -> Floats:
     """(I - K H) P (I - K H)^T + K R K^T: O(n^3) as well, and positive in spite of rounding."""
     H = full_jacobian(sighting, len(P))
     return joseph(P, P @ H.T @ np.linalg.inv(sighting.innovation.covariance), H, R)
@@ -102,7 +102,9 @@ class EkfSlam:
     `update` is the form of the covariance's correction. Raises InvalidArgumentError.
     """
 
-    def __init__(self, noise: SlamNoise, pose: ArrayLike = (0.0, 0.0, 0.0), update: Update = rank_two_update) -> None:
+    def __init__(
+        self, noise: SlamNoise, pose: ArrayLike = (0.0, 0.0, 0.0), update: Update = update_covariance_in_place
+    ) -> None:
         self.noise, self.update = noise, update
         self.mean = _vector("pose", pose, 3).copy()
         self.covariance: Floats = np.zeros((3, 3), order="F")

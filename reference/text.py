@@ -39,7 +39,7 @@ def decode_text(
     return plain.removeprefix(MARK).replace("\n" + MARK, "\n")
 
 
-def split_lines(
+def decode_lines(
     data: str | bytes, argument: str = "text", error: type[InvalidArgumentError] = InvalidArgumentError
 ) -> list[str]:
     """Return the lines of `decode_text(data)`, as an editor counts them: no other character ends a line."""

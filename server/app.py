@@ -26,7 +26,7 @@ from server.base.settings import Settings
 from server.behaviour import fingerprints
 from server.behaviour import repository as behaviour
 from server.board.live import LiveBoards
-from server.cells.supervisor import Cells
+from server.cells.supervisor import CellRunner
 from server.classes.presence import PresenceRecorder
 from server.classes.service import ClassService
 from server.course import Course, load
@@ -140,8 +140,8 @@ class Services:
         return PersonalData(self.database, self.settings, self.course)
 
     @cached_property
-    def cells(self) -> Cells:
-        return Cells(self.settings, self.course.kits, walls=self.walls)
+    def cells(self) -> CellRunner:
+        return CellRunner(self.settings, self.course.kits, walls=self.walls)
 
     @cached_property
     def steps(self) -> StepService:
@@ -216,8 +216,8 @@ class Services:
             self.watch.check(db)
         self.collecting.collect_expired(self.database, utc_now())
 
-    def first_look(self) -> None:
-        """A database that goes away just now keeps nobody from serving once it is back."""
+    def recover_and_tidy_at_start(self) -> None:
+        """Recover lost jobs and remove what has expired; where the database does not answer, leave it for later."""
         try:
             self.recover()
             self.tidy()
@@ -243,7 +243,7 @@ class Services:
             if self.engine is not None:
                 self.engine.connection.start()
                 stack.push_async_callback(run_in_threadpool, self.engine.connection.close)  # after the last worker
-            await run_in_threadpool(self.first_look)
+            await run_in_threadpool(self.recover_and_tidy_at_start)
             await stack.enter_async_context(self.cells)
             stack.push_async_callback(self.figures.pictures.close)
             stack.push_async_callback(self.archives.close)

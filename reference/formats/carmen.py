@@ -25,7 +25,7 @@ from numpy.typing import NDArray
 
 from reference.errors import InvalidArgumentError
 from reference.se2 import compose, relative
-from reference.text import split_lines
+from reference.text import decode_lines
 from reference.world.scan import Scan, Zero
 
 Floats = NDArray[np.float64]
@@ -105,7 +105,7 @@ def parse_flaser(
     spans: list[tuple[Place, Place]] = []
     previous: list[str] = []
     line = 0
-    for line, words in enumerate(map(str.split, split_lines(text, error=LogError)), 1):
+    for line, words in enumerate(map(str.split, decode_lines(text, error=LogError)), 1):
         if words[:1] == ["ODOM"]:
             pose = _odometry(line, words[1:])
             if spans:

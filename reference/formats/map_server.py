@@ -22,7 +22,7 @@ from numpy.typing import NDArray
 
 from reference.errors import InvalidArgumentError, check_word
 from reference.formats.pgm import GreyImage, read_pgm, write_pgm
-from reference.text import split_lines
+from reference.text import decode_lines
 from reference.world.grid_map import GridMap
 
 Floats = NDArray[np.float64]
@@ -199,7 +199,7 @@ def _entries(yaml: str | bytes) -> dict[str, str]:
     found: dict[str, str] = {}
     listed: dict[str, list[str]] = {}
     key = ""
-    for number, written_line in enumerate(split_lines(yaml, "yaml", MapFileError), start=1):
+    for number, written_line in enumerate(decode_lines(yaml, "yaml", MapFileError), start=1):
         line = written_line.expandtabs()
         if not line.strip() or line.lstrip().startswith("#") or line.rstrip() == "---":
             continue

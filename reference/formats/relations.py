@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from reference.errors import InvalidArgumentError
-from reference.text import split_lines
+from reference.text import decode_lines
 
 Floats = NDArray[np.float64]
 Indices = NDArray[np.int64]
@@ -57,7 +57,7 @@ class Relations:
 def parse_relations(text: str | bytes) -> Relations:
     """The relations of a text; blank lines and those that begin with # are passed over. Raises RelationsError."""
     rows = []
-    for line, words in enumerate(map(str.split, split_lines(text, error=RelationsError)), 1):
+    for line, words in enumerate(map(str.split, decode_lines(text, error=RelationsError)), 1):
         if not words or words[0].startswith("#"):
             continue
         try:

@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.spatial.transform import Rotation
 
 from reference.errors import InvalidArgumentError
-from reference.text import split_lines
+from reference.text import decode_lines
 
 Floats = NDArray[np.float64]
 
@@ -116,7 +116,7 @@ def _numbers(text: str | bytes, columns: int, expected: str) -> tuple[Floats, li
     """Return the numbers of the lines that hold some, (n, columns), and which lines these are."""
     rows: list[list[float]] = []
     lines: list[int] = []
-    for number, line in enumerate(split_lines(text, error=TrajectoryFileError), start=1):
+    for number, line in enumerate(decode_lines(text, error=TrajectoryFileError), start=1):
         words = line.split("#", 1)[0].split()
         if not words:
             continue

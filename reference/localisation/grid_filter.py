@@ -31,7 +31,7 @@ class GridFilterError(InvalidArgumentError):
     """Input for which there is no belief; `argument` names it."""
 
 
-class ImpossibleScanError(GridFilterError):
+class EmptyBeliefError(GridFilterError):
     """A belief that leaves no mass to correct."""
 
 
@@ -111,7 +111,7 @@ def correct(world: GridWorld, belief: ArrayLike, scan: ArrayLike, sigma: float) 
     """The belief after a scan (4,): bel(x) times exp(-sum of (z - z_expected(x))^2 / (2 sigma^2)), normalised. (2)
 
     Computed with logarithms, so that a scan unlike any other still tells cells apart. Raises GridFilterError, and
-    ImpossibleScanError when the belief is zero on every free cell.
+    EmptyBeliefError when the belief is zero on every free cell.
     """
     weights, _ = _likely(world, belief, scan, sigma)
     return np.asarray(weights / weights.sum())
@@ -128,7 +128,7 @@ def _likely(world: GridWorld, belief: ArrayLike, scan: ArrayLike, sigma: float) 
     exponent = -np.sum((seen - world.scans) ** 2, axis=2) / (2.0 * sigma**2)
     possible = world.free & (prior > 0.0)
     if not possible.any():
-        raise ImpossibleScanError("belief", "is zero on every free cell")
+        raise EmptyBeliefError("belief", "is zero on every free cell")
     exponent = np.where(possible, exponent, -np.inf)
     greatest = float(exponent.max())
     return prior * np.exp(exponent - greatest), greatest

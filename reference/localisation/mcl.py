@@ -21,7 +21,7 @@ from reference.filters.resampling import multinomial_resampling, systematic_resa
 from reference.localisation.kld_sampling import KldSampling
 from reference.localisation.odometry_motion import OdometryNoise, sample_odometry
 from reference.localisation.pose_clusters import Cluster, clusters
-from reference.sensors.rays import ScanSensor
+from reference.sensors.rays import ScanLikelihood
 from reference.world.grid_map import GridMap
 from reference.world.scan import Scan
 
@@ -78,7 +78,7 @@ class LidarModel:
 
     state_angles = np.array([False, False, True])
 
-    def __init__(self, sensor: ScanSensor, motion: OdometryNoise) -> None:
+    def __init__(self, sensor: ScanLikelihood, motion: OdometryNoise) -> None:
         self.sensor, self.motion = sensor, motion
 
     def sample_motion(self, states: Floats, control: Floats, rng: np.random.Generator) -> Floats:
@@ -102,7 +102,7 @@ class MonteCarloLocalization(ParticleFilter[Scan]):
     def __init__(
         self,
         grid_map: GridMap,
-        sensor: ScanSensor,
+        sensor: ScanLikelihood,
         poses_world: ArrayLike,
         rng: np.random.Generator,
         *,
@@ -158,7 +158,7 @@ class MonteCarloLocalization(ParticleFilter[Scan]):
 
 
 def likely_poses(
-    grid_map: GridMap, sensor: ScanSensor, scan: Scan, count: int, rng: np.random.Generator, tries: int = 40
+    grid_map: GridMap, sensor: ScanLikelihood, scan: Scan, count: int, rng: np.random.Generator, tries: int = 40
 ) -> Floats:
     """Poses (count, 3) of the world where a robot that sees the scan may be: its belief, had it known nothing before.
 

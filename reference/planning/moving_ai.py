@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from reference.planning.grid_search import Cell, PlanningError
-from reference.text import split_lines
+from reference.text import decode_lines
 
 PASSABLE = ".GS"
 HEADER = 4
@@ -30,7 +30,7 @@ class Scenario:
 
 def parse_map(text: str | bytes) -> NDArray[np.bool_]:
     """The free cells (H, W) of a map of type octile. Raises PlanningError."""
-    lines = split_lines(text, error=PlanningError)
+    lines = decode_lines(text, error=PlanningError)
     header = [line.split() for line in lines[:HEADER]]
     try:
         (kind, _), (first, height), (second, width), (last,) = header
@@ -50,7 +50,7 @@ def parse_map(text: str | bytes) -> NDArray[np.bool_]:
 def parse_scenarios(text: str | bytes) -> tuple[Scenario, ...]:
     """The scenarios of a file of version 1. Raises PlanningError."""
     scenarios = []
-    for number, line in enumerate(split_lines(text, error=PlanningError)[1:], start=2):
+    for number, line in enumerate(decode_lines(text, error=PlanningError)[1:], start=2):
         words = line.split()
         if not words:
             continue

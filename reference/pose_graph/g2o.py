@@ -29,7 +29,7 @@ from reference.pose_graph.graph import (
     Sightings,
     information_fault,
 )
-from reference.text import split_lines
+from reference.text import decode_lines
 
 POSE, LANDMARK, EDGE, SIGHTING, FIX = "VERTEX_SE2", "VERTEX_XY", "EDGE_SE2", "EDGE_SE2_XY", "FIX"
 IDS = {POSE: 1, LANDMARK: 1, EDGE: 2, SIGHTING: 2}
@@ -68,7 +68,7 @@ def loads_g2o(text: str | bytes, *, convention: Convention = "g2o") -> G2oGraph:
     DisconnectedGraphError, which names nodes by the file's numbers. A text without any VERTEX starts from
     `chordal_start`, its fixed pose at the origin, and raises what that raises.
     """
-    content = split_lines(text)
+    content = decode_lines(text)
     rows, fixes = _parsed(content)
     listed = bool(rows[POSE].lines or rows[LANDMARK].lines)
     pose_at, landmark_at = _listed(rows) if listed else _named(rows)

@@ -139,7 +139,7 @@ def plain_log_likelihood(
 
 
 class BeamSensor:
-    """A ScanSensor: rays are cast from every pose in the map, and beams compared by the beam model, independently.
+    """A ScanLikelihood: rays are cast from every pose in the map, and beams compared by the beam model, independently.
 
     `power` tempers the product of the beams. Raises InvalidArgumentError.
     """

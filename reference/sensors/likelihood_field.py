@@ -24,7 +24,7 @@ Floats = NDArray[np.float64]
 
 
 class LikelihoodField:
-    """A ScanSensor: `hit` + `random` = 1 at most, `sigma` and `max_range` in metres, `power` tempers the product.
+    """A ScanLikelihood: `hit` + `random` = 1 at most, `sigma` and `max_range` in metres, `power` tempers the product.
 
     Beams that end off the map have the likelihood of noise. Raises InvalidArgumentError.
     """

@@ -17,7 +17,7 @@ from reference.world.scan import Scan
 Floats = NDArray[np.float64]
 
 
-class ScanSensor(Protocol):
+class ScanLikelihood(Protocol):
     """What weighs particles: log p(scan | pose), (n,), for poses (n, 3) of the lidar in the world, up to a constant."""
 
     def log_likelihood(self, poses_world: Floats, scan: Scan, /) -> Floats: ...

@@ -15,7 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from reference.errors import InvalidArgumentError
 from reference.se2 import rotation, wrap_angle
-from reference.text import split_lines
+from reference.text import decode_lines
 from reference.world.distance_map import distance_to
 from reference.world.ray_caster import RayCaster
 
@@ -70,7 +70,7 @@ class GridMap:
 
         Blank lines and spaces around lines do not count. As row 0 comes first, y points down the page.
         """
-        rows = [line.strip() for line in split_lines(text, error=GridMapError) if line.strip()]
+        rows = [line.strip() for line in decode_lines(text, error=GridMapError) if line.strip()]
         if not rows or len({len(row) for row in rows}) > 1 or not set("".join(rows)) <= {FREE, OCCUPIED, UNKNOWN}:
             raise GridMapError("text", f"is not lines of one length made of {FREE}, {OCCUPIED} and {UNKNOWN}")
         cells = np.array([list(row) for row in rows])

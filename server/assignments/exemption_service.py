@@ -156,7 +156,7 @@ def _revoke(
     _record(db, school_class, by, AuditAction.exemption_revoked, assignment, exemption)
 
 
-def adopt(db: Session, guest_id: UUID, account_id: UUID) -> None:
+def move_guest_exemptions(db: Session, guest_id: UUID, account_id: UUID) -> None:
     """Move a guest's exemptions to the account that the same person has opened."""
     repository.move_exemptions(db, guest_id, account_id)
 

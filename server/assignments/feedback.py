@@ -151,7 +151,7 @@ def _memoised_holds(db: Session, account_id: UUID, exercise: str | None) -> Mapp
     return memo[key]
 
 
-def load_holds_by_student(db: Session, accounts: Collection[UUID], exercise: str) -> Mapping[UUID, FeedbackHolds]:
+def load_students_with_holds(db: Session, accounts: Collection[UUID], exercise: str) -> Mapping[UUID, FeedbackHolds]:
     """Load the holds of the accounts that have some in one exercise, in two queries."""
     now = utc_now()
     rows = feedback_repository.load_rows_of_students(db, accounts, exercise, now) if accounts else ()

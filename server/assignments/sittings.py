@@ -171,5 +171,5 @@ def load_last_saved_work(db: Session, account_id: UUID, exercise: str) -> SavedW
     return sitting_repository.load_last_saved_work(db, running, account_id, exercise) if running else None
 
 
-def adopt(db: Session, guest_id: UUID, account_id: UUID) -> None:
+def move_guest_sittings(db: Session, guest_id: UUID, account_id: UUID) -> None:
     sitting_repository.move_sittings(db, guest_id, account_id)

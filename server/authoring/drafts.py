@@ -10,7 +10,7 @@ from graders.core.declared.declaration import is_whole_program
 from graders.core.declared.proposals import WHOLE_PROGRAM, propose_starter
 from graders.core.syntax_trees import parse_source
 from server.authoring.new import write_skeleton
-from server.course.toml_writing import write_table, write_value
+from server.course.toml_writing import write_toml_table, write_toml_value
 from server.studio.import_drafts import NO_SOLUTION, Draft
 
 DECLARED = "declared"
@@ -39,7 +39,7 @@ def _write(draft: Draft, name: str, course: Path) -> list[Path]:
         "enonce.md": draft.statement or f"Écrivez {', '.join(f'`{name}`' for name in draft.functions)}.\n",
         "starter.py": _starter(draft),
         "solution.py": draft.solution or NO_SOLUTION,
-        "declaration.toml": "".join(write_table(draft.declaration())),
+        "declaration.toml": "".join(write_toml_table(draft.declaration())),
     }
     for file, text in texts.items():
         by_name[file].write_text(text.rstrip("\n") + "\n", encoding="utf-8")
@@ -54,12 +54,12 @@ def _starter(draft: Draft) -> str:
 
 
 def _card(draft: Draft, order: str) -> str:
-    lines = [f"title = {write_value(draft.title)}", f"summary = {write_value(draft.title)}", order]
+    lines = [f"title = {write_toml_value(draft.title)}", f"summary = {write_toml_value(draft.title)}", order]
     for name in draft.functions:
         signature = _header(draft, name).removeprefix("def ").rstrip(":")
         if is_whole_program(draft.functions):
             signature = WHOLE_PROGRAM
-        lines += ["", "[[functions]]", f"name = {write_value(name)}", f"signature = {write_value(signature)}"]
+        lines += ["", "[[functions]]", f"name = {write_toml_value(name)}", f"signature = {write_toml_value(signature)}"]
     return "\n".join(lines)
 
 

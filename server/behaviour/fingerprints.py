@@ -1,6 +1,6 @@
 """The background job that observes how a failed program behaves, and puts it into a group of equal behaviour.
 
-Every failed attempt of a class is observed, those with a known misconception too. `FingerprintSweeper` looks for
+Every failed attempt of a class is observed, those with a known misconception too. `FingerprintScheduler` looks for
 attempts, away from the hot path of verdicts. There is one job at a time, in a rank behind all gradings: a grading waits
 for one observation at most.
 """
@@ -80,7 +80,7 @@ def queue_fingerprint(db: Session, queue: Queue, grading_id: UUID, since: dateti
     queue.enqueue(db, FINGERPRINT, KEY, {"grading": str(grading_id), "since": since.isoformat()}, SENDER)
 
 
-class FingerprintSweeper:
+class FingerprintScheduler:
     """Looks periodically for attempts to observe: recent ones each time, all that may be observed once an hour.
 
     Each worker runs one, in a thread of its own.
@@ -94,17 +94,17 @@ class FingerprintSweeper:
         self._last_full_sweep = clock() - FULL_SWEEP_INTERVAL
 
     def run_until(self, stopping: Event) -> None:
-        """Sweep until `stopping` is set. After an error, try again at the next sweep."""
+        """Look for attempts until `stopping` is set. After an error, try again at the next interval."""
         while not stopping.wait(SWEEP_INTERVAL):
             try:
-                self.sweep()
+                self.queue_next()
             except Exception:
                 log.exception("failed attempts could not be looked for; trying again later")
 
-    def sweep(self) -> None:
+    def queue_next(self) -> None:
         """Queue the observation of the newest attempt without fingerprint, unless a job is queued already.
 
-        Where there is none, the next sweep begins at this time, less the time that a verdict may take to be committed.
+        Where there is none, the next search begins at this time, less the time that a verdict may take to be committed.
         """
         now = self._clock()
         if now - self._last_full_sweep >= FULL_SWEEP_INTERVAL:

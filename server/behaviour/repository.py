@@ -115,14 +115,14 @@ def lock_grading(db: Session, grading_id: UUID) -> bool:
     return db.execute(query).first() is not None
 
 
-def add_fingerprint(db: Session, grading_id: UUID, group_id: str | None, place: FoundPlace | None = None) -> None:
-    """Add a fingerprint, unless there is one already."""
+def add_fingerprint(db: Session, grading_id: UUID, group_id: str | None, mistakes_at: FoundPlace | None = None) -> None:
+    """Add a fingerprint, unless there is one already; `mistakes_at`: where the program's mistakes are."""
     row = {
         "grading_id": grading_id,
         "group_id": group_id,
         "made_at": utc_now(),
-        "place": null() if place is None else place.diagnosis.to_json(),
-        "changes": None if place is None else place.changes[:CHANGES_LENGTH],
+        "place": null() if mistakes_at is None else mistakes_at.diagnosis.to_json(),
+        "changes": None if mistakes_at is None else mistakes_at.changes[:CHANGES_LENGTH],
     }
     db.execute(upsert_statement(db, Fingerprint).on_conflict_do_nothing(), row)
 

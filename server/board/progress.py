@@ -12,7 +12,7 @@ from uuid import UUID
 from server.board import insights
 from server.board.attempts import MisconceptionEpisode, Pair, is_unexplained, misconception_episodes
 from server.board.catalogue import find_misconception
-from server.board.repository import Scope
+from server.board.repository import BoardScope
 from server.board.schemas import BoardStudent, ExerciseStats, HintStats, ImprovementStats, MisconceptionStats
 from server.board.stuck import Expected, StuckStudent, find_stuck, median_or_none
 from server.course import Course
@@ -25,7 +25,7 @@ class ClassProgress:
     """The attempts of the present students of a class, as of `now`."""
 
     course: Course
-    scope: Scope
+    scope: BoardScope
     now: datetime
     students: tuple[BoardStudent, ...]
     attempts: AttemptsByPair
@@ -39,16 +39,16 @@ class ClassProgress:
 
     @cached_property
     def _groups(self) -> Mapping[str, frozenset[str]]:
-        return dict(self.scope.groups)
+        return dict(self.scope.groups_by_exercise)
 
     def concerns(self, student: BoardStudent, exercise: str) -> bool:
         """Whether an exercise that counts is given to the class, or to a group of the student."""
-        groups = self._groups.get(exercise) if self.scope.groups else None
+        groups = self._groups.get(exercise) if self.scope.groups_by_exercise else None
         return groups is None or not groups.isdisjoint(student.groups)
 
     def find_unconcerned(self, student: BoardStudent) -> frozenset[str]:
         """Return the exercises that count, and are given to other groups only."""
-        if not self.scope.groups:
+        if not self.scope.groups_by_exercise:
             return frozenset()
         return frozenset(name for name in self._groups if not self.concerns(student, name))
 

@@ -18,16 +18,16 @@ from server.submissions.models import Submission
 
 
 @dataclass(frozen=True)
-class Scope:
+class BoardScope:
     """The exercises that count on the board of a class, and until when (None: until now).
 
-    `groups`: of exercises that are given to some groups only, the labels of these.
+    `groups_by_exercise`: pairs of an exercise that is given to some groups only and the labels of these groups.
     """
 
     class_id: UUID
     exercises: tuple[str, ...]
     until: datetime | None
-    groups: tuple[tuple[str, frozenset[str]], ...] = ()
+    groups_by_exercise: tuple[tuple[str, frozenset[str]], ...] = ()
 
 
 @dataclass(frozen=True)
@@ -61,18 +61,18 @@ class SourceRow:
     source: bytes
 
 
-def load_sources(db: Session, scope: Scope, exercise: str, misconception: str, limit: int) -> Sequence[SourceRow]:
+def load_sources(db: Session, scope: BoardScope, exercise: str, misconception: str, limit: int) -> Sequence[SourceRow]:
     """Load the latest attempts at an exercise that show a misconception, newest first."""
     return _load_sources(db, scope, exercise, Grading.diagnosis == misconception, limit)
 
 
-def load_right_sources(db: Session, scope: Scope, exercise: str, limit: int) -> Sequence[SourceRow]:
+def load_right_sources(db: Session, scope: BoardScope, exercise: str, limit: int) -> Sequence[SourceRow]:
     """Load the latest successful attempts at an exercise, newest first."""
     return _load_sources(db, scope, exercise, Grading.outcome == Outcome.OK.value, limit)
 
 
 def _load_sources(
-    db: Session, scope: Scope, exercise: str, wanted: ColumnElement[bool], limit: int
+    db: Session, scope: BoardScope, exercise: str, wanted: ColumnElement[bool], limit: int
 ) -> Sequence[SourceRow]:
     query = (
         select(Submission.account_id, Submission.id, Submission.source)

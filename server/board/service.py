@@ -18,7 +18,7 @@ from server.behaviour.schemas import UnnamedGroup
 from server.board import insights
 from server.board.attempts import Pair, group_by_student
 from server.board.progress import ClassProgress
-from server.board.repository import ClassPulse, Scope
+from server.board.repository import BoardScope, ClassPulse
 from server.board.schemas import (
     Board,
     BoardStudent,
@@ -42,7 +42,7 @@ from server.gradebook.histories import (
 )
 from server.gradebook.team_work import TeamAttempt, TeamAttempts, load_team_attempts
 from server.identity.models import Account
-from server.marks.repository import load_exercise_overrides
+from server.marks.repository import load_prevailing_overrides
 from server.marks.schemas import ActiveOverride
 from server.rights import service as rights
 from server.rights.models import Right
@@ -69,7 +69,7 @@ class BoardInputs:
         parts = (
             [(student.id.hex, student.name, student.groups) for student in progress.students],
             [(name, exercises[name].version if name in exercises else "") for name in progress.scope.exercises],
-            sorted((name, sorted(groups)) for name, groups in progress.scope.groups),
+            sorted((name, sorted(groups)) for name, groups in progress.scope.groups_by_exercise),
             progress.scope.until,
             sorted((account.hex, revision) for account, revision in progress.revisions.items()),
             sorted((account.hex, name) for account, name in progress.stuck),
@@ -190,7 +190,7 @@ def load_inputs(
     progress = load_progress(db, course, school_class, now, pulse=pulse)
     students, until = [student.id for student in progress.students], progress.scope.until
     shared = load_team_attempts(db, students, class_id=school_class.id, until=until)
-    return BoardInputs(progress, load_exercise_overrides(db, school_class.id), shared)
+    return BoardInputs(progress, load_prevailing_overrides(db, school_class.id), shared)
 
 
 def load_progress(
@@ -211,7 +211,7 @@ def load_progress(
     exercises = load_counting_exercises(db, course, school_class, now)
     counted = tuple(name for name in exercises.names if only is None or name == only)
     counted = tuple(dict.fromkeys([*counted, *(name for name in besides if course.exercises.get(name) is not None)]))
-    scope = Scope(school_class.id, counted, school_class.archived_at, tuple(exercises.groups.items()))
+    scope = BoardScope(school_class.id, counted, school_class.archived_at, tuple(exercises.groups.items()))
     students = tuple(BoardStudent(*learner) for learner in classes.load_active_students(db, school_class.id))
     revisions = load_revisions(db, [student.id for student in students]) if pulse is None else pulse.revisions
     attempts = load_attempts(db, revisions, scope.exercises, scope.until)

@@ -10,13 +10,13 @@ from server.base.errors import NotFound
 from server.base.http import client_address
 from server.cells import service
 from server.cells.schemas import NewRun
-from server.cells.supervisor import Cells
+from server.cells.supervisor import CellRunner
 from server.course.dependencies import CourseOf
 from server.database.dependencies import DatabaseOf
 from server.identity.dependencies import BrowserAccount
 
 router = APIRouter(include_in_schema=False)
-CellsOf = Annotated[Cells, Depends(app_service(Cells))]
+CellsOf = Annotated[CellRunner, Depends(app_service(CellRunner))]
 NO_STORE = {"Cache-Control": "no-store"}
 #: A status that nobody reads: the reader has left.
 CLIENT_CLOSED_REQUEST = 499

@@ -5,7 +5,7 @@ from starlette.concurrency import run_in_threadpool
 from server.base.errors import InternalFailure, Overloaded
 from server.base.settings import Settings
 from server.base.validation import encode_bounded
-from server.cells.supervisor import Cells
+from server.cells.supervisor import CellRunner
 from server.classes import presence
 from server.database import Database
 from server.identity.models import Account
@@ -17,7 +17,7 @@ TOO_FAST = "Vous avez exécuté beaucoup de cellules en peu de temps : la procha
 
 
 async def run(
-    cells: Cells, database: Database, settings: Settings, account: Account, module: str, code: str, *, address: str
+    cells: CellRunner, database: Database, settings: Settings, account: Account, module: str, code: str, *, address: str
 ) -> bytes:
     """What the page gets, as JSON text. Raises Invalid, TooLarge, TooMany, Crowded or Failed."""
     encode_bounded(code, settings.code_bytes)

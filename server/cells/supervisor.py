@@ -34,7 +34,7 @@ CROWDED = "Beaucoup de monde exécute des cellules en ce moment : réessayez dan
 FAILED = "La cellule n’a pas pu être exécutée : l’incident est de notre côté. Réessayez."
 
 
-class Cells:
+class CellRunner:
     """Runs cells, a few at once, the others in a queue of bounded length. For one event loop."""
 
     def __init__(

@@ -205,7 +205,7 @@ def _require_another_teacher(db: Session, school_class: SchoolClass, account_id:
         raise Conflict(LAST_TEACHER)
 
 
-def adopt(db: Session, guest_id: UUID, account_id: UUID) -> None:
+def move_guest_memberships(db: Session, guest_id: UUID, account_id: UUID) -> None:
     """Move a guest's memberships to the account that the same person has opened."""
     repository.move_memberships(db, guest_id, account_id)
 

@@ -162,7 +162,7 @@ def load_sent_notes(db: Session, account_id: UUID) -> Sequence[Note]:
     return db.execute(query.order_by(Note.created_at, Note.id)).scalars().all()
 
 
-def move_notes(db: Session, guest_id: UUID, account_id: UUID) -> None:
+def move_received_notes(db: Session, guest_id: UUID, account_id: UUID) -> None:
     """Move the notes for a guest to an account, except those that the account has already."""
     own = select(NoteReader.note_id).where(NoteReader.account_id == account_id)
     moved = update(NoteReader).where(NoteReader.account_id == guest_id, NoteReader.note_id.not_in(own))

@@ -316,8 +316,8 @@ def load_account_comments(db: Session, account_id: UUID) -> AccountComments:
     )
 
 
-def adopt(db: Session, guest_id: UUID, account_id: UUID) -> None:
+def move_guest_threads(db: Session, guest_id: UUID, account_id: UUID) -> None:
     """Move a guest's threads and notes to their account."""
     repository.move_threads(db, guest_id, account_id)
     readers_repository.move_readings(db, guest_id, account_id)
-    notes_repository.move_notes(db, guest_id, account_id)
+    notes_repository.move_received_notes(db, guest_id, account_id)

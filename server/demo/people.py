@@ -23,14 +23,14 @@ GROUPS = ("TP1", "TP2")
 
 @dataclass(frozen=True)
 class Pupil:
-    """`ease` in [0, 1]: how soon an exercise is understood; `pace`: minutes from one attempt to the next."""
+    """A simulated student; `ease` in [0, 1]: how soon an exercise is understood."""
 
     given: str
     family: str
     login: str
     group: str
     ease: float
-    pace: float
+    minutes_between_attempts: float
 
     @property
     def name(self) -> str:
@@ -46,7 +46,7 @@ def draw_pupils(random: Random, count: int) -> tuple[Pupil, ...]:
             *(given, family, f"{_ascii_letters(given)}.{_ascii_letters(family)}"),
             group=GROUPS[number * len(GROUPS) // count],
             ease=random.betavariate(4.0, 3.0),
-            pace=random.uniform(1.5, 4.5),
+            minutes_between_attempts=random.uniform(1.5, 4.5),
         )
         for number, (given, family) in enumerate(chosen)
     )

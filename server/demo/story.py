@@ -154,7 +154,7 @@ def _pupil_attempts(
     for exercise in exercises:
         sent: dict[int, int] = {}
         for known in _draw_submissions(repertoires[exercise.id], pupil.ease, random):
-            at += timedelta(minutes=pupil.pace * random.uniform(0.5, 1.8))
+            at += timedelta(minutes=pupil.minutes_between_attempts * random.uniform(0.5, 1.8))
             if at > end:
                 return
             yield PlannedAttempt(number, exercise.id, known, at, sent.get(id(known), 0))

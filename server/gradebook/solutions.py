@@ -56,7 +56,7 @@ class SolutionAccess:
             return AccessReason.teaches if self.teaches else None
         return self._open_reason(progress)
 
-    def would_open(self, progress: ExerciseProgress) -> bool:
+    def is_closed_only_by_hold(self, progress: ExerciseProgress) -> bool:
         """Whether the solution is closed only because it is withheld."""
         return self.solution_held is not None and not self.teaches and self._open_reason(progress) is not None
 

@@ -14,7 +14,7 @@ from types import FrameType
 from graders.core.contract.findings import Judgement
 from graders.core.contract.protocol import WhileNaming
 from server.base.settings import Settings
-from server.behaviour.fingerprints import FINGERPRINT, FingerprintSweeper, FingerprintTask
+from server.behaviour.fingerprints import FINGERPRINT, FingerprintScheduler, FingerprintTask
 from server.course import Course, load
 from server.course.start_cache import CACHE_FILE, StartCache
 from server.database import Database
@@ -141,9 +141,9 @@ def _run_worker(
             TRIAL_JOB: TrialTask(queue, partial(SandboxPrograms, sandbox)),
             TRYOUT_JOB: TryoutTask(queue, partial(SandboxPrograms, sandbox)),
         }
-        sweeper = FingerprintSweeper(database, queue, course)
+        scheduler = FingerprintScheduler(database, queue, course)
         threading.Thread(
-            target=sweeper.run_until, args=(_graceful_stop.requested,), name="sweeper", daemon=True
+            target=scheduler.run_until, args=(_graceful_stop.requested,), name="scheduler", daemon=True
         ).start()
         outbox = OutboxThread(
             database,

@@ -167,7 +167,7 @@ class HuntRunner:
     def _comparison(self, index: int, name: HuntName, known: KnownHunt) -> AnswerComparison:
         digits = next((few for few in FEW_DIGITS if _is_told_apart(known, few)), MANY_DIGITS)
         given = zip(known.hunt.contract.takes, known.witness, strict=False)
-        call = ", ".join(f"{argument}={write_value(value)}" for argument, value in given)
+        call = ", ".join(f"{argument}={format_typed_argument(value)}" for argument, value in given)
         return AnswerComparison(
             index=index,
             hunt=name,
@@ -264,7 +264,7 @@ def _describe(index: int, name: HuntName, known: KnownHunt, seed: int) -> Offere
     public = sorted(definition.judged_functions)
     changed = find_wrong_lines(definition, hunt, seed, public)
     optional = {argument for argument, _ in hunt.contract.defaults}
-    witness = dict(zip(hunt.contract.takes, map(write_value, known.witness), strict=False))
+    witness = dict(zip(hunt.contract.takes, map(format_typed_argument, known.witness), strict=False))
     return OfferedHunt(
         index=index,
         hunt=name,
@@ -315,12 +315,12 @@ def _parse_value(name: str, typed: str) -> Value:
         raise InputFault(name, f"{name} : {error}") from error
 
 
-def write_value(value: Value) -> str:
-    """Write an argument as one types it: « [0, 1, pi/2] »."""
+def format_typed_argument(value: Value) -> str:
+    """Return a number or a list of numbers as a reader types it: « [0, 1, pi/2] »."""
     if isinstance(value, list | tuple):
-        return f"[{', '.join(map(write_value, value))}]"
+        return f"[{', '.join(map(format_typed_argument, value))}]"
     if isinstance(value, np.ndarray):
-        return write_value(value.tolist())
+        return format_typed_argument(value.tolist())
     number = float(value)
     if number == int(number):
         return str(int(number))

@@ -107,6 +107,6 @@ def _join(
         accounts.check_join(db, current.id, target.id)
         origin = SessionOrigin(opened.identity_id, opened.external_digest, opened.frames)
         identities.move_identities(db, current.id, target.id)
-        accounts.adopt(db, current.id, target.id)
+        accounts.adopt_guest_data(db, current.id, target.id)
         repository.delete_account(db, current.id)
         return accounts.open_session(db, target, origin=origin)

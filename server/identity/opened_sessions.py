@@ -46,7 +46,7 @@ class PasswordProof:
 
 
 #: Moves the work of a guest (first id) to the account (second id) of the same person.
-Adopt = Callable[[Session, UUID, UUID], None]
+AdoptGuestData = Callable[[Session, UUID, UUID], None]
 #: Records in the log that an account was made by an invitation.
 RecordInvited = Callable[[Session, Account], None]
 #: Raises Conflict where the work of an account (first id) cannot move to another one (second id).

@@ -25,7 +25,7 @@ from server.identity.login_attempts import TOO_MANY_LOGINS, LoginAttempt, begin_
 from server.identity.logins import latin_look_alike
 from server.identity.models import Account, ApiToken, BrowserSession, Role
 from server.identity.opened_sessions import (
-    Adopt,
+    AdoptGuestData,
     JoinCheck,
     OpenedSession,
     PasswordProof,
@@ -55,7 +55,7 @@ TOO_MANY_GUESTS = "Trop de nouveaux visiteurs depuis cette adresse : réessayez 
 
 @dataclass(frozen=True)
 class AccountService:
-    """Sign-up, log-in and password changes. `adopt` moves a guest's work to an account.
+    """Sign-up, log-in and password changes. `adopt_guest_data` moves a guest's work to an account.
 
     `is_link_in_force` checks a link to a password against the rights of its maker and the place of its account;
     `record_invited` records who used an invitation.
@@ -63,7 +63,7 @@ class AccountService:
 
     database: Database
     settings: Settings
-    adopt: Adopt
+    adopt_guest_data: AdoptGuestData
     hashing: PasswordHasher = field(default_factory=PasswordHasher)
     is_link_in_force: LinkCheck = links.accept_every_link
     check_join: JoinCheck = accept_every_join
@@ -180,7 +180,7 @@ class AccountService:
 
     def adopt_guest(self, db: Session, visitor: Account | None, account_id: UUID) -> None:
         if visitor is not None and visitor.is_guest:
-            self.adopt(db, visitor.id, account_id)
+            self.adopt_guest_data(db, visitor.id, account_id)
             repository.delete_account(db, visitor.id)
 
     async def require_password(

@@ -172,7 +172,7 @@ HELD = (
 
 def load_projection_rules(db: Session, students: Collection[UUID], exercise: str) -> ProjectionRules:
     """Return the rules for these students: held diagnoses and tests forbid all, held solutions the right program."""
-    holds = feedback.load_holds_by_student(db, students, exercise).values()
+    holds = feedback.load_students_with_holds(db, students, exercise).values()
     diagnoses = [hold.diagnosis for hold in holds if hold.diagnosis is not None]
     refusal = HELD.format(title=diagnoses[0].title) if diagnoses else ""
     return ProjectionRules(refusal, all(hold.solution is None for hold in holds))

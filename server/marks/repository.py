@@ -55,7 +55,7 @@ def load_overrides(
     return overrides
 
 
-def load_exercise_overrides(
+def load_prevailing_overrides(
     db: Session, class_id: UUID, students: Collection[UUID] | None = None, exercises: Collection[str] | None = None
 ) -> Mapping[StudentExercise, ActiveOverride]:
     """Load one override for each student and exercise, whatever the assignment: the one that holds everywhere, else the

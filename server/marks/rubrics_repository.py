@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Mapping, Sequence
+from typing import NamedTuple
 from uuid import UUID
 
-from sqlalchemy import Row, delete, select, update
+from sqlalchemy import delete, select, update
 from sqlalchemy.orm import Session
 
 from server.classes.models import SchoolClass
@@ -57,8 +58,17 @@ def find_marking(db: Session, column_id: UUID, student: UUID) -> RubricMarking |
     return db.get(RubricMarking, (column_id, student))
 
 
-def list_markings_of(db: Session, account_id: UUID) -> Sequence[Row[RubricMarking, Rubric, ManualColumn, str]]:
-    """Return every copy of an account that is marked or begun, with its rubric, column and the name of the class."""
+class AccountMarking(NamedTuple):
+    """A copy that is marked or begun, with its rubric, its column and the name of the class."""
+
+    marking: RubricMarking
+    rubric: Rubric
+    column: ManualColumn
+    class_name: str
+
+
+def list_all_markings_of(db: Session, account_id: UUID) -> Sequence[AccountMarking]:
+    """Return every copy of an account that is marked or begun."""
     query = (
         select(RubricMarking, Rubric, ManualColumn, SchoolClass.name)
         .join(Rubric, Rubric.column_id == RubricMarking.column_id)
@@ -66,7 +76,8 @@ def list_markings_of(db: Session, account_id: UUID) -> Sequence[Row[RubricMarkin
         .join(SchoolClass, SchoolClass.id == ManualColumn.class_id)
         .where(RubricMarking.account_id == account_id)
     )
-    return db.execute(query.order_by(ManualColumn.created_at, ManualColumn.id)).all()
+    rows = db.execute(query.order_by(ManualColumn.created_at, ManualColumn.id))
+    return [AccountMarking(*row) for row in rows]
 
 
 def move_markings(db: Session, old: UUID, new: UUID) -> None:

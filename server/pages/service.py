@@ -223,7 +223,9 @@ def results(
         diagnosis_held=withheld.withheld_view(diagnosis_held, "diagnosis")
         if verdict and verdict.tone != "good"
         else None,
-        solution_held=withheld.withheld_view(access.solution_held, "solution") if access.would_open(progress) else None,
+        solution_held=withheld.withheld_view(access.solution_held, "solution")
+        if access.is_closed_only_by_hold(progress)
+        else None,
         onward=onward.way_onward(reader, exercise, verdict) if progress.succeeded else None,
     )
 

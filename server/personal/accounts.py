@@ -19,7 +19,7 @@ def make_account_service(database: Database, settings: Settings) -> AccountServi
     return AccountService(
         database,
         settings,
-        adopt=adopt_guest_data,
+        adopt_guest_data=adopt_guest_data,
         is_link_in_force=slips.is_link_in_force,
         check_join=require_joinable,
         record_invited=_record_invited,

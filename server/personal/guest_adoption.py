@@ -40,11 +40,11 @@ def adopt_guest_data(db: Session, guest_id: UUID, account_id: UUID) -> None:
 
     Runs inside the caller's transaction.
     """
-    comments.adopt(db, guest_id, account_id)
+    comments.move_guest_threads(db, guest_id, account_id)
     gradebook.adopt_attempts(db, guest_id, account_id)
-    sittings.adopt(db, guest_id, account_id)
-    classes.adopt(db, guest_id, account_id)
-    exemption_service.adopt(db, guest_id, account_id)
+    sittings.move_guest_sittings(db, guest_id, account_id)
+    classes.move_guest_memberships(db, guest_id, account_id)
+    exemption_service.move_guest_exemptions(db, guest_id, account_id)
     team_repository.move_places(db, guest_id, account_id)
     marks.adopt_marks(db, guest_id, account_id)
     polls.move_answers(db, guest_id, account_id)

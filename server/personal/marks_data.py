@@ -66,7 +66,7 @@ def marks_data(db: Session, account_id: UUID) -> dict[str, Any]:
         ],
         "copies_marked_by_hand": [
             _marking(marking, rubric, column, name)
-            for marking, rubric, column, name in rubrics_repository.list_markings_of(db, account_id)
+            for marking, rubric, column, name in rubrics_repository.list_all_markings_of(db, account_id)
             if column.published_at is not None and column.deleted_at is None and marking.finished_at is not None
         ],
         "overrides_you_set": [_override(override, name) for override, name in marks.list_overrides_by(db, account_id)],

@@ -42,12 +42,13 @@ class Lease:
 
 
 @dataclass(frozen=True)
-class Precedence:
-    """The jobs that go before a running one: of ranks under `below`, and of `rank` from other flows than `flow`."""
+class JobsAhead:
+    """The jobs that go before a running one: those of ranks below `ranks_below`, and those of `same_rank` whose flow is
+    not `excluded_flow`."""
 
-    below: int
-    rank: int | None = None
-    flow: str = ""
+    ranks_below: int
+    same_rank: int | None = None
+    excluded_flow: str = ""
 
 
 @dataclass(frozen=True)
@@ -166,12 +167,12 @@ class Queue(Protocol):
         kinds: Collection[str],
         lease_seconds: float,
         capabilities: WorkerCapabilities | None = None,
-        precedence: Precedence | None = None,
+        jobs_ahead: JobsAhead | None = None,
     ) -> Lease | None:
-        """Lease the next waiting job of these kinds that the worker can do, if any; with `precedence`, one of those."""
+        """Lease the next waiting job of these kinds that the worker can do, if any; with `jobs_ahead`, one of those."""
 
-    def find_preceding(
-        self, db: Session, kinds: Collection[str], precedence: Precedence, capabilities: WorkerCapabilities | None
+    def find_job_ahead(
+        self, db: Session, kinds: Collection[str], jobs_ahead: JobsAhead, capabilities: WorkerCapabilities | None
     ) -> WaitingJob | None:
         """Return the job that `claim` would lease, if any."""
 

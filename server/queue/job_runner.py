@@ -17,8 +17,8 @@ from server.queue.graceful_stop import GracefulStop, StopRequested
 from server.queue.interfaces import (
     REQUEST_ID_KEY,
     GiveUpHandler,
+    JobsAhead,
     Lease,
-    Precedence,
     Queue,
     Tasks,
     WaitingJob,
@@ -133,11 +133,11 @@ class JobRunner:
         self.heartbeat = LeaseHeartbeat(database, queue, settings, self._give_ups, self.programs.clock)
 
     def claim_and_run(
-        self, kinds: Collection[str], keep_alive: Callable[[], None], precedence: Precedence | None = None
+        self, kinds: Collection[str], keep_alive: Callable[[], None], jobs_ahead: JobsAhead | None = None
     ) -> Lease | None:
         """Return the job that was run. `keep_alive` is called as it starts, then with each heartbeat."""
         claim_started = time.time_ns()
-        claimed = self.write(lambda db: self._claim(db, kinds, precedence))
+        claimed = self.write(lambda db: self._claim(db, kinds, jobs_ahead))
         if claimed is None:
             return None
         keep_alive()
@@ -148,13 +148,13 @@ class JobRunner:
                 self._run_and_record(lease, work, keep_alive)
         return lease
 
-    def find_preceding(self, kinds: Collection[str], precedence: Precedence) -> WaitingJob | None:
+    def find_job_ahead(self, kinds: Collection[str], jobs_ahead: JobsAhead) -> WaitingJob | None:
         """Return the waiting job that `claim_and_run` would run."""
         with self._database.read() as db:
-            return self._queue.find_preceding(db, kinds, precedence, self._capabilities)
+            return self._queue.find_job_ahead(db, kinds, jobs_ahead, self._capabilities)
 
-    def _claim(self, db: Session, kinds: Collection[str], precedence: Precedence | None) -> tuple[Lease, Any] | None:
-        lease = self._queue.claim(db, self._owner, kinds, self._settings.lease_seconds, self._capabilities, precedence)
+    def _claim(self, db: Session, kinds: Collection[str], jobs_ahead: JobsAhead | None) -> tuple[Lease, Any] | None:
+        lease = self._queue.claim(db, self._owner, kinds, self._settings.lease_seconds, self._capabilities, jobs_ahead)
         if lease is None:
             return None
         work = self._read(db, lease)

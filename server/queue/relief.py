@@ -15,7 +15,7 @@ from collections.abc import Callable, Collection, Iterable
 from dataclasses import dataclass
 from types import TracebackType
 
-from server.queue.interfaces import Lease, Precedence, WaitingJob
+from server.queue.interfaces import JobsAhead, Lease, WaitingJob
 from server.queue.job_runner import JobRunner
 
 log = logging.getLogger(__name__)
@@ -91,8 +91,8 @@ class ReliefSeat:
         if self._main.programs.stopped_seconds(running.token) > self._patience.stopped:
             self._main.programs.abandon(running.token)
             return
-        precedence = self._precedence(running) if not taken else self._precedence_over_relief()
-        waiting = self._relief.find_preceding(self._kinds, precedence) if precedence else None
+        jobs_ahead = self._jobs_ahead(running) if not taken else self._jobs_ahead_of_relief()
+        waiting = self._relief.find_job_ahead(self._kinds, jobs_ahead) if jobs_ahead else None
         if waiting is None or self._waiting is None or waiting.job_id != self._waiting.job_id:
             self._waiting, self._waiting_since = waiting, self._clock()
             return
@@ -105,12 +105,12 @@ class ReliefSeat:
             self._thread = threading.Thread(target=self._run_jobs, args=(running,), name="relief", daemon=True)
             self._thread.start()
 
-    def _precedence(self, running: Lease) -> Precedence:
-        return Precedence(running.rank, running.rank, running.flow)
+    def _jobs_ahead(self, running: Lease) -> JobsAhead:
+        return JobsAhead(running.rank, running.rank, running.flow)
 
-    def _precedence_over_relief(self) -> Precedence | None:
+    def _jobs_ahead_of_relief(self) -> JobsAhead | None:
         relieving = self._relief.running
-        return None if relieving is None else Precedence(relieving.rank)
+        return None if relieving is None else JobsAhead(relieving.rank)
 
     def _is_taken(self) -> bool:
         return self._thread is not None and self._thread.is_alive()
@@ -125,16 +125,16 @@ class ReliefSeat:
         def stop_own() -> None:
             self._main.programs.stop(running.token)
 
-        precedence = self._precedence(running)
+        jobs_ahead = self._jobs_ahead(running)
         turns: Iterable[int] = range(BACKGROUND_TURN) if running.kind in self._background else itertools.count()
         try:
             with self._relief.heartbeat:
                 for _ in turns:
-                    if self._closing.is_set() or not self._relief.claim_and_run(self._kinds, stop_own, precedence):
+                    if self._closing.is_set() or not self._relief.claim_and_run(self._kinds, stop_own, jobs_ahead):
                         return
                     if self._main.running is not running:
                         return
-                    precedence = Precedence(running.rank)
+                    jobs_ahead = JobsAhead(running.rank)
         except Exception:
             log.exception("a job that goes before %s %s could not be run", running.kind, running.key)
         finally:

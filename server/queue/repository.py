@@ -29,7 +29,7 @@ from sqlalchemy.orm import Session, aliased
 
 from server.database import UtcDateTime, select_core, table_of, utc_now, write_core
 from server.queue.fair_queueing import TURN_STEP, FlowState, Turn
-from server.queue.interfaces import Lease, Precedence, Sender, WaitingJob, WorkerCapabilities
+from server.queue.interfaces import JobsAhead, Lease, Sender, WaitingJob, WorkerCapabilities
 from server.queue.models import Job
 
 #: Key of PostgreSQL's advisory lock for enqueueing.
@@ -105,10 +105,10 @@ _claim = _claim.returning(
 _capable = or_(_version_available, _refused_before)
 #: Only jobs that go before a running one.
 _precedes_running = or_(
-    _jobs.c.priority < bindparam("below"),
-    and_(_jobs.c.priority == bindparam("rank"), _jobs.c.line != bindparam("flow")),
+    _jobs.c.priority < bindparam("ranks_below"),
+    and_(_jobs.c.priority == bindparam("same_rank"), _jobs.c.line != bindparam("excluded_flow")),
 )
-#: The next job, by whether the claim has capabilities and a precedence.
+#: The next job, by whether the claim has capabilities and is for jobs ahead of another.
 _choices = {
     (capable, precedes): _next_job_id.where(*[_capable] * capable, *[_precedes_running] * precedes)
     for capable in (False, True)
@@ -227,12 +227,12 @@ def claim(
     kinds: Collection[str],
     new: NewLease,
     able: WorkerCapabilities | None,
-    precedence: Precedence | None = None,
+    jobs_ahead: JobsAhead | None = None,
 ) -> Lease | None:
     """Lease the next waiting job."""
-    statement = CLAIMS[able is not None, precedence is not None]
+    statement = CLAIMS[able is not None, jobs_ahead is not None]
     parameters = {"owner": new.owner, "token": new.token, "now": new.now, "until": new.until}
-    row = select_core(db, statement, {**parameters, **_choice(kinds, new.now, able, precedence)}).one_or_none()
+    row = select_core(db, statement, {**parameters, **_choice(kinds, new.now, able, jobs_ahead)}).one_or_none()
     if row is None:
         return None
     return Lease(
@@ -250,24 +250,24 @@ def claim(
     )
 
 
-def find_preceding(
-    db: Session, kinds: Collection[str], precedence: Precedence, able: WorkerCapabilities | None
+def find_job_ahead(
+    db: Session, kinds: Collection[str], jobs_ahead: JobsAhead, able: WorkerCapabilities | None
 ) -> WaitingJob | None:
     """Return the waiting job that goes before a running one."""
     statement = FIND_PRECEDING[able is not None]
-    row = select_core(db, statement, _choice(kinds, current_time(db), able, precedence)).one_or_none()
+    row = select_core(db, statement, _choice(kinds, current_time(db), able, jobs_ahead)).one_or_none()
     return None if row is None else WaitingJob(row.id, row.priority)
 
 
 def _choice(
-    kinds: Collection[str], now: datetime, able: WorkerCapabilities | None, precedence: Precedence | None
+    kinds: Collection[str], now: datetime, able: WorkerCapabilities | None, jobs_ahead: JobsAhead | None
 ) -> dict[str, Any]:
     """Return the parameters that choose a job."""
     parameters: dict[str, Any] = {"kinds": list(kinds)}
     if able is not None:
         parameters |= _capability_parameters(able, now)
-    if precedence is not None:
-        parameters |= asdict(precedence)
+    if jobs_ahead is not None:
+        parameters |= asdict(jobs_ahead)
     return parameters
 
 

@@ -13,7 +13,7 @@ import zlib
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
-from server.course.toml_writing import write_table, write_value
+from server.course.toml_writing import write_toml_table, write_toml_value
 from server.studio.drafts import (
     CHECK_CHOICES,
     CHECK_FLAGS,
@@ -82,16 +82,16 @@ def exercise_files(
     yield f"{graded}/__init__.py", ""
     yield f"{graded}/grader.py", GRADER.format(name=f"{module}/{slug}")
     yield f"{graded}/solution.py", content["declaration"]["solution"]
-    yield f"{graded}/declaration.toml", "".join(write_table(declaration))
+    yield f"{graded}/declaration.toml", "".join(write_toml_table(declaration))
 
 
 def _card(content: Mapping[str, Any], limits: Mapping[str, float]) -> str:
-    lines = [f"title = {write_value(content['title'])}"]
-    lines.append(f"summary = {write_value(content['summary'] or content['title'])}")  # which a course asks for
+    lines = [f"title = {write_toml_value(content['title'])}"]
+    lines.append(f"summary = {write_toml_value(content['summary'] or content['title'])}")  # which a course asks for
     lines.append(f"order = {ORDER}")
     for name in content["declaration"]["fonctions"]:
         signature = content["signatures"].get(name, name)
-        lines += ["", "[[functions]]", f"name = {write_value(name)}", f"signature = {write_value(signature)}"]
+        lines += ["", "[[functions]]", f"name = {write_toml_value(name)}", f"signature = {write_toml_value(signature)}"]
     return "\n".join([*lines, "", "[limits]", *(f"{name} = {value}" for name, value in limits.items())]) + "\n"
 
 

@@ -82,7 +82,11 @@ def publication_faults(
 
 def _faults_of_changes(draft: ExerciseDraft, report: TrialReport) -> Iterator[str]:
     """Yield what the changed solutions that have all points show: each of a whole function, too many of the others."""
-    alive = [change for change in report.survivors if not draft.reasons.get(program_digest(change.program), "").strip()]
+    alive = [
+        change
+        for change in report.proven_survivors
+        if not draft.reasons.get(program_digest(change.program), "").strip()
+    ]
     whole = [change.words for change in alive if change.operator in WHOLE_BODY]
     small = [change for change in report.changes if change.operator not in WHOLE_BODY]
     lines = len(alive) - len(whole)

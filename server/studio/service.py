@@ -257,7 +257,7 @@ def add_cases(draft: ExerciseDraft, report: TrialReport, picked: Collection[str]
     Raises Invalid where none is picked.
     """
     checks = list(draft.checks)
-    shown: tuple[TriedMistake | TriedChange, ...] = (*report.mistakes, *report.survivors)
+    shown: tuple[TriedMistake | TriedChange, ...] = (*report.mistakes, *report.proven_survivors)
     chosen = [each for each in shown if each.case and each.case in picked]
     require_picked(picked, chosen)
     for change in chosen:

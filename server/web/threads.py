@@ -86,11 +86,12 @@ class WriterView:
     diagnosis: str | None = None
 
 
-def thread_views(talks: Sequence[Conversation], account: Account | None) -> tuple[ThreadView, ...]:
-    return tuple(thread_view(talk, account) for talk in talks)
+def thread_views(talks: Sequence[Conversation], reader: Account | None) -> tuple[ThreadView, ...]:
+    return tuple(thread_view(talk, reader) for talk in talks)
 
 
-def thread_view(talk: Conversation, account: Account | None) -> ThreadView:
+def thread_view(talk: Conversation, reader: Account | None) -> ThreadView:
+    """Return the whole thread; messages by `reader` are shown as theirs."""
     thread = talk.thread
     return ThreadView(
         id=str(thread.id),
@@ -101,7 +102,7 @@ def thread_view(talk: Conversation, account: Account | None) -> ThreadView:
         origin="" if talk.number is None else f"essai n° {talk.number}",
         origin_href="" if talk.origin is None else f"/soumissions/{talk.origin}#fil-{thread.id}",
         is_new=talk.is_new,
-        messages=tuple(_message(said, account) for said in talk.messages),
+        messages=tuple(_message(said, reader) for said in talk.messages),
     )
 
 

@@ -10,7 +10,7 @@ from unittest.mock import patch
 from server.app import Services, create_app
 from server.base.app_services import add_services, app_service, get_service
 from server.base.settings import Settings
-from server.cells.supervisor import Cells
+from server.cells.supervisor import CellRunner
 from server.course import Course
 from server.database import Database
 from server.identity.models import Account
@@ -33,7 +33,7 @@ def test_nothing_is_left_of_the_test_before(tmp_path: Path, course: Course) -> N
         before = dict(app.state.provided)  # type: ignore[attr-defined]
         new_account(get_service(app, Database))  # type: ignore[arg-type]
         add_services(app, before[Settings].model_copy(update={"login_burst": 1}))  # type: ignore[arg-type]
-        app.dependency_overrides[app_service(Cells)] = lambda: None  # type: ignore[attr-defined]
+        app.dependency_overrides[app_service(CellRunner)] = lambda: None  # type: ignore[attr-defined]
         assert first.get("/l20").status_code == 200
     with site(tmp_path / "two", course) as second:
         assert second.app is app
@@ -50,7 +50,7 @@ def test_nothing_is_left_of_the_test_before(tmp_path: Path, course: Course) -> N
 def test_the_application_of_tests_alone_starts_without_a_look_at_what_was_left(tmp_path: Path, course: Course) -> None:
     settings = Settings(data_dir=tmp_path, workers=0)
     migrated(settings).close()
-    with patch.object(Services, "first_look", autospec=True) as looks:
+    with patch.object(Services, "recover_and_tidy_at_start", autospec=True) as looks:
         for made, looked in ((standing_app(settings, course), 0), (create_app(settings, course=course), 1)):
             with TestClient(made):
                 assert looks.call_count == looked

@@ -15,7 +15,7 @@ from graders.core.contract.outcomes import Outcome
 from graders.core.contract.program import Programs
 from server.base.settings import Settings
 from server.behaviour import repository
-from server.behaviour.fingerprints import FINGERPRINT, SENDER, FingerprintSweeper, give_up_handlers
+from server.behaviour.fingerprints import FINGERPRINT, SENDER, FingerprintScheduler, give_up_handlers
 from server.behaviour.limits import tighten_limits
 from server.behaviour.models import BehaviourGroup, Fingerprint
 from server.classes.models import ClassRole, SchoolClass, Status
@@ -96,9 +96,9 @@ def test_failed_attempts_of_students_are_observed(
 def test_a_sweep_queues_one_job_behind_all_gradings(database: Database, ada: Account, both: Settings) -> None:
     for _ in range(3):
         sent(database, ada, SUM)
-    sweeper = FingerprintSweeper(database, QUIET, the_course())
-    sweeper.sweep()
-    sweeper.sweep()
+    scheduler = FingerprintScheduler(database, QUIET, the_course())
+    scheduler.queue_next()
+    scheduler.queue_next()
     with database.write() as db:
         assert db.execute(select(func.count()).select_from(Job)).scalar_one() == 1
         waiting = Submissions(both, QUIET).submit(db, ada, EXERCISE, "x = 1", address=ADDRESS)
@@ -111,17 +111,17 @@ def test_a_sweep_queues_one_job_behind_all_gradings(database: Database, ada: Acc
 
 def test_sweeps_look_at_new_attempts_and_hourly_at_all(database: Database, made: SchoolClass, both: Settings) -> None:
     now = [utc_now()]
-    sweeper = FingerprintSweeper(database, QUIET, the_course(), clock=lambda: now[0])
-    sweeper.sweep()
+    scheduler = FingerprintScheduler(database, QUIET, the_course(), clock=lambda: now[0])
+    scheduler.queue_next()
     late = new_account(database, name="Late")
     sent(database, late, SUM)
     now[0] += timedelta(minutes=30)
-    sweeper.sweep()
+    scheduler.queue_next()
     seat(database, made, late)  # and what was sent before belongs to the class
-    sweeper.sweep()
+    scheduler.queue_next()
     assert not asking_worker(database, both).run_one()
     now[0] += timedelta(minutes=31)
-    sweeper.sweep()
+    scheduler.queue_next()
     assert asking_worker(database, both).run_one()
 
 
@@ -135,7 +135,7 @@ def test_an_attempt_deleted_before_or_during_its_job_leaves_nothing(
         return LOCAL
 
     sent(database, ada, SUM)
-    FingerprintSweeper(database, QUIET, the_course()).sweep()
+    FingerprintScheduler(database, QUIET, the_course()).queue_next()
     worker = asking_worker(database, both, start=forgetting)
     assert [worker.run_one(), worker.run_one()] == [True, False]
     assert fingerprints(database) == 0
@@ -143,7 +143,7 @@ def test_an_attempt_deleted_before_or_during_its_job_leaves_nothing(
 
 def test_an_exercise_that_changed_meanwhile_is_not_observed(database: Database, ada: Account, both: Settings) -> None:
     sent(database, ada, SUM)
-    FingerprintSweeper(database, QUIET, the_course()).sweep()
+    FingerprintScheduler(database, QUIET, the_course()).queue_next()
     course, exercise = the_course(), the_course().exercises[EXERCISE]
     changed = replace(exercise, version="another")
     module = course.modules["l20"]

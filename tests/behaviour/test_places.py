@@ -9,7 +9,7 @@ from graders.core.code.places import FoundPlace
 from graders.core.contract.verdict import Diagnosis
 from server.base.settings import Settings
 from server.behaviour import place_queries
-from server.behaviour.fingerprints import FingerprintSweeper
+from server.behaviour.fingerprints import FingerprintScheduler
 from server.behaviour.models import Fingerprint
 from server.classes.models import ClassRole
 from server.database import Database
@@ -25,7 +25,7 @@ PLACE = FoundPlace(Diagnosis("lieu", "Changer la ligne 3 suffit", "Ligne 3 : « 
 def search(database: Database, settings: Settings, find: PlaceFinder) -> None:
     """Have all failed attempts observed, their places found by `find`."""
     worker = asking_worker(database, settings, find=find)
-    FingerprintSweeper(database, QUIET, the_course()).sweep()
+    FingerprintScheduler(database, QUIET, the_course()).queue_next()
     while worker.run_one():
         pass
 

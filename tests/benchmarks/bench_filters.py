@@ -18,7 +18,7 @@ from itertools import count
 
 import numpy as np
 
-from reference.ekf_slam import EkfSlam, SlamNoise, Update, rank_two_update, textbook_update
+from reference.ekf_slam import EkfSlam, SlamNoise, Update, update_covariance_in_place, updated_covariance_textbook
 from reference.filters.resampling import (
     comb,
     multinomial_resampling,
@@ -184,15 +184,15 @@ def one_correction(landmarks: int, update: Update) -> Callable[[], object]:
 
 
 def slam(rounds: int) -> None:
-    sizes = {rank_two_update: (500, 1000, 2000), textbook_update: (250, 500, 1000)}
-    names = {rank_two_update: "rank two, in place", textbook_update: "textbook, (I - K H) P"}
-    every = {rank_two_update: 1, textbook_update: 5}
+    sizes = {update_covariance_in_place: (500, 1000, 2000), updated_covariance_textbook: (250, 500, 1000)}
+    names = {update_covariance_in_place: "rank two, in place", updated_covariance_textbook: "textbook, (I - K H) P"}
+    every = {update_covariance_in_place: 1, updated_covariance_textbook: 5}
     contenders = {
         (update, n): timed(f"{names[update]}, {n} landmarks", one_correction(n, update), every[update])
         for update, counts in sizes.items()
         for n in counts
     }
-    shared = contenders[rank_two_update, 500], contenders[textbook_update, 500]
+    shared = contenders[update_covariance_in_place, 500], contenders[updated_covariance_textbook, 500]
     rest = [contender for contender in contenders.values() if contender not in shared]
     compare("EKF-SLAM: one correction of the covariance", [*shared, *rest], rounds, "ms", 1.0)
     for update, counts in sizes.items():

@@ -16,7 +16,7 @@ from server.base.app_services import app_service, get_service
 from server.base.errors import InternalFailure, Overloaded
 from server.base.http import SESSION_COOKIE
 from server.base.settings import Settings
-from server.cells.supervisor import Cells
+from server.cells.supervisor import CellRunner
 from tests.support.client import TestClient
 from tests.support.quick import in_a_loop
 from tests.support.service import Site
@@ -46,7 +46,7 @@ class Echo:
 @pytest.fixture
 def play(site: Site) -> Callable[[Echo], Echo]:
     def put(cells: Echo) -> Echo:
-        site.app.dependency_overrides[app_service(Cells)] = lambda: cells
+        site.app.dependency_overrides[app_service(CellRunner)] = lambda: cells
         return cells
 
     return put
@@ -170,6 +170,6 @@ def test_a_reader_who_leaves_leaves_the_queue(site: Site, play: Callable[[Echo],
 
 
 def test_no_process_is_started_before_the_first_cell(site: Site) -> None:
-    cells = get_service(site.app, Cells)
+    cells = get_service(site.app, CellRunner)
     assert site.client.get("/l20").status_code == 200
     assert cells.helper._process is None

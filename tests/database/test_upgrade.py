@@ -181,7 +181,7 @@ def test_every_page_shows_what_was_there(upgraded: Upgraded) -> None:
     marks = {"wrong": "10", "right": "20", "late": "5", "answers": "8"}
     services = Services(upgraded.settings, upgraded.course, ())
     with closing(services.database):
-        services.first_look()
+        services.recover_and_tidy_at_start()
     app = standing_app(upgraded.settings, upgraded.course)
     with TestClient(app, cookies={SESSION_COOKIE: "Ada"}) as client:
 

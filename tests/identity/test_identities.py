@@ -46,7 +46,7 @@ def age(site: Site, by: timedelta = FRESH_SESSION * 2) -> None:
 
 
 def test_one_person_has_one_account_however_many_come_at_once(database: Database, both: object) -> None:
-    accounts = AccountService(database, both, adopt=lambda *_: None)  # type: ignore[arg-type]
+    accounts = AccountService(database, both, adopt_guest_data=lambda *_: None)  # type: ignore[arg-type]
 
     def come_once(_: int) -> object:
         with database.write() as db:

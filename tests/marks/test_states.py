@@ -18,7 +18,7 @@ from server.marks import decisions, service
 from server.marks.files import mark_cell, mark_notes
 from server.marks.loading import load_gradebook
 from server.marks.models import MarkingPolicy, StateDecision
-from server.marks.repository import load_exercise_overrides, load_marking
+from server.marks.repository import load_marking, load_prevailing_overrides
 from server.marks.schemas import AssignmentMark, Gradebook
 from server.marks.states import STATE_WORDS, Counting, DecidedState, MarkingRules, MarkState
 from tests.support.marks import AFTER, CLOSES, DAY, DUE, ODOMETRY, OPENS, POSES, Term
@@ -204,7 +204,7 @@ def test_an_override_holds_in_one_assignment_or_everywhere(term: Term, course: C
 
     def on_board() -> float | None:
         with term.database.read() as db:
-            override = load_exercise_overrides(db, term.made.id).get((ada.id, POSES))
+            override = load_prevailing_overrides(db, term.made.id).get((ada.id, POSES))
         return None if override is None else override.points
 
     set_points(11, first.id)

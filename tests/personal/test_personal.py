@@ -33,7 +33,7 @@ from server.identity import tokens
 from server.identity.models import Account, ApiToken, BrowserSession, Role
 from server.marks import service as marks
 from server.marks.models import Override
-from server.marks.repository import load_exercise_overrides
+from server.marks.repository import load_prevailing_overrides
 from server.personal import service
 from server.personal.guest_adoption import adopt_guest_data
 from server.personal.service import PersonalData
@@ -418,7 +418,7 @@ def test_a_guest_s_marks_follow_into_the_account(sqlite: Database, course: Cours
             )
         adopt_guest_data(db, guest.id, account.id)
     with sqlite.read() as db:
-        found = load_exercise_overrides(db, made.id)
+        found = load_prevailing_overrides(db, made.id)
         assert {key: one.points for key, one in found.items()} == {
             (account.id, EXERCISE): 5.0, (account.id, "l20/calcul_odometrie"): 4.0,
         }  # fmt: skip

@@ -12,7 +12,7 @@ from sqlalchemy import func, select
 from starlette.concurrency import run_in_threadpool
 
 from server.base.app_services import add_services, get_service
-from server.behaviour.fingerprints import FINGERPRINT, FingerprintSweeper, FingerprintTask
+from server.behaviour.fingerprints import FINGERPRINT, FingerprintScheduler, FingerprintTask
 from server.behaviour.models import BehaviourGroup, Fingerprint
 from server.classes.models import ClassRole
 from server.grading.sandbox_grader import SandboxPrograms
@@ -69,7 +69,7 @@ def observe(studio: Studio, sandbox: Sandbox) -> None:
     course, queue = the_course(), get_service(studio.site.app, StudioService).queue
     task = FingerprintTask(course, queue, lambda policy, _: SandboxPrograms(sandbox, policy))
     worker = Worker(studio.site.database, queue, studio.site.settings, {FINGERPRINT: task})
-    FingerprintSweeper(studio.site.database, queue, course).sweep()
+    FingerprintScheduler(studio.site.database, queue, course).queue_next()
     while worker.run_one():
         pass
 

@@ -11,7 +11,7 @@ from graders.core.contract.local import LOCAL
 from graders.core.contract.outcomes import Outcome
 from graders.core.contract.verdict import CheckResult, Counterexample, Diagnosis, Verdict
 from server.base.settings import Settings
-from server.behaviour.fingerprints import FINGERPRINT, FingerprintSweeper, FingerprintTask, PlaceFinder, StartProgram
+from server.behaviour.fingerprints import FINGERPRINT, FingerprintScheduler, FingerprintTask, PlaceFinder, StartProgram
 from server.behaviour.models import Fingerprint
 from server.course import Course
 from server.database import Database, utc_now
@@ -80,7 +80,7 @@ def asking_worker(
 def ask_all(database: Database, settings: Settings, start: StartProgram = lambda *_: LOCAL) -> int:
     """Has every attempt asked that may be, for one look at what there is; how many jobs that took."""
     worker, steps = asking_worker(database, settings, start=start), 0
-    FingerprintSweeper(database, QUIET, the_course()).sweep()
+    FingerprintScheduler(database, QUIET, the_course()).queue_next()
     while worker.run_one():
         steps += 1
     return steps

@@ -113,7 +113,9 @@ def _services_without_chores() -> type[Services]:
     async def nothing(_services: Services) -> None:
         return
 
-    return type("QuietServices", (Services,), {"first_look": lambda _services: None, "keep_recovering": nothing})
+    return type(
+        "QuietServices", (Services,), {"recover_and_tidy_at_start": lambda _services: None, "keep_recovering": nothing}
+    )
 
 
 _standing: dict[tuple[int, int, str], FastAPI] = {}

@@ -9,10 +9,10 @@ import numpy as np
 NEAREST, FURTHEST = 1.3, 3.0  # how far the ends are, as factors
 
 
-def rounded_interval(size: float, rng: np.random.Generator) -> tuple[float, float]:
-    """Return two rounded bounds around a positive `size`, at independent random distances."""
+def rounded_bounds_around(magnitude: float, rng: np.random.Generator) -> tuple[float, float]:
+    """Return two rounded bounds around a positive `magnitude`, at independent random distances."""
     below, above = np.exp(rng.uniform(np.log(NEAREST), np.log(FURTHEST), 2))
-    return _rounded(size / below, math.floor), _rounded(size * above, math.ceil)
+    return _rounded(magnitude / below, math.floor), _rounded(magnitude * above, math.ceil)
 
 
 def _rounded(size: float, towards: object) -> float:

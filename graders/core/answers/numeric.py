@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from graders.core.answers.interval import rounded_interval
+from graders.core.answers.interval import rounded_bounds_around
 from graders.core.answers.judging import AnswerCheck, Answers, AnswersGrader
 from graders.core.answers.mistakes import Mistake, check_same_mistakes, read_mistakes
 from graders.core.answers.numbers import NotANumberError, check_finite, read_number
@@ -201,7 +201,7 @@ class NumericGrader(AnswersGrader):
 
     def _expected(self, name: str, right: float, seed: int) -> str:
         """An interval without a sign, dealt once for a deal: trying again tells no more, nor does the seed alone."""
-        low, high = rounded_interval(abs(right), stream(seed, f"interval {name} {right:.6g}"))
+        low, high = rounded_bounds_around(abs(right), stream(seed, f"interval {name} {right:.6g}"))
         unit = next(question.unit for question in self.sheet.questions if question.id == name)
         return f"un nombre entre {number(low)} et {number(high)} {unit}".rstrip() + ", au signe près"
 

@@ -141,7 +141,7 @@ class CodeGrader:
         prober = self.prober
         if prober is None:
             return run_checks(self.checks, runner, kit, seed)
-        steady = cache(lambda: prober.is_stateless(source, kit))
+        steady = cache(lambda: prober.may_probe_without_relaunch(source, kit))
         return run_checks(
             self.checks, runner, kit, seed,
             launches_if_failed=lambda: 0 if steady() else 1,

@@ -34,7 +34,8 @@ class Run:
         return None if self.make_film is None else self.make_film()
 
     @property
-    def location_text(self) -> str:
+    def run_and_step_text(self) -> str:
+        """« Essai 3, pas 12 »; the run alone before its first step."""
         return f"Essai {self.number + 1}" + (f", pas {self.step}" if self.step else "")
 
 
@@ -149,7 +150,7 @@ class ClosedLoop(Check):
         count = f"Il faut {self.needed} essais réussis sur {self.runs} ; des {tally.played} joués, {won}."
         message, *frames = rejection.message.split("\n")
         return Rejection(
-            "\n".join((f"{run.location_text} : {message} {count}", *frames)),
+            "\n".join((f"{run.run_and_step_text} : {message} {count}", *frames)),
             inputs={"essai": run.number + 1, **(rejection.inputs or {})},
             expected=rejection.expected,
             got=rejection.got,

@@ -58,8 +58,11 @@ class Prober:
         self._lock = threading.Lock()
         self._planned = [PlannedCalls(probe.function, as_rows((*probe.calls, probe.calls[0]))) for probe in self.probes]
 
-    def is_stateless(self, source: bytes, kit: KitSettings) -> bool:
-        """Whether a running program with this kit answers the probes as a fresh launch with theirs would."""
+    def may_probe_without_relaunch(self, source: bytes, kit: KitSettings) -> bool:
+        """Whether, by its source, a running program with this kit answers the probes as a fresh launch would.
+
+        Nothing is run; False in doubt.
+        """
         same = all((probe.kit.module, probe.kit.without) == (kit.module, kit.without) for probe in self.probes)
         return same and is_stateless(source, self._kit_names)
 

@@ -92,7 +92,8 @@ class TrialReport:
     raising: tuple[str, str] = ("", "")
 
     @property
-    def survivors(self) -> tuple[TriedChange, ...]:
+    def proven_survivors(self) -> tuple[TriedChange, ...]:
+        """The changes that no check refuses although an input is known on which their answer is wrong."""
         return tuple(change for change in self.changes if change.survives)
 
     def to_data(self) -> dict[str, Any]:

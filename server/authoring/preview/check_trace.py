@@ -57,26 +57,28 @@ class CheckTrace:
             self.calls.append(TracedCall(f"{function}({given})", got))
 
 
-def trace_checks(grader: CodeGrader, seed: int, described: Mapping[str, str]) -> Iterator[CheckTrace]:
+def trace_solution_checks(
+    grader: CodeGrader, seed: int, figure_descriptions: Mapping[str, str]
+) -> Iterator[CheckTrace]:
     """Run each check on the solution. An exception of a check becomes its failure.
 
-    `described`: what each kind of figure of the exercise shows, in words.
+    `figure_descriptions`: what each kind of figure of the exercise shows, in words.
     """
     for check in grader.checks:
         seen = CheckTrace(check)
         try:
             failed = grader.first_failed(grader.solution.encode(), TracingLauncher(seen), seed=seed, checks=[check])
             seen.failure = "la solution n’y passe pas" if failed else ""
-            seen.figure = _describe_figure(grader, check.id, seed, described)
+            seen.figure = _describe_figure(grader, check.id, seed, figure_descriptions)
         except Exception as error:  # whatever the author's check raises is shown in its place
             seen.failure = f"{type(error).__name__}: {error}"
         yield seen
 
 
-def _describe_figure(grader: CodeGrader, check_id: str, seed: int, described: Mapping[str, str]) -> str:
+def _describe_figure(grader: CodeGrader, check_id: str, seed: int, figure_descriptions: Mapping[str, str]) -> str:
     """Return what a check's figure on its first case shows, in words; empty where it draws nothing."""
     data = first_case_figure(grader, check_id, seed)
-    return "" if data is None else described.get(str(data.get("kind")), NO_WORDS)
+    return "" if data is None else figure_descriptions.get(str(data.get("kind")), NO_WORDS)
 
 
 def first_case_figure(grader: CodeGrader, check_id: str, seed: int) -> FigureData | None:

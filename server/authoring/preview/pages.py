@@ -26,7 +26,7 @@ from graders.core.code.grading import CodeGrader
 from graders.core.contract.outcomes import Outcome
 from graders.core.contract.protocol import KnownSubmission
 from server.authoring.preview import faults
-from server.authoring.preview.check_trace import CheckTrace, first_case_figure, trace_checks
+from server.authoring.preview.check_trace import CheckTrace, first_case_figure, trace_solution_checks
 from server.authoring.preview.supervising import PreviewSession
 from server.base.errors import NotFound
 from server.base.http import client_address
@@ -126,7 +126,7 @@ def trial_page(
     request: Request, module: str, slug: str, course: CourseOf, account: OptionalAccount, graine: int = SEED
 ) -> HTMLResponse:
     exercise = find_exercise(course, module, slug)
-    grader, described = exercise.grader, describe_verdict_figures(exercise.id)
+    grader, figure_descriptions = exercise.grader, describe_verdict_figures(exercise.id)
     shown = TrialPage(
         exercise.title,
         exercise_href(exercise),
@@ -135,7 +135,7 @@ def trial_page(
             TrialView(number, known.subject, _describe_expected(known))
             for number, known in enumerate(_list_trials(exercise))
         ),
-        tuple(trace_checks(grader, graine, described)) if isinstance(grader, CodeGrader) else (),
+        tuple(trace_solution_checks(grader, graine, figure_descriptions)) if isinstance(grader, CodeGrader) else (),
         graine,
     )
     return render_page(request, "preview/exercise.html", account, page=shown)

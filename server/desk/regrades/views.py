@@ -107,7 +107,7 @@ class _ClassNames:
 def build_regrade_page(db: Session, course: Course, access: ClassAccess, regrade: Regrade) -> dict[str, Any]:
     preview = service.preview_regrade(db, regrade)
     changes, progress = preview.changes, preview.progress
-    overrides = marks.load_exercise_overrides(
+    overrides = marks.load_prevailing_overrides(
         db, regrade.class_id, [change.student for change in changes], [regrade.exercise]
     )
     exercise = course.exercises.get(regrade.exercise)

@@ -35,7 +35,9 @@ def read_report(report: TrialReport, completed: Mapping[str, Any], draft: Exerci
     checks = completed["declaration"]["verifications"]
     titles = {each["id"]: each["titre"] or "sans titre" for each in completed["declaration"]["erreurs"]}
     changes = report.changes
-    justified = sum(bool(draft.reasons.get(program_digest(each.program), "").strip()) for each in report.survivors)
+    justified = sum(
+        bool(draft.reasons.get(program_digest(each.program), "").strip()) for each in report.proven_survivors
+    )
     holds = not (report.problem or report.solution) and all(case.agrees for case in report.cases)
     return {
         "report": report,
@@ -50,7 +52,7 @@ def read_report(report: TrialReport, completed: Mapping[str, Any], draft: Exerci
         "missing_cases": any(tried.case for tried in report.mistakes),
         "offered": _offered_mistakes(changes, draft),
         "alive": _survivors(report, draft),
-        "alive_count": len(report.survivors) - justified,
+        "alive_count": len(report.proven_survivors) - justified,
         "justified": justified,
         "has_draws": any("tirages" in check for check in checks),
         "unseen": sum(change.unseen for change in changes),
@@ -121,7 +123,7 @@ def _offered_mistakes(changes: Sequence[TriedChange], draft: ExerciseDraft) -> l
 def _survivors(report: TrialReport, draft: ExerciseDraft) -> list[tuple[list[TriedChange], str, str]]:
     """Return the changes that survive, by the cases that would refuse them, with the field and the text of a reason."""
     by_case: dict[str, list[TriedChange]] = {}
-    for change in report.survivors:
+    for change in report.proven_survivors:
         by_case.setdefault(change.case or change.program, []).append(change)
     groups = [(group, [program_digest(change.program) for change in group]) for group in by_case.values()]
     return [

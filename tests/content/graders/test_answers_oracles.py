@@ -7,7 +7,7 @@ import pytest
 
 from graders.core.answers import Quantity
 from graders.core.answers.choice import LACKING, TOO_MANY, ChoiceGrader, ChoiceQuestion
-from graders.core.answers.interval import rounded_interval
+from graders.core.answers.interval import rounded_bounds_around
 from graders.core.answers.numeric import MIN_SEPARATION, NumericGrader
 from graders.core.contract.streams import stream
 from tests.support.answered import NUMERIC, PROOF, QUIZ, SEEDS, check_of, graded, grader_of
@@ -25,7 +25,7 @@ def test_the_seed_of_a_verdict_does_not_tell_the_places_in_the_courses_file() ->
 def test_the_seed_of_a_verdict_does_not_tell_how_far_the_ends_of_an_interval_are(name: str) -> None:
     def factors(seed: int, question: str) -> tuple[float, float]:
         """What someone who only knows the seed would undo."""
-        low, high = rounded_interval(1e9, stream(seed, f"interval {question}"))
+        low, high = rounded_bounds_around(1e9, stream(seed, f"interval {question}"))
         return low / 1e9, high / 1e9
 
     undone = 0

@@ -11,9 +11,9 @@ from reference.ekf_slam import (
     SlamNoise,
     Update,
     full_jacobian,
-    joseph_update,
-    rank_two_update,
-    textbook_update,
+    update_covariance_in_place,
+    updated_covariance_joseph,
+    updated_covariance_textbook,
 )
 from reference.errors import InvalidArgumentError
 from reference.se2 import wrap_angle
@@ -41,7 +41,7 @@ def drive(robot: EkfSlam, seed: int, steps: int = 40, noise: SlamNoise = NOISE) 
     return truth
 
 
-@pytest.mark.parametrize("other", [textbook_update, joseph_update])
+@pytest.mark.parametrize("other", [updated_covariance_textbook, updated_covariance_joseph])
 def test_the_rank_two_update_is_the_textbook_one(other: Update) -> None:
     ours, theirs = EkfSlam(NOISE), EkfSlam(NOISE, update=other)
     drive(ours, 1)
@@ -57,8 +57,8 @@ def test_one_update_of_any_covariance_is_the_textbook_one_and_in_place(landmarks
     root = rng.normal(size=(size, size)) / math.sqrt(size)
     robot.covariance, robot.mean = np.asfortranarray(root @ root.T), rng.normal(size=size)
     sighting = robot.compare(3 + 2 * (landmarks - 1), np.array([2.0, 0.3]))
-    expected = textbook_update(robot.covariance.copy(order="F"), sighting, NOISE.sighting)
-    updated = rank_two_update(robot.covariance, sighting, NOISE.sighting)
+    expected = updated_covariance_textbook(robot.covariance.copy(order="F"), sighting, NOISE.sighting)
+    updated = update_covariance_in_place(robot.covariance, sighting, NOISE.sighting)
     assert updated is robot.covariance or np.shares_memory(updated, robot.covariance)
     assert np.max(np.abs(updated - expected)) < 1e-10
     assert np.array_equal(updated, updated.T)

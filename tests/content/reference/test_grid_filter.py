@@ -10,9 +10,9 @@ from scipy.stats import multivariate_normal
 
 from reference.localisation.grid_filter import (
     COMMANDS,
+    EmptyBeliefError,
     GridFilterError,
     GridWorld,
-    ImpossibleScanError,
     correct,
     landings,
     most_likely,
@@ -159,5 +159,5 @@ def test_degenerate_input_is_named() -> None:
         with pytest.raises(GridFilterError) as error:
             call()
         assert error.value.argument == argument
-    with pytest.raises(ImpossibleScanError):
+    with pytest.raises(EmptyBeliefError):
         correct(world, np.zeros((2, 3)), scan, 0.5)

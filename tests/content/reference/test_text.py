@@ -14,7 +14,7 @@ from reference.formats.pgm import read_pgm
 from reference.formats.trajectory_files import read_kitti, read_tum
 from reference.planning.moving_ai import parse_map, parse_scenarios
 from reference.pose_graph import dumps_g2o, loads_g2o
-from reference.text import decode_text, split_lines
+from reference.text import decode_lines, decode_text
 from reference.world.grid_map import GridMap
 from tests.support.tables import folded
 
@@ -77,8 +77,8 @@ def test_a_line_is_counted_as_editors_count_it(end: str) -> None:
 
 
 def test_lines_have_no_empty_one_behind_the_last() -> None:
-    assert split_lines("") == []
-    assert split_lines("a\r\n\r\nb\r") == ["a", "", "b"]
+    assert decode_lines("") == []
+    assert decode_lines("a\r\n\r\nb\r") == ["a", "", "b"]
     assert decode_text(b"") == ""
 
 

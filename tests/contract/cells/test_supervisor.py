@@ -17,7 +17,7 @@ import pytest
 
 from server.base.errors import InternalFailure, Overloaded
 from server.base.settings import Settings
-from server.cells.supervisor import MAX_CELLS_PER_READER, Cells
+from server.cells.supervisor import MAX_CELLS_PER_READER, CellRunner
 from server.hunts.questions import HuntQuestion, Readiness
 from tests.support.live import alive, children, until
 from tests.support.quick import in_a_loop, the_course
@@ -64,7 +64,7 @@ FAKES = {
 READINESS = HuntQuestion(hunts=Readiness()).model_dump_json().encode()
 
 
-def played(tmp_path: Path, test: Callable[[Cells], Awaitable[None]], script: str = "", **settings: Any) -> None:
+def played(tmp_path: Path, test: Callable[[CellRunner], Awaitable[None]], script: str = "", **settings: Any) -> None:
     """Runs a test with the real process, or with a fake one that a `script` is."""
     options = {"patience": LONG} | {name: settings.pop(name) for name in ("patience", "idle") if name in settings}
     if script:
@@ -72,7 +72,7 @@ def played(tmp_path: Path, test: Callable[[Cells], Awaitable[None]], script: str
 
     async def scene() -> None:
         made = Settings(data_dir=tmp_path, workers=0, **settings)
-        cells = Cells(made, the_course().kits, **options)
+        cells = CellRunner(made, the_course().kits, **options)
         try:
             await test(cells)
         finally:
@@ -83,30 +83,30 @@ def played(tmp_path: Path, test: Callable[[Cells], Awaitable[None]], script: str
     in_a_loop(scene())
 
 
-def ran(cells: Cells, code: str, reader: str = "", address: str = "here") -> Coroutine[None, None, bytes]:
+def ran(cells: CellRunner, code: str, reader: str = "", address: str = "here") -> Coroutine[None, None, bytes]:
     """A cell of a reader's; of a new one's, where it is not said."""
     return cells.run("l20", code, reader=reader or str(next(READERS)), flow=address)
 
 
-async def started(cells: Cells, code: str) -> asyncio.Task[bytes]:
+async def started(cells: CellRunner, code: str) -> asyncio.Task[bytes]:
     task = asyncio.create_task(ran(cells, code))
     await asyncio.sleep(0)
     return task
 
 
-def process(cells: Cells) -> int:
+def process(cells: CellRunner) -> int:
     """The process that was started last."""
     assert cells.helper._process is not None
     return cells.helper._process.pid
 
 
-def asked(cells: Cells) -> int:
+def asked(cells: CellRunner) -> int:
     """How many questions it has not answered yet."""
     assert cells.helper._process is not None
     return len(cells.helper._process._pending)
 
 
-async def asking(cells: Cells, questions: int = 1) -> None:
+async def asking(cells: CellRunner, questions: int = 1) -> None:
     """Returns once its process has so many questions to answer: closed before, it would wait for the answer."""
     await eventually(lambda: cells.helper._process is not None and asked(cells) == questions)
 
@@ -116,7 +116,7 @@ async def eventually(condition: Callable[[], bool]) -> None:
 
 
 def test_cells_run_and_their_process_is_started_by_the_first(tmp_path: Path) -> None:
-    async def test(cells: Cells) -> None:
+    async def test(cells: CellRunner) -> None:
         assert cells.helper._process is None
         first, second = await asyncio.gather(ran(cells, "print(H)"), ran(cells, "1 / 0"))
         assert json.loads(first)["stdout"] == "16\n"
@@ -126,7 +126,7 @@ def test_cells_run_and_their_process_is_started_by_the_first(tmp_path: Path) -> 
 
 
 def test_its_process_is_started_ahead_while_the_application_serves_only(tmp_path: Path) -> None:
-    async def test(cells: Cells) -> None:
+    async def test(cells: CellRunner) -> None:
         cells.prepare(READINESS)
         await asyncio.sleep(0)
         assert not cells.helper.is_running
@@ -143,7 +143,7 @@ def test_its_process_is_started_ahead_while_the_application_serves_only(tmp_path
 
 
 def test_a_process_killed_while_a_cell_runs_is_told_and_replaced(tmp_path: Path) -> None:
-    async def test(cells: Cells) -> None:
+    async def test(cells: CellRunner) -> None:
         await ran(cells, "1")
         first = process(cells)
         below = children(first)
@@ -160,7 +160,7 @@ def test_a_process_killed_while_a_cell_runs_is_told_and_replaced(tmp_path: Path)
 
 
 def test_a_process_that_was_killed_between_two_cells_is_replaced(tmp_path: Path) -> None:
-    async def test(cells: Cells) -> None:
+    async def test(cells: CellRunner) -> None:
         await ran(cells, "1")
         first = process(cells)
         gone = cells.helper._process
@@ -175,7 +175,7 @@ def test_a_process_that_was_killed_between_two_cells_is_replaced(tmp_path: Path)
 def test_a_process_that_is_let_go_ends_by_itself_what_it_has_below_it(tmp_path: Path) -> None:
     ended = tmp_path / "ended"
 
-    async def test(cells: Cells) -> None:
+    async def test(cells: CellRunner) -> None:
         await ran(cells, "1")
 
     played(tmp_path, test, f"{ENDS}time.sleep(0.1)\nopen({str(ended)!r}, 'w').close()")
@@ -183,7 +183,7 @@ def test_a_process_that_is_let_go_ends_by_itself_what_it_has_below_it(tmp_path: 
 
 
 def test_who_waits_for_a_process_that_comes_up_is_told_at_once_when_the_service_stops(tmp_path: Path) -> None:
-    async def test(cells: Cells) -> None:
+    async def test(cells: CellRunner) -> None:
         waiting = await started(cells, "1")
         await asking(cells)
         await cells.close()
@@ -195,7 +195,7 @@ def test_who_waits_for_a_process_that_comes_up_is_told_at_once_when_the_service_
 
 @pytest.mark.parametrize("script", FAKES.values(), ids=FAKES.keys())
 def test_a_process_that_fails_is_told_at_each_cell(tmp_path: Path, script: str) -> None:
-    async def test(cells: Cells) -> None:
+    async def test(cells: CellRunner) -> None:
         for _ in range(2):
             with pytest.raises(InternalFailure):
                 await ran(cells, "1")
@@ -204,7 +204,7 @@ def test_a_process_that_fails_is_told_at_each_cell(tmp_path: Path, script: str) 
 
 
 def test_a_process_that_hangs_is_killed(tmp_path: Path) -> None:
-    async def test(cells: Cells) -> None:
+    async def test(cells: CellRunner) -> None:
         with pytest.raises(InternalFailure):
             await ran(cells, "1")
         await eventually(lambda: not alive(process(cells)))
@@ -213,7 +213,7 @@ def test_a_process_that_hangs_is_killed(tmp_path: Path) -> None:
 
 
 def test_a_stopped_process_is_killed(tmp_path: Path) -> None:
-    async def test(cells: Cells) -> None:
+    async def test(cells: CellRunner) -> None:
         await ran(cells, "1")
         first = process(cells)
         os.kill(first, signal.SIGSTOP)
@@ -229,7 +229,7 @@ def test_a_stopped_process_is_killed(tmp_path: Path) -> None:
 
 
 def test_the_queue_is_bounded_and_whoever_leaves_it_makes_room(tmp_path: Path) -> None:
-    async def test(cells: Cells) -> None:
+    async def test(cells: CellRunner) -> None:
         running, waiting = await started(cells, "1"), await started(cells, "2")
         with pytest.raises(Overloaded) as caught:
             await ran(cells, "3")
@@ -247,7 +247,7 @@ def test_the_queue_is_bounded_and_whoever_leaves_it_makes_room(tmp_path: Path) -
 
 
 def test_nobody_fills_the_queue_alone(tmp_path: Path) -> None:
-    async def test(cells: Cells) -> None:
+    async def test(cells: CellRunner) -> None:
         mine = [asyncio.create_task(ran(cells, "1", "me")) for _ in range(MAX_CELLS_PER_READER)]
         await asyncio.sleep(0)
         with pytest.raises(Overloaded, match="vos cellules"):
@@ -269,7 +269,7 @@ def test_nobody_fills_the_queue_alone(tmp_path: Path) -> None:
 
 
 def test_guests_of_one_address_do_not_keep_the_others_out(tmp_path: Path) -> None:
-    async def test(cells: Cells) -> None:
+    async def test(cells: CellRunner) -> None:
         flood = [await started(cells, str(number)) for number in range(3)]
         with pytest.raises(Overloaded):
             await ran(cells, "one too many")
@@ -287,7 +287,7 @@ def test_guests_of_one_address_do_not_keep_the_others_out(tmp_path: Path) -> Non
 def test_a_cell_that_nobody_waits_for_keeps_its_place_until_it_ends(tmp_path: Path) -> None:
     end = tmp_path / "end"
 
-    async def test(cells: Cells) -> None:
+    async def test(cells: CellRunner) -> None:
         left = await started(cells, str(end))
         await asking(cells)
         left.cancel()
@@ -305,7 +305,7 @@ def test_a_cell_that_nobody_waits_for_keeps_its_place_until_it_ends(tmp_path: Pa
 
 
 def test_a_process_without_work_is_let_go_and_comes_back(tmp_path: Path) -> None:
-    async def test(cells: Cells) -> None:
+    async def test(cells: CellRunner) -> None:
         await ran(cells, "1")
         first = process(cells)
         await eventually(lambda: not alive(first))
@@ -316,7 +316,7 @@ def test_a_process_without_work_is_let_go_and_comes_back(tmp_path: Path) -> None
 
 
 def test_answers_go_to_their_questions(tmp_path: Path) -> None:
-    async def test(cells: Cells) -> None:
+    async def test(cells: CellRunner) -> None:
         codes = [f"cellule {number}" for number in range(12)]
         answers = await asyncio.gather(*(ran(cells, code) for code in codes))
         assert [json.loads(answer)["code"] for answer in answers] == codes
@@ -327,7 +327,7 @@ def test_answers_go_to_their_questions(tmp_path: Path) -> None:
 def test_a_line_that_breaks_ends_the_process_and_its_sandbox(tmp_path: Path) -> None:
     """As when the service is killed."""
 
-    async def test(cells: Cells) -> None:
+    async def test(cells: CellRunner) -> None:
         await ran(cells, "1")
         first = process(cells)
         below = children(first)

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from graders.core.answers import MalformedSheetError, Quantity, numeric
-from graders.core.answers.interval import rounded_interval
+from graders.core.answers.interval import rounded_bounds_around
 from graders.core.answers.numeric import MAX_DRAWS, NumericGrader, NumericSheet
 from graders.core.answers.wording import Datum, NumericWording
 from graders.core.contract.findings import Judgement
@@ -75,7 +75,7 @@ def test_a_wrong_number_is_told_an_interval_that_does_not_tell_it() -> None:
             told = check_of(first, name)["counterexample"]["expected"]
             assert told == check_of(second, name)["counterexample"]["expected"], "trying again tells no more"
             assert f"{abs(value):.4g}".replace(".", ",") not in told
-            low, high = rounded_interval(abs(value), np.random.default_rng(seed))
+            low, high = rounded_bounds_around(abs(value), np.random.default_rng(seed))
             assert 0 < low < abs(value) < high
             centred += abs(abs(value) - (low + high) / 2) < 0.02 * abs(value)
     assert centred < 0.1 * len(SEEDS) * len(right)

@@ -103,7 +103,7 @@ def test_a_solution_that_is_seen_to_remember_nothing_answers_the_same_in_whateve
         assert grader.prober is not None
         kit = grader.prober.probes[0].kit
         source = grader.solution.encode()
-        if not grader.prober.is_stateless(source, kit):
+        if not grader.prober.may_probe_without_relaunch(source, kit):
             continue
         calls = [(probes.function, args) for probes in grader.prober.probes for args in probes.calls]
         told = dict(enumerate(_answers(source, calls)))

@@ -88,7 +88,7 @@ def test_a_case_shows_a_function_that_looks_at_nothing(
     grader = DeclaredGrader("essai/un", read_declaration(declare(functions, solution, *cases)))
     assert shown.text() not in {case.text() for check in grader.declaration.checks for case in check.cases}
     more = tried(sandbox, functions, solution, *cases, found[words].case)
-    assert words not in {change.words for change in more.survivors}, "the proposed case refuses it"
+    assert words not in {change.words for change in more.proven_survivors}, "the proposed case refuses it"
 
 
 @pytest.mark.parametrize(
@@ -110,13 +110,13 @@ def test_a_case_shows_a_call_whose_effect_is_lost(
     assert change.survives
     assert changed in change.case
     more = tried(sandbox, functions, solution, *cases, change.case)
-    assert change.program not in {each.program for each in more.survivors}
+    assert change.program not in {each.program for each in more.proven_survivors}
 
 
 def test_what_no_input_shows_is_said_of_what_students_write_alone(sandbox: Sandbox) -> None:
     unused = "def f(x, y):\n    z = y\n    return x + g()\ndef g():\n    return 1 + 1\n"
     report = tried(sandbox, "f", unused, "f(1, 2)", "f(3, 5)")
-    (left,) = report.survivors
+    (left,) = report.proven_survivors
     assert (left.words, left.case) == ("`y` de `f` vaut toujours `2`", "")
     assert {change.unseen for change in report.changes if change.words == "`g` renvoie toujours `2`"} <= {True}
 

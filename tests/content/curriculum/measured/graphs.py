@@ -12,7 +12,7 @@ from scipy.sparse.linalg import spsolve
 
 from curriculum.l20.figures import defis, slam
 from curriculum.l20.figures._slam_scenes import CLOSURE_INFORMATION, graph
-from reference.ekf_slam import EkfSlam, SlamNoise, Update, rank_two_update, textbook_update
+from reference.ekf_slam import EkfSlam, SlamNoise, Update, update_covariance_in_place, updated_covariance_textbook
 from reference.pose_graph import (
     DCS,
     Huber,
@@ -154,8 +154,12 @@ def observing(landmarks: int, update: Update) -> Callable[[], object]:
 def updates() -> Iterator[list[Cell]]:
     """Seconds for one sighting by EKF-SLAM, by the update of rank two and by the formula of the book."""
     for landmarks, often in ((100, 60), (200, 30), (400, 10), (800, 5), (1600, 3)):
-        quick = best(repeated(observing(landmarks, rank_two_update), often), 5) / often
-        slow = best(observing(landmarks, textbook_update), max(3, 4000 // landmarks)) if landmarks < 1600 else None
+        quick = best(repeated(observing(landmarks, update_covariance_in_place), often), 5) / often
+        slow = (
+            best(observing(landmarks, updated_covariance_textbook), max(3, 4000 // landmarks))
+            if landmarks < 1600
+            else None
+        )
         yield [quick, slow]
 
 
