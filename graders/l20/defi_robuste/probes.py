@@ -63,6 +63,8 @@ def _graph(edges: list[Edge], n_iter: int) -> Robust:
 AMONG = [*TRUE[:2], LIE, *TRUE[2:]]
 GRAPHS = (_graph(AMONG, 1), _graph(AMONG, 2), _graph(TRUE, 15), _graph(AMONG, 15))
 LAST = 3
+#: Below this, an edge is believed no more.
+REJECTED = 0.1
 
 
 def count(args: Arguments, value: Value) -> Value:
@@ -146,6 +148,19 @@ def all_trusted(shown: ProbeResults) -> str | None:
 
 
 @measuring
+def misplaced(shown: ProbeResults) -> str | None:
+    """The map is near the right one, and the only small weight is told of another edge than the false one."""
+    found = _shown(shown, LAST)
+    if found is None or plain_least_squares(shown):
+        return None
+    near = float(np.abs(gaps(true_optimum(), found[0])).max()) < 0.2
+    small = np.flatnonzero(found[1] < REJECTED)
+    lie = next(k for k, one in enumerate(AMONG) if one is LIE)
+    wrong = small.size == 1 and small[0] != lie and found[1][lie] > 0.5
+    return "poids_dans_le_desordre" if near and wrong else None
+
+
+@measuring
 def constant(shown: ProbeResults) -> str | None:
     """The same number, whatever the graph."""
     numbers = {float(one) for one in shown.got if isinstance(one, int | float)}
@@ -188,6 +203,6 @@ PROBES = (
         kit=world.STILL,
         read=read,
         faults={"LinAlgError": LOST},
-        rules=(never_moves, first_moves, plain_least_squares, all_trusted, weights_out),
+        rules=(never_moves, first_moves, plain_least_squares, all_trusted, misplaced, weights_out),
     ),
 )

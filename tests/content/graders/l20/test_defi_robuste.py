@@ -152,9 +152,11 @@ STYLES = {
     "upside down": ("poids_inverses", "delta / np.maximum(normes, delta)", "np.array(normes) / delta"),
     "no gauge": ("jauge_libre", "pas[3:] = np.linalg.solve(H[3:, 3:], -b[3:])", "pas = np.linalg.solve(H, -b)"),
     "suspicion": ("sens_des_poids", "return x, ponderer(x, aretes, delta)", "return x, 1 - ponderer(x, aretes, delta)"),
+    "odometry first": ("poids_dans_le_desordre", "return x, ponderer(x, aretes, delta)",
+                       "return x, ponderer(x, sorted(aretes, key=lambda a: abs(a[0] - a[1]) != 1), 0.7 * delta)"),
     "start": ("rien_ne_bouge", "x += pas.reshape(x.shape)", "pass"),
 }  # fmt: skip
-NAMED = ("rank", "told last")
+NAMED = ("rank", "told last", "odometry first")
 
 
 @pytest.mark.parametrize("style", only(NAMED, STYLES))
