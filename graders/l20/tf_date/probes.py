@@ -45,6 +45,8 @@ BACK = [
     dated("o", "b", 4.5, 1.7, 1.2, 3.0),
     dated("b", "c", 1.0, 0.7, 0.8, 0.9),
 ]
+#: A date of zero is no missing date.
+SINCE_ZERO = [dated("m", "o", 0.0, 1.2, 0.3, 0.4), dated("m", "o", 2.0, 2.6, -0.5, 1.3)]
 LOOKUPS: tuple[Arguments, ...] = (
     (cases.TURNED, "a", "c", 7.0),
     (BACK, "b", "l", 5.0),
@@ -62,6 +64,8 @@ LOOKUPS: tuple[Arguments, ...] = (
     (BACK, "m", "z", 5.0),
     (BACK, "z", "l", 5.0),
     (BACK, "b", "m", 5.0),
+    (SINCE_ZERO, "m", "o", 1.5),
+    (SINCE_ZERO, "m", "o", 2.5),
 )
 
 
