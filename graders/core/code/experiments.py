@@ -71,6 +71,7 @@ class Experimenter:
         facts = []
         for function in functions:
             trial = None if self._spent() else self._trial(source, function)
+            trial = trial if trial is None or trial.wrong_views() else self._widened(source, trial)
             if trial is not None and trial.wrong_views():
                 facts += self._facts_of(source, trial)[:MAX_FACTS]
         return facts

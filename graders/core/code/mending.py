@@ -96,7 +96,7 @@ class MendingSearch:
     ) -> None:  # fmt: skip
         self._grader, self._programs, self._seed, self._spent, self._apart = grader, programs, seed, spent, apart
         self._caller, self._suffix = VariantCaller(programs, suffix), suffix
-        self._screen = ProbeScreen(grader, programs, self._caller, spent)
+        self._screen = ProbeScreen(grader, programs, self._caller, spent, seed)
         self.tried = 0
 
     def search(self, source: str, functions: Collection[str] = (), helpers: Collection[str] = ()) -> Mending | None:
@@ -157,8 +157,9 @@ class MendingSearch:
         self.tried += len(changes)
         tried: list[tuple[ProgramChange, frozenset[str]]] = []
         seen: dict[str, LineValues] = {}
-        screened = self._screen.mending(source, changes, functions)
-        if any(check.id in failed and check.requires_other_check for check in self._grader.checks):
+        failed_checks = [check for check in self._grader.checks if check.id in failed]
+        screened = self._screen.mending(source, changes, functions, failed_checks)
+        if any(check.requires_other_check for check in failed_checks):
             screened = [*_unscreened_copies(changes, screened), *screened]
         for change in screened[:MAX_VERIFIED]:
             if self._spent() and tried:
@@ -216,12 +217,11 @@ class MendingSearch:
             seen_at(change.text, change.line),
             seen_everywhere(self._grader.solution),
         ]
-        if change.further or change.operator in REORDERING or None in texts or self._grader.prober is None:
+        if change.further or change.operator in REORDERING or None in texts:
             return LineValues.UNKNOWN
         *mine, solution = [text for text in texts if text is not None]
         rows: list[list[Sequence[Sequence[float]]]] = [[], [], []]
-        for index, probes in enumerate(self._grader.prober.probes):
-            pivots = self._screen.pivots.get((source, index), ())
+        for probes, pivots in self._screen.pivots.get(source, ()):
             if probes.function in functions and pivots and not probes.random:
                 calls = [probes.calls[k] for k in pivots]
                 seen = self._caller.seen(mine, probes.function, calls, probes.kit)

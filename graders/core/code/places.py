@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from graders.core.code.call_graph import find_shared_helpers
+from graders.core.code.call_graph import find_callers, find_shared_helpers
 from graders.core.code.checks import Check
 from graders.core.code.diagnosis import EXPLAINS, FAILS_TOO, OTHERS_FAIL, lowercase_title, tell_remainder
 from graders.core.code.experiments import Experimenter
@@ -118,7 +118,9 @@ def find_place(
     if functions:
         calls = _example_calls(grader, verdict)
         examples = {name: [call for _, of, call in calls if of == name] for name in functions}
-        facts = Experimenter(grader, programs, verdict.seed, spent, examples).find_facts(source, functions)
+        facts = Experimenter(grader, programs, verdict.seed, spent, examples).find_facts(
+            source, _apart_from_guilty(functions, source, isolated)
+        )
         mendings = _search(grader, source, verdict, programs, spent, functions, isolated)
         if mendings and calls:
             line, (title, function, arguments) = mendings[0].steps[0].change.line, calls[0]
@@ -141,6 +143,12 @@ def find_place(
             mended = _mended_alone(mendings)
             found = tell_remainder(found, verdict.checks, doubtful, besides=last, mended=mended, is_quoted=True)
     return None if found is None or found == verdict.diagnosis else FoundPlace(found, operators)
+
+
+def _apart_from_guilty(functions: Sequence[str], source: str, isolated: IsolatedFunctions | None) -> list[str]:
+    """Return the functions that call no other one at fault: what is seen of their answers is theirs alone."""
+    guilty = [] if isolated is None else isolated.guilty()
+    return [name for name in functions if name not in find_callers(source.encode(), set(guilty) - {name})]
 
 
 def _search(

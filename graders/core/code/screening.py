@@ -2,84 +2,137 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import suppress
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
+from graders.core.code.bench import Bench
 from graders.core.code.changes import ProgramChange, count_turns
-from graders.core.code.grading import CodeGrader
+from graders.core.code.checks import Check
+from graders.core.code.grading import NO_SHRINKING, CodeGrader
+from graders.core.code.loops import ClosedLoop
 from graders.core.code.mutants import NO_ANSWER
 from graders.core.code.pair_search import OutOfTimeError
 from graders.core.code.probes import TOLERANCE, ProbeAnswer, ProbeFault, Probes, same_probe_answer
+from graders.core.code.recording import CallRecorder
+from graders.core.code.runner import Runner
+from graders.core.code.running import run_check
 from graders.core.code.variants import VariantCaller
 from graders.core.contract.program import Programs
+from graders.core.contract.streams import stream
 from graders.core.contract.values import Floats, UnreadableError, read_array
 
 #: Probes whose wrong answer selects changes.
 MAX_PIVOTS = 3
+#: Calls that are recorded of failed checks; wrong ones of these, and right ones, by which changes are screened.
+MAX_RECORDED, MAX_OF_CHECKS = 80, 8
 #: Changed programs that answer in one exchange, between two looks at the time.
 SLICE = 200
+
+
+@dataclass(frozen=True, eq=False)
+class _Questions:
+    """Calls whose answers screen changes, as probes, and the right answers in each style."""
+
+    probes: Probes
+    rights: Sequence[Sequence[ProbeAnswer]]
 
 
 class ProbeScreen:
     """Screens changed programs, which a `caller` calls, until the time is `spent`.
 
-    `pivots`: for each source and number of probes that were screened, the probes whose wrong answers selected changes.
+    `pivots`: for each source that was screened, probes with those of them whose wrong answers selected changes. The
+    calls that failed checks make under a `seed` stand for the probes of a function that has no wrong answer to these.
     """
 
     def __init__(
-        self, grader: CodeGrader, programs: Programs, caller: VariantCaller, spent: Callable[[], bool]
+        self, grader: CodeGrader, programs: Programs, caller: VariantCaller, spent: Callable[[], bool], seed: int
     ) -> None:
         self._grader, self._programs, self._caller, self._spent = grader, programs, caller, spent
+        self._seed = seed
         self._drawn_answers: dict[int, list[ProbeAnswer]] = {}
-        self.pivots: dict[tuple[str, int], Sequence[int]] = {}
+        self.pivots: dict[str, list[tuple[Probes, Sequence[int]]]] = {}
 
-    def mending(self, source: str, changes: Sequence[ProgramChange], functions: Sequence[str]) -> list[ProgramChange]:
+    def mending(
+        self, source: str, changes: Sequence[ProgramChange], functions: Sequence[str], failed: Sequence[Check] = ()
+    ) -> list[ProgramChange]:
         """Return the changes that mend numbers of the answers to probes and spoil none, the most mending first.
 
-        Those that were seen until the time was spent.
+        Those that were seen until the time was spent. `failed` are the checks that the source fails.
         """
         gains: dict[int, float] = {}
         with suppress(OutOfTimeError):
-            self._add_gains(source, changes, functions, gains)
+            self._add_gains(source, changes, functions, failed, gains)
         order = sorted(gains, key=lambda number: (-round(gains[number], 6), number))
         return [changes[number] for number in order]
 
     def _add_gains(
-        self, source: str, changes: Sequence[ProgramChange], functions: Sequence[str], gains: dict[int, float]
-    ) -> None:
+        self, source: str, changes: Sequence[ProgramChange], functions: Sequence[str], failed: Sequence[Check],
+        gains: dict[int, float],
+    ) -> None:  # fmt: skip
         prober = self._grader.prober
+        pivots = self.pivots[source] = list[tuple[Probes, Sequence[int]]]()
         for index, probes in enumerate(prober.probes if prober else ()):
-            if probes.function not in functions:
-                continue
-            everything = range(len(probes.calls))
-            before = self._agreements(index, [count_turns(source)], everything)[0]
-            wrong = [k for k in everything if not before[k].all()]
-            pivots, left = wrong[:MAX_PIVOTS], range(len(changes)) if wrong else ()
-            self.pivots[source, index] = pivots
-            for begin in range(0, len(left), SLICE):
-                numbers = left[begin : begin + SLICE]
-                seen = self._agreements(index, [changes[number].counted for number in numbers], pivots)
-                hits = [
-                    number
-                    for number, marks in zip(numbers, seen, strict=True)
-                    if any(_is_better([before[k]], [after]) for k, after in zip(pivots, marks, strict=True))
-                ]
-                answers = self._agreements(index, [changes[number].counted for number in hits], everything)
-                for number, after in zip(hits, answers, strict=True):
-                    if _is_better(before, after):
-                        gains[number] = gains.get(number, 0.0) + _gain(before, after) / max(1, len(wrong))
+            if probes.function in functions:
+                self._add_gains_of(source, _Questions(probes, self._right_answers(index)), changes, gains)
+        for function in functions:
+            if not any(numbers and probes.function == function for probes, numbers in pivots):
+                for questions in self._questions_of_checks(source, function, failed):
+                    self._add_gains_of(source, questions, changes, gains)
 
-    def _agreements(self, index: int, texts: Sequence[str], indices: Sequence[int]) -> list[list[NDArray[np.bool_]]]:
+    def _add_gains_of(
+        self, source: str, questions: _Questions, changes: Sequence[ProgramChange], gains: dict[int, float]
+    ) -> None:
+        everything = range(len(questions.probes.calls))
+        before = self._agreements(questions, [count_turns(source)], everything)[0]
+        wrong = [k for k in everything if not before[k].all()]
+        pivots, left = wrong[:MAX_PIVOTS], range(len(changes)) if wrong else ()
+        self.pivots[source].append((questions.probes, pivots))
+        for begin in range(0, len(left), SLICE):
+            numbers = left[begin : begin + SLICE]
+            seen = self._agreements(questions, [changes[number].counted for number in numbers], pivots)
+            hits = [
+                number
+                for number, marks in zip(numbers, seen, strict=True)
+                if any(_is_better([before[k]], [after]) for k, after in zip(pivots, marks, strict=True))
+            ]
+            answers = self._agreements(questions, [changes[number].counted for number in hits], everything)
+            for number, after in zip(hits, answers, strict=True):
+                if _is_better(before, after):
+                    gains[number] = gains.get(number, 0.0) + _gain(before, after) / max(1, len(wrong))
+
+    def _questions_of_checks(self, source: str, function: str, failed: Sequence[Check]) -> Iterator[_Questions]:
+        """Yield the calls of a function that failed checks make of the solution: wrong ones, then some right ones."""
+        recorder = CallRecorder([function], MAX_RECORDED)
+        kit = self._grader.kit(stream(self._seed, "kit"))
+        runner = Runner(recorder, self._grader.solution.encode(), kit, budget=NO_SHRINKING)
+        try:
+            for check in failed:
+                if function in check.functions and not isinstance(check, ClosedLoop) and not self._spent():
+                    run_check(check, Bench(check.id, runner, stream(self._seed, check.id), kit))
+        finally:
+            runner.close()
+        for side_kit, _, calls in recorder.calls_by_kit():
+            asked = Probes(function=function, calls=calls, kit=side_kit)
+            right = self._solution_answers(asked)
+            marks = self._agreements(_Questions(asked, [right]), [count_turns(source)], range(len(calls)))[0]
+            wrong = [k for k, mark in enumerate(marks) if not mark.all()][:MAX_OF_CHECKS]
+            others = [k for k, mark in enumerate(marks) if mark.all()][:MAX_OF_CHECKS]
+            if wrong:
+                probes = replace(asked, calls=tuple(calls[k] for k in (*wrong, *others)))
+                yield _Questions(probes, [[right[k] for k in (*wrong, *others)]])
+
+    def _agreements(
+        self, questions: _Questions, texts: Sequence[str], indices: Sequence[int]
+    ) -> list[list[NDArray[np.bool_]]]:
         """Return, for each program and probe among `indices`, which numbers of its answer are right.
 
         They are those of the style in which most are right.
         """
-        assert self._grader.prober is not None
-        probes = self._grader.prober.probes[index]
-        rights = self._right_answers(index)
+        probes, rights = questions.probes, questions.rights
         calls = [probes.calls[k] for k in indices]
         draws = list(indices) if probes.random else ()
         agreements = []
@@ -105,13 +158,17 @@ class ProbeScreen:
         if not probes.random:
             return self._grader.prober.right_answers_by_style(index)
         if index not in self._drawn_answers:
-            solution, draws = count_turns(self._grader.solution), range(len(probes.calls))
-            answers = VariantCaller(self._programs).answers(
-                [solution], probes.function, probes.calls, probes.kit, draws
-            )[0]
-            read = [probes.read_answer(args, answer) for args, answer in zip(probes.calls, answers, strict=False)]
-            self._drawn_answers[index] = [*read, *[NO_ANSWER] * (len(probes.calls) - len(read))]
+            self._drawn_answers[index] = self._solution_answers(probes)
         return [self._drawn_answers[index]]
+
+    def _solution_answers(self, probes: Probes) -> list[ProbeAnswer]:
+        """Return the solution's answers, to the same draws where the function draws."""
+        draws = range(len(probes.calls)) if probes.random else ()
+        answers = VariantCaller(self._programs).answers(
+            [count_turns(self._grader.solution)], probes.function, probes.calls, probes.kit, draws
+        )[0]
+        read = [probes.read_answer(args, answer) for args, answer in zip(probes.calls, answers, strict=False)]
+        return [*read, *[NO_ANSWER] * (len(probes.calls) - len(read))]
 
 
 def _right_numbers(probes: Probes, answer: ProbeAnswer, right: ProbeAnswer) -> NDArray[np.bool_]:

@@ -236,6 +236,16 @@ def test_checks_that_fail_through_a_function_that_is_told_are_not_left_without_e
     assert not isolated.consequences((), grader.checks)
 
 
+def test_what_is_seen_of_a_function_that_calls_another_one_at_fault_is_not_told() -> None:
+    """Its answers hold both mistakes: « juste à peu près » would be said of neither."""
+    source = CODE["l19/etendu"].solution.replace("return d, ecart / d", "return d, 1.001 * ecart / d")
+    source = source.replace("K.ravel() * (z - d)", "K.ravel() * (z - d) * 0.999")
+    _, found = place_of("l19/etendu", source, knowing("l19/etendu"))
+    assert found is not None
+    assert "que renvoie distance_et_jacobien, est partout 1,001 fois" in found.diagnosis.explanation
+    assert "que renvoie corriger_distance" not in found.diagnosis.explanation
+
+
 def test_a_name_that_no_function_shows_beside_right_ones_is_withdrawn() -> None:
     """Every function calls the one that is wrong: `relatif` then answers as with a wrong sign, and has none.
 

@@ -133,6 +133,22 @@ def test_a_copy_that_changes_no_answer_mends_a_modified_argument(second_name: st
     assert "poids = " in source.splitlines()[mending.steps[0].change.line - 1]
 
 
+def test_a_mistake_that_no_probe_shows_is_searched_on_the_calls_of_the_checks() -> None:
+    """A single measure is the only wrong call, and no probe has one."""
+    grader = knowing("l19/gain")
+    head = "def fusionner(mesures, variances):\n"
+    single = "    if len(mesures) == 1:\n        return mesures[0], 1 / variances[0]\n"
+    source = grader.solution.replace(head, head + single)
+    lines = source.splitlines()
+    mending = MendingSearch(grader, LOCAL, 3, lambda: False).search(source)
+    assert mending is not None
+    assert not mending.left
+    (step,) = mending.steps
+    assert {lines[change.line - 1].strip() for change in (step.change, *step.rivals)} & set(
+        map(str.strip, single.splitlines())
+    )
+
+
 def test_one_check_that_a_second_change_mends_is_told_in_the_singular() -> None:
     steps = tuple(
         MendingStep(ProgramChange("", "", k, "angle"), frozenset({check})) for k, check in ((1, "a"), (2, "b"))
