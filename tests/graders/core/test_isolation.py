@@ -170,7 +170,7 @@ def test_the_solution_beside_itself_fails_nothing(exercise: str) -> None:
 def test_beside_another_mistake_nothing_is_said_to_be_right() -> None:
     mistakes = CODE["l20/slam_graphe"].misconceptions
     both = combine_diagnoses(["repere_du_monde", "angles_jamais_ramenes"], mistakes).explanation
-    assert "Autre erreur : les caps ne sont pas ramenés" in both
+    assert "Autre erreur : les caps renvoyés sortent" in both
     assert "à un tour près" not in both
     assert "à un tour près" in combine_diagnoses(["angles_jamais_ramenes"], mistakes).explanation
     left = combine_diagnoses(["angles_jamais_ramenes"], mistakes, explains_all=False).explanation
