@@ -7,6 +7,7 @@ import json
 import sys
 import time
 import zipfile
+from collections.abc import Callable
 
 import pytest
 
@@ -141,37 +142,43 @@ def lying() -> bytes:
 
 
 @pytest.mark.parametrize(
-    ("name", "data", "words"),
+    ("name", "make", "words"),
     [
-        ("laughs.xml", LAUGHS.encode(), "définit des entités"),
-        ("laughs16.xml", LAUGHS.encode("utf-16"), "n’est pas en UTF-8"),
-        ("laughs.yaml", b"a: &a [x, x]\ntabs: [*a, *a]\n", "renvois"),
-        ("tag.yaml", b"tabs: !!python/object/apply:os.system ['true']\n", "n’est pas du YAML"),
-        ("long.yaml", b"tabs:\n" + b"- {tab: a}\n" * 9000, "trop long"),
-        ("deep.json", b"[" * 100_000, "n’est pas du JSON"),
-        ("digits.json", b'{"cases": ' + b"9" * 90_000 + b"}", "n’est pas du JSON"),
-        ("many.json", json.dumps({"cases": [CASE] * 5000}).encode(), f"les {MAX_READ} premiers cas sont lus"),
-        ("many.ipynb", json.dumps({"cells": [CELL] * 9}).encode(), f"les {MAX_READ} premiers cas sont lus"),
+        ("laughs.xml", LAUGHS.encode, "définit des entités"),
+        ("laughs16.xml", lambda: LAUGHS.encode("utf-16"), "n’est pas en UTF-8"),
+        ("laughs.yaml", lambda: b"a: &a [x, x]\ntabs: [*a, *a]\n", "renvois"),
+        ("tag.yaml", lambda: b"tabs: !!python/object/apply:os.system ['true']\n", "n’est pas du YAML"),
+        ("long.yaml", lambda: b"tabs:\n" + b"- {tab: a}\n" * 9000, "trop long"),
+        ("deep.json", lambda: b"[" * 100_000, "n’est pas du JSON"),
+        ("digits.json", lambda: b'{"cases": ' + b"9" * 90_000 + b"}", "n’est pas du JSON"),
+        ("many.json", lambda: json.dumps({"cases": [CASE] * 5000}).encode(), f"les {MAX_READ} premiers cas sont lus"),
+        ("many.ipynb", lambda: json.dumps({"cells": [CELL] * 9}).encode(), f"les {MAX_READ} premiers cas sont lus"),
         (
             "long.ipynb",
-            json.dumps({"cells": [LONG_CELL]}).encode(),
+            lambda: json.dumps({"cells": [LONG_CELL]}).encode(),
             "caractères ; 40000 au plus",
         ),
-        ("large.json", b" " * (1 << 20) + b"{}", "dépasse 512 Kio"),
-        ("bomb.zip", packed(declaration__toml="a" * (8 << 20)), "trop grand"),
-        ("lying.zip", lying(), "n’est pas un ZIP de textes"),
-        ("dotted.zip", packed(declaration__toml=("a." * 200 + "b=1\n") * 50, solution__py=""), "trop imbriqué"),
-        ("spaced.zip", packed(declaration__toml='x={"a" . ' + "b . " * 50 + "c=1}", solution__py=""), "trop imbriqué"),
-        ("deep.zip", packed(declaration__toml="a=" + "[" * 9000, solution__py=""), "ne se lit pas"),
-        ("kinds.zip", packed(declaration__toml="verifications=[{cas=3}]", solution__py=""), "ne se lit pas"),
-        ("outside.zip", packed(_up__up_etc_x__toml="a=1"), "n’est ni un exercice exporté d’ici"),
-        ("noise.zip", b"PK\x03\x04" + b"\x00" * 500, "n’est pas un ZIP"),
+        ("large.json", lambda: b" " * (1 << 20) + b"{}", "dépasse 512 Kio"),
+        ("bomb.zip", lambda: packed(declaration__toml="a" * (8 << 20)), "trop grand"),
+        ("lying.zip", lying, "n’est pas un ZIP de textes"),
+        ("dotted.zip", lambda: packed(declaration__toml=("a." * 200 + "b=1\n") * 50, solution__py=""), "trop imbriqué"),
+        (
+            "spaced.zip",
+            lambda: packed(declaration__toml='x={"a" . ' + "b . " * 50 + "c=1}", solution__py=""),
+            "trop imbriqué",
+        ),
+        ("deep.zip", lambda: packed(declaration__toml="a=" + "[" * 9000, solution__py=""), "ne se lit pas"),
+        ("kinds.zip", lambda: packed(declaration__toml="verifications=[{cas=3}]", solution__py=""), "ne se lit pas"),
+        ("outside.zip", lambda: packed(_up__up_etc_x__toml="a=1"), "n’est ni un exercice exporté d’ici"),
+        ("noise.zip", lambda: b"PK\x03\x04" + b"\x00" * 500, "n’est pas un ZIP"),
     ],
     ids=lambda value: value if isinstance(value, str) and "." in value else "",
 )
-def test_a_hostile_file_is_refused_or_read_in_part(studio: Studio, name: str, data: bytes, words: str) -> None:
+def test_a_hostile_file_is_refused_or_read_in_part(
+    studio: Studio, name: str, make: Callable[[], bytes], words: str
+) -> None:
     """Neither its bytes nor what they unpack to cost more than an author's own exercise."""
-    answer = studio.browser.post("/mes-exercices/importer", data={"module": "l20"}, files={"fichier": (name, data)})
+    answer = studio.browser.post("/mes-exercices/importer", data={"module": "l20"}, files={"fichier": (name, make())})
     text = " ".join(answer.text.replace("\u202f", " ").replace("&nbsp;", " ").split())
     assert answer.status_code == (413 if "dépasse" in words else answer.status_code), text
     assert words in text, text

@@ -9,11 +9,10 @@ from graders.core.code.probes import AnswerRule, ProbeResults
 from graders.core.contract.local import LOCAL
 from tests.support.shipped import CODE
 
-PROBES = [(name, probes) for name, grader in CODE.items() if grader.prober for probes in grader.prober.probes]
-
 
 def test_each_rule_has_an_experiment_that_is_not_empty() -> None:
-    rules = [(name, probes.function, rule) for name, probes in PROBES for rule in (*probes.rules, *probes.last_rules)]
+    probed = [(name, probes) for name, grader in CODE.items() if grader.prober for probes in grader.prober.probes]
+    rules = [(name, probes.function, rule) for name, probes in probed for rule in (*probes.rules, *probes.last_rules)]
     assert len(rules) > 60
     for name, function, rule in rules:
         assert isinstance(rule, AnswerRule), f"{name}, {function} : a rule without its experiment"

@@ -9,7 +9,6 @@ import pytest
 from graders.core.contract.findings import Judgement
 from graders.core.declared.declaration import read_declaration
 from graders.core.declared.grading import DeclaredGrader
-from graders.plotting import counterexample
 from server.grading.sandbox_grader import SandboxPrograms
 from server.sandbox import Sandbox
 from server.steps.questions import ProgramRunRequest, ScenarioTraceRequest, TraceQuestion
@@ -42,6 +41,8 @@ def judged(sandbox: Sandbox, declaration: dict[str, Any], source: str) -> tuple[
     ids=["list", "curve", "points", "grid", "nothing obtained"],
 )
 def test_numbers_are_drawn(sandbox: Sandbox, solution: str, case: str, wrong: tuple[str, str], kind: str) -> None:
+    from graders.plotting import counterexample  # loads matplotlib
+
     function = solution.split("(", maxsplit=1)[0].removeprefix("def ")
     grader, judgement = judged(sandbox, declare(function, solution, case), solution.replace(*wrong))
     (check,) = judgement.verdict.checks
