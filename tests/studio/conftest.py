@@ -3,21 +3,23 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Mapping
 from copy import deepcopy
 from dataclasses import dataclass, replace
 from functools import partial
-from typing import Any, ClassVar
+from typing import Any, ClassVar, TypeVar
 from uuid import UUID
 
 import pytest
 
 from graders.core.declared import trial
+from graders.core.declared.trial import ExerciseTrial
+from graders.core.declared.trial_report import TrialReport
 from server.base.app_services import get_service
 from server.grading import trial_task
 from server.grading.grading_task import GradingInput, GradingTask
 from server.grading.sandbox_grader import SandboxGrader, SandboxPrograms
-from server.grading.trial_task import TrialInput, TrialOutcome, TrialTask
+from server.grading.trial_task import TrialTask
 from server.grading.tryout_task import TryoutTask
 from server.identity.models import Role
 from server.queue.worker import Worker
@@ -30,6 +32,8 @@ from tests.support.classes import Person, person
 from tests.support.client import TestClient
 from tests.support.quick import the_course
 from tests.support.service import Site
+
+T = TypeVar("T")
 
 SOLUTION = """def compter_mots(texte):
     d = {}
@@ -103,27 +107,36 @@ class Studio:
         return " ".join(re.sub(r"<[^>]*>", " ", page.text).replace("&nbsp;", " ").replace("\u202f", " ").split())
 
 
-class TrialsOnce(TrialTask):
-    """Tries each draft once in this process: many tests save the same form, whose trial starts a hundred programs.
+class TrialsOnce(ExerciseTrial):
+    """Tries each declaration once in this process: many tests save the same exercise, whose trial starts many programs.
 
-    Nothing that a trial finds depends on the exercise's name, which is drawn at random.
+    Nothing that a trial finds depends on the exercise's name, which is drawn at random, nor on its title or statement.
     """
 
-    _outcomes: ClassVar[dict[tuple[object, ...], TrialOutcome]] = {}
+    _outcomes: ClassVar[dict[str, Any]] = {}
 
-    def run(self, work: TrialInput) -> TrialOutcome:
-        draft = repr(replace(work, exercise_id=UUID(int=0), name=""))
-        key = draft, trial_task.ExerciseTrial, trial_task.TRIAL_POLICY  # a test may look at how it is tried
+    def run(self, data: Mapping[str, Any], starter: str, *, seeds: int = 0, with_changes: bool = True) -> TrialReport:
+        run = partial(super().run, data, starter, seeds=seeds, with_changes=with_changes)
+        return self._once(run, "run", data, starter, seeds, with_changes)
+
+    def answers(self, data: Mapping[str, Any]) -> list[list[str]] | None:
+        return self._once(partial(super().answers, data), "answers", data)
+
+    def answer_draws(self, data: Mapping[str, Any]) -> list[tuple[str, str]]:
+        return self._once(partial(super().answer_draws, data), "answer_draws", data)
+
+    def _once(self, answer: Callable[[], T], *asked: object) -> T:
+        key = repr(asked)
         if key not in self._outcomes:
-            self._outcomes[key] = super().run(work)
+            self._outcomes[key] = answer()
         return deepcopy(self._outcomes[key])
 
 
 #: Of a trial's program, which none but an endless one comes near to: the time of the processor, whatever else it does.
-SHORT_CPU_SECONDS = 0.25
+SHORT_CPU_SECONDS = 0.15
 #: Seeds on which a solution is graded before it is published, and changes of it that are tried besides those of whole
 #: functions: a few show all that a page tells. `tests/graders/declared` tries as many changes as in service.
-FEW_SEEDS, FEW_CHANGES = 3, 12
+FEW_SEEDS, FEW_CHANGES = 2, 6
 
 
 @pytest.fixture
@@ -132,6 +145,7 @@ def studio(site: Site, course_sandbox: Sandbox, monkeypatch: pytest.MonkeyPatch)
     monkeypatch.setattr(trial_task, "TRIAL_POLICY", limits)
     monkeypatch.setattr(trial_task, "SEEDS", FEW_SEEDS)
     monkeypatch.setattr(trial, "MAX_CHANGES", FEW_CHANGES)
+    monkeypatch.setattr(trial_task, "ExerciseTrial", TrialsOnce)
     course, service = the_course(), get_service(site.app, StudioService)
     grader = SandboxGrader(course, course_sandbox)
 
@@ -139,7 +153,7 @@ def studio(site: Site, course_sandbox: Sandbox, monkeypatch: pytest.MonkeyPatch)
         return grader.grade(work.exercise, work.source, work.seed, submission=work.submission_id)
 
     tasks = {
-        TRIAL_JOB: TrialsOnce(service.queue, partial(SandboxPrograms, course_sandbox)),
+        TRIAL_JOB: TrialTask(service.queue, partial(SandboxPrograms, course_sandbox)),
         TRYOUT_JOB: TryoutTask(service.queue, partial(SandboxPrograms, course_sandbox)),
         GRADE: GradingTask(course, grade),
     }

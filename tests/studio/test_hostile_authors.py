@@ -56,7 +56,7 @@ def test_a_hostile_solution_harms_nobody(studio: Studio, name: str) -> None:
     assert MARK not in sys.modules
     if name in AGAINST_PROCESSES:
         after = studio.create()
-        studio.save(after)
+        studio.save(after, solution=f"# after {name}\n{SOLUTION}")  # tried by no other test
         assert "0 acceptée à tort" in studio.report(after)
 
 
