@@ -40,7 +40,7 @@ sys.dont_write_bytecode = False
 gc.disable()  # until all is imported and collected
 
 # A busy machine is no failure.
-settings.register_profile("balise", deadline=None, max_examples=40, suppress_health_check=[HealthCheck.too_slow])
+settings.register_profile("balise", deadline=None, max_examples=25, suppress_health_check=[HealthCheck.too_slow])
 settings.load_profile("balise")
 
 

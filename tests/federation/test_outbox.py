@@ -20,7 +20,7 @@ from server.database import Database, utc_now
 from server.federation import outbox_repository
 from server.federation.errors import OutgoingError
 from server.federation.lti import registration
-from server.federation.models import DeliveryState, LineItem, MarkDelivery, ProviderContext
+from server.federation.models import DeliveryState, LineItem, MarkDelivery, ProviderContext, SigningKey
 from server.federation.outbox import GONE
 from server.federation.outbox_task import MAX_FAILURES, NO_SERVICE, THREADS, MarksRun, OutboxThread, SchoolMarksTask
 from server.federation.outgoing import Outgoing
@@ -30,7 +30,7 @@ from server.queue.lease_owner import process_owner
 from tests.support.classes import person
 from tests.support.client import TestClient
 from tests.support.platform_gradebook import PlatformGradebook
-from tests.support.platforms import AGS, Platform
+from tests.support.platforms import AGS, Platform, our_private_pem
 from tests.support.service import EXERCISE, Site
 from tests.support.tables import folded
 
@@ -51,6 +51,7 @@ class Stage:
         self.platform.handlers["/items"] = self.book.handle
         with self.database.write() as db:
             texts = {"name": "Moodle", "issuer": self.platform.issuer, "client_id": "balise"}
+            db.add(SigningKey(private_pem=our_private_pem(), created_at=self.now))
             self.provider = registration.add_platform(db, texts, self.platform.settings, None)
             self.made = SchoolClass(name="MPSI", module="l20")
             db.add(self.made)

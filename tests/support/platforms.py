@@ -43,6 +43,14 @@ def private_key() -> Any:
     return RSAKey.generate_key(2048, {"kid": "platform-1", "use": "sig", "alg": "RS256"})
 
 
+@cache
+def our_private_pem() -> str:
+    """The service's own key, made once in a process; `tests/federation/test_walls.py` has the service make its own."""
+    from joserfc.jwk import RSAKey
+
+    return str(RSAKey.generate_key(2048).as_pem(private=True).decode())
+
+
 @dataclass
 class Platform:
     """Handles the requests that the service sends it, and signs launches. `handlers` answer other paths."""
