@@ -1,4 +1,4 @@
-"""One sandbox for the tests of a worker, with a small kit; and one for each set of walls left down."""
+"""One sandbox for the tests of a worker, with small kits; and one for each set of walls left down."""
 
 from __future__ import annotations
 
@@ -25,6 +25,12 @@ def configurer(libres=None, portee_max=12.0, seed=0):
     return {"np": np, "libres": libres, "PORTEE_MAX": portee_max, "rng": rng, "lidar": lidar}
 """
 
+#: With less in it, for programs that reuse functions.
+STEP_KIT = """
+def configurer(seed=None, pas=2):
+    return {"PAS": pas}
+"""
+
 POLICY = only(memory_bytes=128 << 20, frame_bytes=1 << 20, stdout_bytes=1 << 14)
 
 Lifting = Callable[[frozenset[str]], Sandbox]
@@ -32,7 +38,7 @@ Lifting = Callable[[frozenset[str]], Sandbox]
 
 @pytest.fixture(scope="session")
 def sandbox() -> Iterator[Sandbox]:
-    with Sandbox({"trousse": KIT}, POLICY) as shared:
+    with Sandbox({"trousse": KIT, "pas": STEP_KIT}, POLICY) as shared:
         SHARED.append(shared)
         yield shared
 

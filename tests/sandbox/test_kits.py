@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 import pytest
 
 from server.sandbox import Kit, ProgramFault, Sandbox, SandboxFault
@@ -31,29 +33,30 @@ def tours(n):
 """
 
 
-def test_a_package_is_found_and_a_name_is_called_by_its_driver() -> None:
+@pytest.fixture(scope="module")
+def sandbox() -> Iterator[Sandbox]:
     with Sandbox({"seul": ALONE, "monde": SEVERAL}, FAR) as sandbox:
-        with sandbox.open(ROBOT, kit=Kit("monde")) as session:
-            assert session.call("Robot", 3, 5).value == [3.0, 5.0]
-            assert session.call("lire", 1).value == (5, True)
-            assert session.call("tours", 1).value == 8
-        with pytest.raises(ProgramFault) as caught, sandbox.open(ROBOT, kit=Kit("seul")):
-            pass
-        assert "moteur" in caught.value.message
-        assert caught.value.line == 2
-        for asked, other in (("seul", "moteur"), ("monde", "seul")):
-            source = f"import {asked}\ndef f():\n    import {other}\n".encode()
-            with sandbox.open(source, kit=Kit(asked)) as session, pytest.raises(ProgramFault, match=other):
-                session.call("f")
+        yield sandbox
 
 
-def test_what_a_driven_program_raises_is_told_with_its_line() -> None:
+def test_a_package_is_found_and_a_name_is_called_by_its_driver(sandbox: Sandbox) -> None:
+    with sandbox.open(ROBOT, kit=Kit("monde")) as session:
+        assert session.call("Robot", 3, 5).value == [3.0, 5.0]
+        assert session.call("lire", 1).value == (5, True)
+        assert session.call("tours", 1).value == 8
+    with pytest.raises(ProgramFault) as caught, sandbox.open(ROBOT, kit=Kit("seul")):
+        pass
+    assert "moteur" in caught.value.message
+    assert caught.value.line == 2
+    for asked, other in (("seul", "moteur"), ("monde", "seul")):
+        source = f"import {asked}\ndef f():\n    import {other}\n".encode()
+        with sandbox.open(source, kit=Kit(asked)) as session, pytest.raises(ProgramFault, match=other):
+            session.call("f")
+
+
+def test_what_a_driven_program_raises_is_told_with_its_line(sandbox: Sandbox) -> None:
     source = b"class Robot:\n    def rouler(self, n):\n        return 1 / 0\n"
-    with (
-        Sandbox({"monde": SEVERAL}, FAR) as sandbox,
-        sandbox.open(source, kit=Kit("monde")) as session,
-        pytest.raises(ProgramFault) as caught,
-    ):
+    with sandbox.open(source, kit=Kit("monde")) as session, pytest.raises(ProgramFault) as caught:
         session.call("Robot", 1)
     assert caught.value.line == 3
 

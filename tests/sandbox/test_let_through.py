@@ -1,7 +1,5 @@
 """What is harmless in a file is let through with a remark; what is no program is called what it is."""
 
-from collections.abc import Iterator
-
 import pytest
 
 from server.sandbox import FaultKind, Kit, ProgramFault, Sandbox, Session
@@ -9,14 +7,7 @@ from server.sandbox.child.notebook_text import clean_notebook_text
 from server.sandbox.foreign_files import describe_foreign_file
 from server.sandbox.remarks import parse_loaded
 
-KIT = "import numpy as np\ndef configurer(seed=None):\n    return {'np': np}\n"
 DOUBLE = "def f(x):\n    return 2 * x\n"
-
-
-@pytest.fixture(scope="module")
-def sandbox() -> Iterator[Sandbox]:
-    with Sandbox({"trousse": KIT}) as sandbox:
-        yield sandbox
 
 
 def opened(sandbox: Sandbox, source: str | bytes, **options: bool) -> Session:

@@ -1,15 +1,9 @@
 """Functions of earlier files: imported from `mes_fonctions`, one's own or those that are not to be read."""
 
-from collections.abc import Iterator
-
 import pytest
 
 from server.sandbox import FaultKind, Kit, LibraryFile, ProgramFault, Sandbox
 
-KIT = """
-def configurer(seed=None, pas=2):
-    return {"PAS": pas}
-"""
 DOUBLE = LibraryFile("doubles", ("double",), b"def double(x):\n    return PAS * x\n")
 SECRET = LibraryFile(
     "secrets", ("triple",), b'def triple(x):\n    """Rien de ceci ne se lit."""\n    # secret\n    return 3 * x\n', True
@@ -19,14 +13,8 @@ ABOVE = LibraryFile(
 )
 
 
-@pytest.fixture(scope="module")
-def sandbox() -> Iterator[Sandbox]:
-    with Sandbox({"trousse": KIT}) as sandbox:
-        yield sandbox
-
-
 def answer(sandbox: Sandbox, source: str, *shelves: LibraryFile) -> object:
-    with sandbox.open(source.encode(), kit=Kit("trousse", library=shelves)) as session:
+    with sandbox.open(source.encode(), kit=Kit("pas", library=shelves)) as session:
         return session.call("f").value
 
 
