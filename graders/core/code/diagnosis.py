@@ -31,7 +31,6 @@ _HIDDEN = "se voit avec les autres fonctions justes"
 _GROUND_WORDS = {
     Ground.RESEMBLANCE: "Votre fonction répond comme avec cette erreur ; d'autres donneraient cela aussi.",
     Ground.ANSWERS: "Vos réponses sont celles que donne cette erreur.",
-    Ground.MIXED_ANSWERS: "Vos réponses sont celles que donne cette erreur, avec une autre.",
 }
 _TOGETHER = "Vos réponses sont celles que donnent ces erreurs."
 
@@ -133,7 +132,7 @@ def combine_diagnoses(
     named: dict[str, Misconception | Slip] = {**SLIPS, **{mistake.id: mistake for mistake in misconceptions}}
     together: list[Misconception | Slip] = [*(named[mistake] for mistake in ids), *facts]
     is_alone = len(together) == 1 and explains_all
-    by_answers = [m.id for m in together if grounds.get(m.id) in (Ground.ANSWERS, Ground.MIXED_ANSWERS)]
+    by_answers = [m.id for m in together if grounds.get(m.id) is Ground.ANSWERS]
     paragraphs: list[str] = []
     for mistake in together:
         explanation = mistake.explanation if is_alone else _beside_others(mistake)

@@ -241,9 +241,8 @@ class CodeGrader:
         following = set(found.consequences) if ids == found.mistakes else set()
         explains = *(self._explained(name, at_fault, following) for name in ids), *(fact.checks for fact in facts)
         certain = found.certain and not reenacted and ids == found.mistakes
-        grounds = {name: found.ground_of(name) for name in ids if name not in SLIPS}
         failed_ids = frozenset(check.id for check in at_fault)
-        return NamedMistakes(ids, tuple(facts), explains, certain, failed_ids, grounds=grounds)
+        return NamedMistakes(ids, tuple(facts), explains, certain, failed_ids, grounds=found.grounds)
 
     def _borne_out(self, ids: Sequence[str], failed: Sequence[Check]) -> tuple[str, ...]:
         """Return the ids whose words the failed checks do not contradict: nothing fails that they say to be right."""

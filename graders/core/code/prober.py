@@ -95,7 +95,7 @@ class Prober:
         fallback: list[str] = []
         consequences: list[str] = []
         named: dict[str, frozenset[str]] = {}
-        silent, ruled, mixed = list[SilentName](), list[RuledName](), set[str]()
+        silent, ruled, alike = list[SilentName](), list[RuledName](), set[str]()
         probed = {probes.function for _, probes in self._select_probes(functions, alone)}
         certain = probed >= self.functions.intersection(functions)
         for index, answers, slip in self._probe(runner, functions, alone):
@@ -116,7 +116,7 @@ class Prober:
             with self._lock:
                 named[self.probes[index].function] = frozenset(names)
                 certain = certain and is_certain
-                mixed |= set() if is_certain else {*names}
+                alike |= {*names} if is_certain else set()
                 silent += self._silent_names(index, sequence, [name for name in names if name not in mistakes])
                 mistakes += [mistake for mistake in names if mistake not in mistakes]
                 fallback += (last := () if names else self._fallback_names(index, sequence))
@@ -128,7 +128,7 @@ class Prober:
         certain = certain and bool(mistakes)
         return RecognisedMistakes(
             tuple(mistakes), tuple(fallback), tuple(consequences), certain, tuple(silent),
-            ruled=tuple(ruled), mixed=frozenset(mixed),
+            ruled=tuple(ruled), alike=frozenset(alike),
         )  # fmt: skip
 
     def _name_borne_out(

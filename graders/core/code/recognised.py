@@ -10,10 +10,9 @@ from graders.core.code.probes import AnswerRule, Experiment, ProbeResults, Probe
 
 
 class Ground(Enum):
-    """What a mistake is named on: an experiment on the program, answers that are those of the mistake (by itself, or
-    with another mistake), or a mere resemblance, which other mistakes share."""
+    """What a mistake is named on: answers that are those of the mistake, or a resemblance that others share."""
 
-    EXPERIMENT, ANSWERS, MIXED_ANSWERS, RESEMBLANCE = "experiment", "answers", "mixed answers", "resemblance"
+    ANSWERS, RESEMBLANCE = "answers", "resemblance"
 
 
 class SilentName(NamedTuple):
@@ -52,8 +51,8 @@ class RecognisedMistakes(NamedTuple):
     """Ids of the mistakes found, in order; `fallback` ids, from the last rules, for when nothing else finds a name; and
     the functions whose wrong answers are `consequences` of mistakes in others. The mistakes are `certain` where every
     function answers as a mutant with these and no other does; `silent` are named on answers that tell little, of which
-    the `likely` ones could not be verified in the program; `ruled` are named by rules. The functions of the `mixed`
-    ones answer as with these mistakes and others."""
+    the `likely` ones could not be verified in the program; `ruled` are named by rules. The functions of the `alike`
+    ones answer as with these mistakes."""
 
     mistakes: tuple[str, ...] = ()
     fallback: tuple[str, ...] = ()
@@ -62,11 +61,9 @@ class RecognisedMistakes(NamedTuple):
     silent: tuple[SilentName, ...] = ()
     likely: tuple[str, ...] = ()
     ruled: tuple[RuledName, ...] = ()
-    mixed: frozenset[str] = frozenset()
+    alike: frozenset[str] = frozenset()
 
-    def ground_of(self, mistake: str) -> Ground:
-        if mistake in self.likely:
-            return Ground.RESEMBLANCE
-        if any(mistake in dict(ruled.candidates) for ruled in self.ruled):
-            return Ground.EXPERIMENT
-        return Ground.MIXED_ANSWERS if mistake in self.mixed else Ground.ANSWERS
+    @property
+    def grounds(self) -> dict[str, Ground]:
+        """Return what mistakes are named on, by id; none of those that an experiment establishes."""
+        return {**dict.fromkeys(self.alike, Ground.ANSWERS), **dict.fromkeys(self.likely, Ground.RESEMBLANCE)}

@@ -49,12 +49,12 @@ def _property(expected: Floats, got: Floats) -> Iterator[str]:
     if _same(expected, expected.T) and gap.max() > EXACT * size:
         i, j = (int(k) for k in np.unravel_index(int(np.argmax(gap)), gap.shape))
         one, other = number(float(got[i, j])), number(float(got[j, i]))
-        yield f"Le tableau devrait être symétrique : ({i}, {j}) vaut {one} et ({j}, {i}) {other}."
+        yield f"Le tableau attendu est symétrique, le vôtre non : ({i}, {j}) vaut {one} et ({j}, {i}) {other}."
         return
     if _same(expected, expected.T):
         least, right = float(np.linalg.eigvalsh(got)[0]), float(np.linalg.eigvalsh(expected)[0])
         if right >= -EXACT and least < -EXACT * size:
-            yield f"Le tableau a une valeur propre négative, {number(least, 4)}, ce que n’a aucune covariance."
+            yield f"Le tableau a une valeur propre négative, {number(least, 4)} ; celui qui est attendu n’en a pas."
 
 
 def _turns(expected: Floats, got: Floats) -> Iterator[str]:

@@ -13,8 +13,7 @@ from graders.core.code.grading import CodeGrader
 from graders.core.code.isolation import isolate_functions, replacing_suffix
 from graders.core.code.places import find_place
 from graders.core.code.prober import Prober
-from graders.core.code.probes import ProgramTrial
-from graders.core.code.recognised import Ground, RecognisedMistakes, RuledName
+from graders.core.code.recognised import Ground
 from graders.core.contract.local import LOCAL
 from tests.support.shipped import CODE
 from tests.support.verdicts import knowing
@@ -181,9 +180,7 @@ def test_beside_another_mistake_nothing_is_said_to_be_right() -> None:
     ("grounds", "begin"),
     [
         ({}, "On demande"),
-        ({"reecrit": Ground.EXPERIMENT}, "On demande"),
         ({"reecrit": Ground.ANSWERS}, "Vos réponses sont celles que donne cette erreur. On"),
-        ({"reecrit": Ground.MIXED_ANSWERS}, "Vos réponses sont celles que donne cette erreur, avec une autre. On"),
         ({"reecrit": Ground.RESEMBLANCE}, "Votre fonction répond comme avec cette erreur ; d'autres"),
         ({"reecrit": Ground.ANSWERS, "autre": Ground.ANSWERS}, "Vos réponses sont celles que donnent ces erreurs. On"),
     ],
@@ -197,19 +194,15 @@ def test_a_name_says_what_it_is_founded_on(grounds: dict[str, Ground], begin: st
     assert told.is_likely == (Ground.RESEMBLANCE in grounds.values())
 
 
-def _unasked(trial: ProgramTrial) -> bool:
-    raise AssertionError(trial)
-
-
 def test_a_mistake_known_by_its_answers_says_so_and_one_known_by_a_rule_does_not() -> None:
     grader = CODE["l20/kabsch"]
     mistake = next(each for each in grader.misconceptions if each.id == "t_oppose")
     named = grader.name_mistakes(mistake.source, LOCAL, 3)
     assert named.grounds == {"t_oppose": Ground.ANSWERS}
-    ruled = RecognisedMistakes(("a",), ruled=(RuledName("a", 0, (("a", _unasked), ("b", _unasked))),), likely=("c",))
-    assert [ruled.ground_of(name) for name in "abcd"] == [
-        Ground.EXPERIMENT, Ground.EXPERIMENT, Ground.RESEMBLANCE, Ground.ANSWERS
-    ]  # fmt: skip
+    (ruled,) = [each for each in CODE["l20/boucles"].misconceptions if each.id == "scan_brut"]
+    named = CODE["l20/boucles"].name_mistakes(ruled.source, LOCAL, 3)
+    assert named.ids == ("scan_brut",)
+    assert named.grounds == {}
 
 
 @pytest.mark.parametrize("exercise", CODE)

@@ -28,7 +28,7 @@ THIRD_COLUMN = np.arange(12.0).reshape(3, 4) ** 2 + np.array([0.0, 0.0, 1.3, 0.0
         (ROW, ROW[::-1], "ordre inverse"),
         (ROW, np.roll(ROW, 1), "décalées de 1 rang."),
         (ROW, ROW[[1, 0, 2, 3]], "à d’autres places"),
-        (COVARIANCE, LEANING, "symétrique : (0, 1) vaut 0,8 et (1, 0) 0,5"),
+        (COVARIANCE, LEANING, "symétrique, le vôtre non : (0, 1) vaut 0,8 et (1, 0) 0,5"),
         (COVARIANCE, NEGATIVE, "valeur propre négative"),
         (np.arange(12.0).reshape(3, 4) ** 2, THIRD_COLUMN, "3 valeurs sur 12 sont fausses, toutes dans la colonne 2"),
         (ROW, ROW + np.array([0.0, 0.0, 0.0, 0.7]), "Une valeur sur 4 est fausse."),
