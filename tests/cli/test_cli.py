@@ -75,6 +75,7 @@ def test_what_cannot_be_graded_has_its_own_status(
     right: Path, tmp_path: Path, course: Course, monkeypatch: Any, capsys: Any
 ) -> None:
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
+    monkeypatch.setattr("server.cli.sandboxes.Sandbox.warm", lambda *_: None)  # no program is run
     stands = WallReport("seccomp", WallStatus.STANDING, "", required=True)
     monkeypatch.setattr("server.cli.sandboxes.probe", lambda **_: [stands])
     assert main(["grade", "l20/inconnu", str(right)]) == 2
@@ -237,6 +238,7 @@ def test_questions_are_told_for_a_seed_and_only_where_there_are_some(capsys: Any
     assert "il manque le fichier" in capsys.readouterr().err
 
 
+@pytest.mark.usefixtures("walls_that_stand")
 def test_check_refuses_an_unknown_exercise(course: Course, monkeypatch: Any) -> None:
     monkeypatch.setattr(check, "load", lambda **_: course)
     assert main(["check", "--fresh", "l20/inconnu"]) == 2

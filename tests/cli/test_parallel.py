@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import multiprocessing
 import os
 import signal
 import time
@@ -60,8 +61,17 @@ def test_jobs_of_one_group_are_done_by_one_process_while_every_core_works() -> N
 
 
 def test_one_group_alone_is_shared_by_all() -> None:
+    """Each process waits with its first job until all have one."""
     jobs = [("a", k) for k in range(40)]
-    found = list(parallel.in_order(NONE, placed, jobs, "Essai", group_key=lambda job: job[0]))
+    all_at_work, begun = multiprocessing.get_context("fork").Barrier(parallel.usable_cores()), list[tuple[str, int]]()
+
+    def met(_: SandboxGrader, job: tuple[str, int]) -> tuple[tuple[str, int], int]:
+        if not begun:
+            all_at_work.wait(120)
+        begun.append(job)
+        return job, os.getpid()
+
+    found = list(parallel.in_order(NONE, met, jobs, "Essai", group_key=lambda job: job[0]))
     assert [job for job, _ in found] == jobs
     assert len({process for _, process in found}) == parallel.usable_cores()
 

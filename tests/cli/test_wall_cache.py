@@ -83,6 +83,7 @@ def test_a_file_of_somebody_else_is_not_believed(kept: Path) -> None:
 
 def test_what_was_not_sound_is_not_kept(kept: Path, monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     kept.unlink()
+    monkeypatch.setattr("server.cli.sandboxes.Sandbox.warm", lambda *_: None)  # no program is run
     monkeypatch.setattr("server.cli.sandboxes.probe", lambda **_: [])
     program = tmp_path / "poses.py"
     program.write_text("")
