@@ -11,7 +11,6 @@ from typing import Any
 import anyio.to_thread
 import pytest
 
-from server.app import create_app
 from server.base.app_services import app_service
 from server.base.settings import Settings
 from server.course.lengths import length_in_words
@@ -228,7 +227,7 @@ def test_the_module_opens_on_its_course(small_site: SmallSite) -> None:
 def test_a_module_without_texts_lists_its_exercises(course_folder: CourseFolder, tmp_path: Path) -> None:
     settings = Settings(data_dir=tmp_path / "data", workers=0)
     migrated(settings).close()
-    with TestClient(create_app(settings, course=course_folder.load())) as client:
+    with TestClient(standing_app(settings, course_folder.load())) as client:
         page = client.get("/m9").text
         assert ">Exercices</h2>" in page
         for absent in ("Commencer", "Séances", "head-search", "glossaire"):
