@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from sqlalchemy import event, select
+from sqlalchemy import event, select, text
 
 from graders.core.contract.findings import Judgement
 from server.base.settings import Settings
@@ -126,7 +126,8 @@ def test_the_file_of_the_database_is_for_its_owner_alone(tmp_path: Path, older: 
         sqlite3.connect(folder / "balise.sqlite3").close()
         folder.joinpath("balise.sqlite3").chmod(0o644)
     with closing(Database(f"sqlite:///{folder}/balise.sqlite3")) as database:
-        upgrade(database.engine)
+        with database.write() as db:
+            db.execute(text("CREATE TABLE une (x INTEGER)"))
         modes = {path.name: stat.S_IMODE(path.stat().st_mode) for path in [folder, *folder.iterdir()]}
     assert modes.pop("data") == 0o700
     assert modes
