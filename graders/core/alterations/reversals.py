@@ -23,6 +23,8 @@ _REDUCERS = words(
 _SHORT_TYPES = words("int int32 int64 float32 float16 single half bool i i4 i8 f4 f2")
 #: Simple statements that may change places.
 _SIMPLE = (ast.Assign, ast.AugAssign, ast.Expr)
+#: What may hold None, or a 0 that counts.
+_PLACES = (ast.Name, ast.Subscript, ast.Attribute)
 _MAX_VARIABLES, _MAX_EXCHANGED = 14, 5
 
 
@@ -209,7 +211,12 @@ def parentheses(text: ProgramText, node: ast.AST) -> Iterator[Change]:
 
 
 def tests(text: ProgramText, node: ast.AST) -> Iterator[Change]:
-    """A statement that is not made under a condition; `while` for `if`; `else` for a second `if`."""
+    """A statement that is not made under a condition; `while` for `if`; `else` for a second `if`; 0 for no value."""
+    tested = node.operand if isinstance(node, ast.UnaryOp) and isinstance(node.op, ast.Not) else None
+    if isinstance(tested, _PLACES):
+        yield text.replaced(node, f"({text.source_of(tested)} is None)", "condition")
+    if isinstance(node, ast.If | ast.IfExp) and isinstance(node.test, _PLACES):
+        yield text.replaced(node.test, f"({text.source_of(node.test)} is not None)", "condition")
     if isinstance(node, ast.If) and not node.orelse:
         start = text.span(node)[0]
         if text.slice(start, start + 2) == "if":

@@ -39,7 +39,7 @@ def dropped(text: ProgramText, node: ast.AST) -> Iterator[Change]:
 def _bound_before(text: ProgramText, node: ast.Assign, target: ast.expr) -> bool:
     """Does a target have a value already: a place in something, an argument, a name given before or in a loop?"""
     if isinstance(target, ast.Tuple | ast.List):
-        return all(_bound_before(text, node, bound) for bound in target.elts)
+        return all(_is_discarded(bound) or _bound_before(text, node, bound) for bound in target.elts)
     if not isinstance(target, ast.Name):
         return isinstance(target, ast.Subscript | ast.Attribute)
     around: ast.AST = node
@@ -48,6 +48,11 @@ def _bound_before(text: ProgramText, node: ast.Assign, target: ast.expr) -> bool
     names = [bound for bound in ast.walk(around) if isinstance(bound, ast.Name | ast.arg) and _stores(bound)]
     here = text.span(node)[0]
     return any(text.span(bound)[0] < here and _name(bound) == target.id for bound in names)
+
+
+def _is_discarded(target: ast.expr) -> bool:
+    """Is this the name of what nobody reads, « _ » ?"""
+    return isinstance(target, ast.Name) and target.id == "_"
 
 
 def _stores(node: ast.AST) -> bool:

@@ -13,7 +13,7 @@ from dataclasses import dataclass, replace
 from graders.core.code.call_graph import find_callers
 from graders.core.code.checks import Check
 from graders.core.code.diagnosis import number_text
-from graders.core.code.facts import is_told
+from graders.core.code.facts import IMPRECISIONS, is_told
 from graders.core.code.grading import CodeGrader, NamedMistakes
 from graders.core.code.related_lines import JudgedFunctions
 from graders.core.contract.program import Programs
@@ -151,6 +151,11 @@ def name_isolated(grader: CodeGrader, isolated: IsolatedFunctions, checks: Seque
                 facts[fact] = tuple(mistakes.failed.intersection(fact.checks))
                 shown[fact.slip.title] = function
     facts = {fact: told for fact, told in facts.items() if not is_told(fact, map(grader.title_of, ids))}
+    nearly_right = {check for fact, told in facts.items() if fact.slip.id in IMPRECISIONS for check in told}
+    unsure = [mistake for mistake in ids if not _is_certain(isolated, mistake)]
+    for mistake in unsure:  # numbers that are nearly right are no other formula: one cause is told, and once
+        if ids[mistake] <= nearly_right:
+            del ids[mistake]
     if not ids and not facts:
         return None
     if list(ids) == list(whole.ids) and list(facts) == list(whole.facts):
@@ -178,6 +183,12 @@ def tell_shares(isolated: IsolatedFunctions, checks: Sequence[CheckResult], diag
         told.append(f"Avec les autres fonctions justes, {names} n'{'ont' if len(innocent) > 1 else 'a'} rien de faux.")
     explanation = "\n\n".join([diagnosis.explanation, " ".join(told)] if told else [diagnosis.explanation])
     return replace(diagnosis, explanation=explanation)
+
+
+def _is_certain(isolated: IsolatedFunctions, mistake: str) -> bool:
+    """Whether a function that can have a mistake answers as one with its names does, and as no other."""
+    functions = [name for name in isolated.own if name in isolated.functions.get(mistake, ())]
+    return any(isolated.own[name].certain or isolated.is_certain(name) for name in functions)
 
 
 def _replaces(isolated: IsolatedFunctions, function: str) -> bool:

@@ -229,6 +229,16 @@ def test_checks_that_fail_through_a_function_that_is_told_are_not_left_without_e
     assert not isolated.consequences((), grader.checks)
 
 
+def test_numbers_that_are_nearly_right_are_told_once() -> None:
+    """A step that is too long gives a derivative that is nearly right, and no other one."""
+    rate = "np.array([(np.linalg.norm(ecart + e) - d) / 1e-3 for e in 1e-3 * np.eye(2)])"
+    source = CODE["l19/etendu"].solution.replace("return d, ecart / d", f"return d, {rate}")
+    _, found = place_of("l19/etendu", source)
+    assert found is not None
+    assert "Des résultats justes à quelques chiffres près seulement" in found.diagnosis.titles
+    assert "La distance est juste, mais pas sa dérivée" not in found.diagnosis.titles
+
+
 def test_what_is_seen_of_a_function_that_calls_another_one_at_fault_is_not_told() -> None:
     """Its answers hold both mistakes: « juste à peu près » would be said of neither."""
     source = CODE["l19/etendu"].solution.replace("return d, ecart / d", "return d, 1.001 * ecart / d")

@@ -400,3 +400,10 @@ def bande(n, N, niveau=0.95):
     )
     found = grader.grade(source.encode(), LOCAL, seed=2026, version="v").verdict.diagnosis
     assert found is None or found.id != "loi_normale"
+
+
+def test_a_zero_taken_for_no_value_and_a_line_that_sets_one_name_too_late_are_changed() -> None:
+    source = "def f(x, date):\n    a, b = x\n    if not date:\n        return a\n    _, b = date, a\n    return b\n"
+    texts = [change.text for change in find_changes(source, ["f"], None, lambda: False)]
+    assert source.replace("not date", "(date is None)") in texts
+    assert source.replace("_, b = date, a", "pass") in texts
