@@ -104,6 +104,25 @@ def _functions(series: Series) -> Iterator[str]:
         yield "est partout la transposée de ce qui est attendu"
 
 
+def _array_functions(series: Series) -> Iterator[str]:
+    """The right arrays summed up, normalised or inverted as matrices."""
+    dimensions = {right.ndim for right in series.right}
+    if dimensions not in ({1}, {2}) or any(right.shape[-1] < 2 for right in series.right):
+        return
+    sums = "les sommes cumulées de ce qui est attendu"
+    found: dict[str, Callable[[Floats], Floats]] = {
+        "est ce qui est attendu, divisé par sa somme": lambda x: x / x.sum(),
+        "est ce qui est attendu, divisé par sa plus grande valeur": lambda x: x / x.max(),
+        "est ce qui est attendu, divisé par sa norme": lambda x: x / np.linalg.norm(x),
+        f"a {sums}": lambda x: x.cumsum() if x.ndim == 1 else np.full_like(x, np.nan),
+        f"a, dans chaque ligne, {sums}": lambda x: x.cumsum(axis=-1),
+        f"a, dans chaque colonne, {sums}": lambda x: x.cumsum(axis=0),
+    }
+    if all(right.ndim == 2 and len(right) == right.shape[1] and np.linalg.det(right) for right in series.right):
+        found["est la matrice inverse de ce qui est attendu"] = lambda x: np.asarray(np.linalg.inv(x), dtype=np.float64)
+    yield from [words for words, function in found.items() if _everywhere(series, function)][:1]
+
+
 def _ratio(got: Floats, right: Floats) -> float | None:
     """Return the one factor between two arrays; None where there is none."""
     there = np.abs(right) > 1e-12
@@ -315,7 +334,7 @@ def _nearness(series: Series) -> Iterator[str]:
 
 #: The relations, the most telling first.
 _RELATIONS = (
-    _turns, _functions, _factors, _offsets, _orders, _arguments, _steps, _nearness,
+    _turns, _functions, _array_functions, _factors, _offsets, _orders, _arguments, _steps, _nearness,
 )  # fmt: skip
 #: What says no more than where the answers are wrong, or which property they have not.
 _FLAWS = (_invariants, _lines, _sizes)

@@ -25,6 +25,7 @@ from graders.l20.defi_amers.described import described
 from graders.l20.defi_amers.maps import Failure, Map
 from graders.l20.defi_amers.simpler import simpler_maps
 from graders.l20.slam_graphe.optimum import CHI2_TOLERANCE, COARSENESS, FAR, LOST, POSE_TOLERANCE, SAME_VALLEY, gaps
+from graders.robotics.turned import tell_turn
 from reference.se2 import wrap_angle
 
 FUNCTION = "slam_amers"
@@ -97,7 +98,9 @@ def _minimum(one: Map, found: Found) -> Mismatch | None:
         if landmarks.max() > poses.max()
         else f"La pose {np.argmax(poses)} est la"
     )
-    return Mismatch(f"{sums}. {lost} plus loin de sa place : {render.number(worst, 3)}.")
+    wanted = np.vstack([one.optimum[0][:, :2], one.optimum[1]])
+    turn = tell_turn(wanted, np.vstack([found.poses[:, :2], found.landmarks]))
+    return Mismatch(f"{sums}. {lost} plus loin de sa place : {render.number(worst, 3)}.{turn}")
 
 
 def _angles(found: Found) -> Mismatch | None:
@@ -233,7 +236,7 @@ def rejection(failure: Failure) -> Rejection:
         return fault_rejection(failure.fault, inputs=one.inputs, expected=(poses, landmarks))
     assert failure.mismatch is not None
     iterations = "sans donner n_iter" if one.n_iter is None else f"avec n_iter = {one.n_iter}"
-    answer = "le minimum n'est pas atteint"
+    answer = f"{FUNCTION} ne renvoie pas le bon résultat"
     if len(poses) + len(landmarks) <= SMALL:
         wanted, got = text_pair((poses, landmarks), failure.got, digits=4)
         answer = f"on attend {wanted} et {FUNCTION} renvoie {got}"

@@ -25,6 +25,7 @@ from graders.core.contract.program import Answer, PlannedCalls, StudentFault
 from graders.core.contract.values import Floats, UnreadableError, Value, read_array
 from graders.l20.slam_graphe.filming import STEPS, film
 from graders.l20.slam_graphe.graphs import EIGHTH, QUARTER, Graph, settles
+from graders.robotics.turned import tell_turn
 from reference.pose_graph import DisconnectedGraphError
 from reference.se2 import wrap_angle
 
@@ -80,7 +81,8 @@ def _minimum(graph: Graph, poses: Floats) -> Mismatch | None:
     if np.abs(gaps(graph.poses, poses)).max() <= TOLERANCE:
         return Mismatch(f"Ce sont les poses de départ, où χ² vaut {render.number(reached, 4)} : rien n'a bougé.")
     sums = "χ² y vaut {} ; au minimum, il vaut {}".format(*number_pair(reached, least, 4))
-    return Mismatch(f"{sums}. La pose {worst} est la plus loin de sa place : {render.number(float(away[worst]), 3)}.")
+    lost = f"La pose {worst} est la plus loin de sa place : {render.number(float(away[worst]), 3)}."
+    return Mismatch(f"{sums}. {lost}{tell_turn(graph.optimum[:, :2], poses[:, :2])}")
 
 
 def _angles(poses: Floats) -> Mismatch | None:
@@ -279,7 +281,11 @@ def rejection(failure: Answered) -> Rejection:
     assert failure.mismatch is not None
     iterations = "sans donner n_iter" if graph.n_iter is None else f"avec n_iter = {graph.n_iter}"
     wanted, got = text_pair(expected, failure.got, digits=4)
-    answer = f"on attend {wanted} et {FUNCTION} renvoie {got}" if len(expected) <= 4 else "le minimum n'est pas atteint"
+    answer = (
+        f"on attend {wanted} et {FUNCTION} renvoie {got}"
+        if len(expected) <= 4
+        else f"{FUNCTION} ne renvoie pas le bon résultat"
+    )
     return Rejection(
         f"Pour {described(graph)}, {iterations}, {answer}. {failure.mismatch.message}",
         inputs=graph.inputs,

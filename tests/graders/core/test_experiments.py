@@ -102,6 +102,25 @@ def test_a_property_of_right_answers_that_wrong_ones_have_not_is_told(
     assert any(words in predicate for predicate in told([np.asarray(change(x)) for x in right], right))
 
 
+@pytest.mark.parametrize(
+    ("change", "right", "words"),
+    [
+        (np.cumsum, ROWS, "a les sommes cumulées de ce qui est attendu"),
+        (lambda x: x.cumsum(axis=1), SYMMETRIC, "a, dans chaque ligne, les sommes cumulées de ce qui est attendu"),
+        (lambda x: x.cumsum(axis=0), SYMMETRIC, "a, dans chaque colonne, les sommes cumulées de ce qui est attendu"),
+        (lambda x: x / x.max(), ROWS, "est ce qui est attendu, divisé par sa plus grande valeur"),
+        (lambda x: x / x.sum(), ROWS, "est ce qui est attendu, divisé par sa somme"),
+        (np.linalg.inv, SYMMETRIC, "est la matrice inverse de ce qui est attendu"),
+        (np.linalg.inv, [*SYMMETRIC, np.zeros((2, 2))], None),
+    ],
+)
+def test_what_answers_are_of_the_right_arrays_is_told(
+    change: Callable[[Floats], Floats], right: list[Floats], words: str | None
+) -> None:
+    got = [x if not x.any() else np.asarray(change(x)) for x in right]
+    assert (words in told(got, right)) if words else not any("inverse" in predicate for predicate in told(got, right))
+
+
 def test_a_side_that_a_few_answers_share_by_chance_is_not_told() -> None:
     right = [np.array(k + 1.0) for k in range(7)]
     assert not any("trop grand" in predicate for predicate in told([x + 0.1 * x**2 for x in right], right))

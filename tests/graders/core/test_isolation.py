@@ -212,6 +212,8 @@ def test_what_is_right_without_another_mistake_only_is_marked_in_the_catalogue(e
             told = combine_diagnoses([mistake.id], CODE[exercise].misconceptions, explains_all=False).explanation
             assert not RIGHT.search(told), mistake.id
             assert told[0] != " ", mistake.id
+        # Pages show these texts as they are.
+        assert "$" not in mistake.title + mistake.explanation + mistake.question, mistake.id
 
 
 def test_checks_that_fail_through_a_function_that_is_told_are_not_left_without_explanation() -> None:

@@ -3,12 +3,17 @@
 from __future__ import annotations
 
 import json
+import math
 from functools import partial
 
+import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from graders.core.contract.outcomes import Outcome
 from graders.plotting import counterexample
+from graders.robotics.turned import turn_about_first
 from tests.support.quick import THEMES, one_in
 from tests.support.shipped import CODE
 from tests.support.verdicts import checked, checked_verdict_of, failed, plain_verdict_of, verdict_of
@@ -248,3 +253,14 @@ def test_figures_draw(theme: str) -> None:
         assert figures
         for data in json.loads(json.dumps([*figures.values()][:1])):
             assert counterexample(GRADER.exercise, data, theme=theme).startswith(b"<?xml")
+
+
+@given(st.integers(3, 8), st.floats(0.02, 3.1), st.sampled_from([-1.0, 1.0]), st.integers(0, 2**32 - 1))
+def test_a_map_that_is_only_turned_says_by_how_much(count: int, size: float, way: float, seed: int) -> None:
+    expected = np.random.default_rng(seed).uniform(-5.0, 5.0, (count, 2))
+    c, s = math.cos(way * size), math.sin(way * size)
+    got = expected[0] + (expected - expected[0]) @ np.array([[c, s], [-s, c]])
+    assert turn_about_first(expected, got) == pytest.approx(way * size, abs=1e-6)
+    got[1] += 2.0
+    assert turn_about_first(expected, got) is None
+    assert turn_about_first(expected, expected) is None
