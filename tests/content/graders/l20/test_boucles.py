@@ -213,6 +213,13 @@ def test_a_mask_is_called_a_mask() -> None:
         assert "il manque" not in told
 
 
+def test_a_name_by_a_rule_alone_is_not_said_to_have_another_mistake_beside_it() -> None:
+    found = verdict(submission("np.roll(scan, -np.argmax(scan))", DISTANCES["max"], LIST), 1)
+    assert named(found) == "depart_sur_un_extreme"
+    assert found.diagnosis is not None
+    assert "avec une autre" not in found.diagnosis.explanation
+
+
 def test_slopes_are_not_said_to_be_sectors() -> None:
     found = verdict(submission("np.diff(scan)"), 1).diagnosis
     assert found is not None
