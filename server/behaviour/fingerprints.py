@@ -167,9 +167,8 @@ class FingerprintTask:
         try:
             verdict, source = Verdict.from_json(request.verdict), request.source.decode()
             programs = self._start(search_limits(exercise.policy), library)
-            return self._find(
-                exercise.grader, source, verdict, programs, time_limit(SEARCH_SECONDS, SEARCH_PROCESSOR_SECONDS)
-            )
+            spent = time_limit(SEARCH_SECONDS, SEARCH_PROCESSOR_SECONDS, programs)
+            return self._find(exercise.grader, source, verdict, programs, spent)
         except UnicodeDecodeError:
             return None
         except Exception:

@@ -9,7 +9,8 @@ from server.sandbox.policy import Policy
 #: Limits of an observation, tighter than those of a grading, as nobody waits for it.
 CPU_SECONDS, WALL_SECONDS, JUDGING_SECONDS = 1.5, 3.0, 2.0
 SESSION_BYTES = 2 << 20
-#: Limits of a search of places: seconds in all, then of this thread's processor time and of one process of variants.
+#: Limits of a search of places: seconds in all, of processor time (this thread's and its programs'), of one process of
+#: variants.
 SEARCH_SECONDS, SEARCH_PROCESSOR_SECONDS, SEARCH_CPU_SECONDS = 60.0, 8.0, 5.0
 SEARCH_SOURCE_BYTES, SEARCH_SESSION_BYTES, SEARCH_SESSION_ITEMS = 256 << 10, 64 << 20, 2_000_000
 

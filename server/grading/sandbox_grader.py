@@ -64,8 +64,11 @@ class JudgingTimeBudget:
 class SandboxProgram:
     """A student's program in the sandbox, as graders see it."""
 
-    def __init__(self, session: Session, budget: JudgingTimeBudget, ahead: Sequence[PlannedCalls]) -> None:
-        self._session, self._budget, self._ahead = session, budget, ahead
+    def __init__(
+        self, session: Session, budget: JudgingTimeBudget, ahead: Sequence[PlannedCalls], ended: list[Session]
+    ) -> None:
+        """`ended` gets the session once it is closed."""
+        self._session, self._budget, self._ahead, self._ended = session, budget, ahead, ended
         self.functions = frozenset(session.functions)
 
     def call(self, function: str, *args: Value, return_arguments: bool = False) -> Reply:
@@ -103,6 +106,8 @@ class SandboxProgram:
 
     def close(self) -> None:
         self._session.close()
+        ended, self._ended = self._ended, []  # closed again, it is not counted again
+        ended.append(self._session)
 
 
 class SandboxPrograms:
@@ -123,6 +128,7 @@ class SandboxPrograms:
         self.load_error = ""
         self._asked, self._has_started = tuple(asked), False
         self._sessions, self._opened = list[Session](), list[Session]()
+        self._ended, self._ended_cpu_seconds = list[Session](), 0.0
         #: The seat's: while its programs are stopped, no limit of theirs passes.
         self.clock = seat_clock()
 
@@ -130,6 +136,12 @@ class SandboxPrograms:
     def cpu_seconds(self) -> float:
         """The processor time of the programs that were loaded, which this closes. Raises SandboxFault."""
         return sum(session.usage.cpu_seconds for session in self._opened)
+
+    def ended_cpu_seconds(self) -> float:
+        """Return the processor time of the programs that were closed by now. Raises SandboxFault."""
+        while self._ended:
+            self._ended_cpu_seconds += self._ended.pop().usage.cpu_seconds
+        return self._ended_cpu_seconds
 
     def prepare(self, source: bytes, kit: KitSettings, launches: int) -> None:
         self._sandbox.prepare(source, launches, kit=self._kit(kit), policy=self._policy)
@@ -155,7 +167,7 @@ class SandboxPrograms:
             self.remarks, self.load_error = session.remarks, session.describe_missing(self._asked)
         self._sessions.append(session)
         self._opened.append(session)
-        return SandboxProgram(session, self._budget, ahead)
+        return SandboxProgram(session, self._budget, ahead, self._ended)
 
     def _shorten_after_timeout(self) -> None:
         if not any(session.has_timed_out for session in self._sessions):
@@ -221,7 +233,7 @@ class SandboxGrader:
         if not isinstance(exercise.grader, CodeGrader):
             return verdict.diagnosis
         programs = self.programs(exercise_id, search_limits(exercise.policy), own)
-        spent = time_limit(SEARCH_SECONDS, seconds)
+        spent = time_limit(SEARCH_SECONDS, seconds, programs)
         found = find_place(exercise.grader, source.decode("utf-8", "replace"), verdict, programs, spent)
         return verdict.diagnosis if found is None else join_place(verdict.diagnosis, found.diagnosis)
 

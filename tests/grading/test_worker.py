@@ -418,6 +418,21 @@ def test_a_judge_s_patience_may_end_between_two_answers(
     assert [type(answer) for answer in answers] == [Reply, Reply, StudentFault]
 
 
+def test_the_processor_time_of_a_program_is_counted_once_it_is_closed_and_once(
+    course_sandbox: Sandbox, course: Course
+) -> None:
+    exercise = course.exercises[EXERCISE]
+    programs = SandboxPrograms(course_sandbox, exercise.policy)
+    program = programs.open(exercise.solution.encode(), KitSettings("l20", {}))
+    program.call("inverse", np.zeros(3))
+    assert programs.ended_cpu_seconds() == 0.0
+    program.close()
+    spent = programs.ended_cpu_seconds()
+    assert spent > 0.0
+    program.close()
+    assert programs.ended_cpu_seconds() == spent == programs.cpu_seconds
+
+
 def test_a_file_that_loops_everywhere_takes_its_whole_time_once_and_a_right_function_keeps_its_points(
     course_sandbox: Sandbox, course: Course
 ) -> None:

@@ -14,6 +14,7 @@ import time
 from collections.abc import Callable, Collection, Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
+from typing import Protocol, runtime_checkable
 
 from graders.core.code.bench import Bench
 from graders.core.code.changes import ProgramChange, find_changes, noted_line
@@ -299,7 +300,23 @@ def in_lines_of(source: str, steps: Sequence[MendingStep]) -> Iterator[MendingSt
         text = step.change.text
 
 
-def time_limit(seconds: float, processor_seconds: float) -> Callable[[], bool]:
-    """Return whether so many seconds have passed since this call, or so many of this thread's processor time."""
+@runtime_checkable
+class MeteredPrograms(Protocol):
+    """Programs that run elsewhere, and tell the processor time of those that have ended."""
+
+    def ended_cpu_seconds(self) -> float: ...
+
+
+def time_limit(seconds: float, processor_seconds: float, programs: Programs | None = None) -> Callable[[], bool]:
+    """Return whether so many seconds have passed since this call, or so many of processor time.
+
+    That is this thread's time, and that of the programs that have ended, where they are metered.
+    """
     deadline, processor_deadline = time.monotonic() + seconds, time.thread_time() + processor_seconds
-    return lambda: time.monotonic() > deadline or time.thread_time() > processor_deadline
+    metered = programs if isinstance(programs, MeteredPrograms) else None
+
+    def is_spent() -> bool:
+        elsewhere = 0.0 if metered is None else metered.ended_cpu_seconds()
+        return time.monotonic() > deadline or time.thread_time() + elsewhere > processor_deadline
+
+    return is_spent

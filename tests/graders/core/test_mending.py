@@ -10,7 +10,7 @@ import pytest
 from graders.core.code.changes import ProgramChange, count_turns, find_changes, noted_line
 from graders.core.code.diagnosis import tell_remainder
 from graders.core.code.line_values import LineValues, compare_values, seen_at, seen_everywhere
-from graders.core.code.mending import Mending, MendingSearch, MendingStep, in_lines_of
+from graders.core.code.mending import Mending, MendingSearch, MendingStep, in_lines_of, time_limit
 from graders.core.code.places import describe_mendings, find_place, is_worth_searching, join_place
 from graders.core.code.related_lines import JudgedFunctions, tell_related_lines
 from graders.core.code.variants import VariantCaller
@@ -407,3 +407,18 @@ def test_a_zero_taken_for_no_value_and_a_line_that_sets_one_name_too_late_are_ch
     texts = [change.text for change in find_changes(source, ["f"], None, lambda: False)]
     assert source.replace("not date", "(date is None)") in texts
     assert source.replace("_, b = date, a", "pass") in texts
+
+
+def test_a_search_spends_the_processor_time_of_its_programs_too() -> None:
+    class Metered:
+        spent = 0.0
+
+        def ended_cpu_seconds(self) -> float:
+            return self.spent
+
+    programs = Metered()
+    is_spent = time_limit(1e9, 1e3, programs)  # type: ignore[arg-type]
+    assert not is_spent()
+    programs.spent = 1e3 + 1.0
+    assert is_spent()
+    assert not time_limit(1e9, 1e3, LOCAL)()
