@@ -165,7 +165,8 @@ class MendingSearch:
         for change in screened[:MAX_VERIFIED]:
             if self._spent() and tried:
                 break
-            left = frozenset(check.id for check in self.failed_checks(change.text, is_late=len(tried) < MAX_LATE))
+            is_late = len(tried) < MAX_LATE
+            left = frozenset(check.id for check in self.failed_checks(change.text, is_late, before=failed))
             if not left <= failed:
                 continue
             if left < failed:
@@ -248,28 +249,33 @@ class MendingSearch:
         return mended
 
     def failed_checks(
-        self, source: str, is_late: bool = False, seed: int | None = None, checks: Sequence[Check] = ()
-    ) -> list[Check]:
+        self, source: str, is_late: bool = False, seed: int | None = None, checks: Sequence[Check] = (),
+        before: Collection[str] = (),
+    ) -> list[Check]:  # fmt: skip
         """Return the checks that a program fails, without shrinking; all of them where it does not load.
 
-        They are all checks, of this search's seed, unless others are given. Raises OutOfTimeError where the time is
-        spent, unless it may be late.
+        They are all checks, of this search's seed, unless others are given. Those that failed `before` come first:
+        where all of these still do, the change mends nothing, and the others are not run. Raises OutOfTimeError where
+        the time is spent, unless it may be late.
         """
         if self._spent() and not is_late:
             raise OutOfTimeError
-        seed, checks = self._seed if seed is None else seed, checks or self._grader.checks
+        seed = self._seed if seed is None else seed
+        checks = sorted(checks or self._grader.checks, key=lambda check: check.id not in before)
         kit = self._grader.kit(stream(seed, "kit"))
         runner = Runner(self._programs, (source + self._suffix).encode(), kit, budget=NO_SHRINKING)
-        failed = []
+        failed: list[Check] = []
         try:
             _ = runner.program
-            for check in checks:
+            for number, check in enumerate(checks):
+                if before and len(failed) == len(before) and check.id not in before:
+                    break
                 finding = run_check(check, Bench(check.id, runner, stream(seed, check.id), kit))
                 if not finding.passed:
                     failed.append(check)
                     runner.failed.add(check.id)
                     if finding.cause is Outcome.TIMEOUT:
-                        return [*failed, *checks[len(failed) :]]
+                        return [*failed, *checks[number + 1 :]]
         except StudentFault:
             return list(checks)
         finally:
