@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
 
 import graders
+from server.hunts import run
 from server.hunts.questions import (
     ComparisonRequest,
     HuntName,
@@ -94,7 +96,9 @@ def test_a_value_is_one_literal() -> None:
     assert parse_value(" [1, -2.5, pi/2] ")[1] == -2.5
 
 
-def test_a_program_that_passes_is_reviewed_beside_the_reference(runner: HuntRunner) -> None:
+def test_a_program_that_passes_is_reviewed_beside_the_reference(
+    runner: HuntRunner, monkeypatch: pytest.MonkeyPatch
+) -> None:
     specimen = Path(graders.__file__).parent / "l20/reechantillonnage/specimens/ok/roue_en_boucle.py"
     source = specimen.read_text() + "\n\ndef inutile():\n    sum = 1\n    return sum\n"
     request = ReviewRequest(exercise="l20/reechantillonnage", source=source)
@@ -103,6 +107,7 @@ def test_a_program_that_passes_is_reviewed_beside_the_reference(runner: HuntRunn
     assert review.ratio > 0
     assert "somme = 1" in review.remarks[-1].after
     assert review.remarks[-1].gain == 0, "a name costs no time"
+    monkeypatch.setattr(run, "POLICY", replace(run.POLICY, cpu_seconds=0.2))
     broken = ReviewRequest(exercise="l20/reechantillonnage", source="while True:\n    pass\n")
     stopped = runner.answer(HuntQuestion(hunts=broken)).review
     assert stopped is not None
