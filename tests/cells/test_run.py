@@ -38,7 +38,7 @@ def _far_limits(monkeypatch: pytest.MonkeyPatch) -> None:
 @pytest.fixture
 def hurried(monkeypatch: pytest.MonkeyPatch) -> None:
     """For what never ends: whichever limit it meets, the outcome is the same."""
-    monkeypatch.setattr(cells, "POLICY", replace(FAR, cpu_seconds=0.2, wall_seconds=0.5))
+    monkeypatch.setattr(cells, "POLICY", replace(FAR, cpu_seconds=0.1, wall_seconds=0.5))
     monkeypatch.setattr("server.sandbox.connection.GRACE_SECONDS", 0.1)
 
 

@@ -50,7 +50,7 @@ WITHHELD = LibraryFile("autre", ("cachee",), b"def cachee(x):\n    return -x\n",
 OWN = LibraryFile(
     "mien", ("quadruple",), b"from mes_fonctions import triple\ndef quadruple(x):\n    return triple(x) + x\n"
 )
-SOON = Policy(cpu_seconds=0.5, wall_seconds=3.0, memory_bytes=128 << 20)
+SOON = Policy(cpu_seconds=0.2, wall_seconds=3.0, memory_bytes=128 << 20)
 
 
 @pytest.fixture(scope="module")
