@@ -53,17 +53,17 @@ def borders(program: str) -> list[int]:
 
 
 BORDERS = borders(PROGRAM)
-#: Each character is put at one border in so many, and each border is met by characters of every kind.
-STRIDE, SPACE_STRIDE = 12, 5
+#: Each space is put at one of so many spaces of the program.
+SPACE_STRIDE = 5
 
 
 @pytest.mark.parametrize("character", SPACES + UNSEEN + OTHERS, ids=lambda it: f"U+{ord(it):04X}")
 def test_the_advice_repairs_a_program_with_a_character_too_many(character: str) -> None:
-    """At borders of two words, wherever Python does not read the program any more."""
+    """At borders of two words, each of which meets one character of every kind, wherever Python does not read it."""
     original = ast.dump(ast.parse(PROGRAM))
     broken = 0
     (kind,) = (kind for kind in (SPACES, UNSEEN, OTHERS) if character in kind)
-    for index in BORDERS[kind.index(character) % STRIDE :: STRIDE]:
+    for index in BORDERS[kind.index(character) :: len(kind)]:
         text = PROGRAM[:index] + character + PROGRAM[index:]
         if is_readable(text):
             continue
