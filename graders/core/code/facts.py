@@ -164,7 +164,8 @@ def _number(text: str) -> float | None:
 
 def _lost_digits(failed: Failed, text: str) -> Iterator[Fact]:
     """Values that are right to some digits only, in each failed check that compares numbers."""
-    errors = [_relative_error(finding) for _, finding in failed if finding.cause is Outcome.WRONG_ANSWER]
+    numeric = [finding for _, finding in failed if finding.cause is Outcome.WRONG_ANSWER and finding.slip != "memoire"]
+    errors = [_relative_error(finding) for finding in numeric]
     if not errors or len(errors) < len(failed) or any(error is None or error > NEARLY_RIGHT for error in errors):
         return
     yield Fact(SLIPS[SHORT] if _SHORT_TYPES.search(text) else SLIPS[IMPRECISE], tuple(check.id for check, _ in failed))

@@ -27,6 +27,7 @@ from graders.core.code.reenacting import Reenactor
 from graders.core.code.rounded_constants import rounded_constant_diagnosis
 from graders.core.code.runner import DEFAULT_BUDGET, Runner
 from graders.core.code.running import run_check, run_checks
+from graders.core.code.stale_answers import hold_stale_answers
 from graders.core.code.undoing import verify_ruled, verify_silent
 from graders.core.compare.shrinking import Budget
 from graders.core.compare.slips import SLIPS
@@ -136,24 +137,24 @@ class CodeGrader:
         return Judgement(verdict, figures, films)
 
     def _findings(self, runner: Runner, kit: KitSettings, seed: int, source: bytes) -> Sequence[Finding]:
-        """Run the checks. A stateless program is probed in the same process; for another, a fresh launch is announced
-        at the first failure, so that it starts while the checks go on."""
+        """Run the checks. Probes go to the same process, of a stateless program, else to one announced at a failure."""
         prober = self.prober
         if prober is None:
             return run_checks(self.checks, runner, kit, seed)
         steady = cache(lambda: prober.may_probe_without_relaunch(source, kit))
-        return run_checks(
+        findings = run_checks(
             self.checks, runner, kit, seed,
             launches_if_failed=lambda: 0 if steady() else 1,
             calls_if_failed=lambda failed: prober.planned_calls(*self._asked_of(failed)) if steady() else (),
         )  # fmt: skip
+        return hold_stale_answers(self.checks, findings, runner, prober.probes, self.contracts)
 
     def first_failed(
         self, source: bytes, programs: Programs, *, seed: int, checks: Sequence[Check] | None = None
     ) -> str | None:
-        """Return the id of the first check that a file fails, None at full marks, without shrinking or diagnosis.
+        """Return the id of the first of these checks (all by default) that a file fails, None where all pass.
 
-        `checks` are those of the exercise by default, else some of them, in any order.
+        Nothing is simplified or named.
         """
         kit = self.kit(stream(seed, "kit"))
         runner = Runner(programs, source, kit, budget=NO_SHRINKING)
@@ -282,8 +283,7 @@ class CodeGrader:
         return functions, {check.functions[0] for check in failed if len(check.functions) == 1}
 
     def _reenacted(self, named_ids: Sequence[str], blamed: Collection[str], runner: Runner, seed: int) -> Sequence[str]:
-        """Name, from the observations, the mistake of blamed functions without one, among misconceptions that are no
-        edit."""
+        """Name, from the observations, the mistake of blamed functions without one, if it is no edit of the model."""
         explained = {function for m in self.misconceptions if m.id in named_ids for function in m.functions}
         left = set() if set(named_ids) & SLIPS.keys() else set(blamed) - explained
         others = [k for k in self._explainer.reenactable() if left & set(self.misconceptions[k].functions)]

@@ -241,9 +241,8 @@ class Prober:
     ) -> Iterator[tuple[int, list[ProbeAnswer], str | None]]:
         """Yield the index of the probes, the answers to them of a fresh launch, and a slip.
 
-        The slip is MEMORY or CHANCE where the first call, repeated last, gets another answer. The program is then
-        launched once more with another seed and given the same calls: kept state makes the same answers, random
-        numbers do not.
+        The slip is MEMORY or CHANCE where the first call, repeated last, gets another answer, or answers are stale. The
+        program then gets the same calls with another seed: kept state makes the same answers, random numbers do not.
         """
         deadline = runner.clock() + MAX_PROBING_SECONDS
         chosen = self._select_probes(functions, alone)
@@ -256,6 +255,7 @@ class Prober:
             # Only a program that is known to keep nothing is piggybacked.
             if not any(differs) and not piggybacked and may_keep_state(runner.source):
                 differs = self._differ_in_reverse(runner, indices, results, deadline)
+            differs = [d or p.function in runner.stale for d, p in zip(differs, probes_of_kit, strict=False)]
             repeated: Sequence[list[ProbeAnswer]] = ()
             if any(differs):
                 repeated = probe_side_program(

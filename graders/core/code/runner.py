@@ -77,6 +77,7 @@ class Runner:
         self._deferred: list[Callable[[], Iterable[Observation]]] = []
         self.films: dict[str, FigureData] = {}
         self.failed: set[str] = set()
+        self.stale: frozenset[str] = frozenset()  # functions that give old answers to new calls
         self.stdout = ""
 
     @property

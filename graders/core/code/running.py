@@ -45,7 +45,7 @@ def run_checks(
             try:
                 runner.start(plan)
             except StudentFault as fault:
-                return [_finding(check, fault_rejection(fault, inputs=None)) for check in checks]
+                return [failed_finding(check, fault_rejection(fault, inputs=None)) for check in checks]
             runner.announce_launches(sum(check.launches for check in checks))
         for check, bench in zip(checks[begins:ends], benches[begins:ends], strict=True):
             results.append(_run_unshrunk(check, bench))
@@ -91,7 +91,7 @@ def _unless_alone(check: Check, finding: Finding, checks: Sequence[Check], findi
         return finding
     message = "Rien à reprocher ici, mais ces points ne comptent qu'à partir d'une autre vérification réussie."
     got = "aucune pour l'instant"
-    return _finding(
+    return failed_finding(
         check, Rejection(message, inputs={}, expected="une autre vérification réussie", got=got, neutral=True)
     )
 
@@ -123,16 +123,17 @@ def _finding_of_run(check: Check, run: Callable[[], None], bench: Bench) -> Find
         run()
     except Rejection as rejection:
         rejection.kit = bench.side_kit
-        return _finding(check, rejection)
+        return failed_finding(check, rejection)
     except StudentFault as fault:
         inputs = None
         if bench.last_call is not None:
             inputs = {f"argument {i + 1}": value for i, value in enumerate(bench.last_call[1])}
-        return _finding(check, fault_rejection(fault, inputs=inputs))
+        return failed_finding(check, fault_rejection(fault, inputs=inputs))
     return Finding(CheckResult(check.id, check.title, True, check.points, check.points, bench.measured))
 
 
-def _finding(check: Check, rejection: Rejection) -> Finding:
+def failed_finding(check: Check, rejection: Rejection) -> Finding:
+    """Return the finding of a check that this rejection fails."""
     counterexample = None
     if rejection.inputs is not None:
         inputs = {name: to_jsonable(value) for name, value in rejection.inputs.items()}

@@ -10,7 +10,7 @@ from __future__ import annotations
 import ast
 import builtins
 import math
-from collections.abc import Callable, Collection, Mapping
+from collections.abc import Callable, Collection, Iterator, Mapping
 from collections.abc import Set as AbstractSet
 from typing import Any
 
@@ -68,6 +68,9 @@ _ATTRIBUTES = frozenset(
 )
 #: Values that a program may change in place.
 _MUTABLE = (ast.List, ast.Dict, ast.Set, ast.ListComp, ast.DictComp, ast.SetComp, ast.Call)
+#: Makers of containers that are filled later; methods that write into one.
+_CONTAINERS = frozenset(("dict", "list", "set", "defaultdict", "OrderedDict", "Counter", "deque", "SimpleNamespace"))
+_WRITERS = frozenset(("append", "extend", "insert", "update", "setdefault", "add", "fill", "put", "__setitem__"))
 #: A keyword argument by which numpy leaves a part of its result uninitialised.
 _UNWRITTEN = "where"
 
@@ -115,10 +118,78 @@ def may_keep_state(source: bytes) -> bool:
     defaults = [default for function in functions for default in function.args.defaults]
     return (
         any(isinstance(node, ast.Global | ast.Nonlocal) for node in nodes)
-        or any(isinstance(value, _MUTABLE) for value in [*kept, *defaults])
+        or any(isinstance(part, _MUTABLE) for value in [*kept, *defaults] for part in _parts(value))
         or any(function.decorator_list for function in functions)
         or any(_sets_attribute(node, names) for node in nodes)
     )
+
+
+def may_change_state(source: bytes) -> bool:
+    """Whether the text of a program shows where a function may write what a later call reads.
+
+    As `may_keep_state`, but for constants: a filled container or an array of the top level counts only where it is
+    written to. An empty one, or one of a class or a function of the program, counts where it is read.
+    """
+    tree = parse_or_none(source[:MAX_SOURCE])
+    if tree is None or not may_keep_state(source):
+        return False
+    nodes = list(ast.walk(tree))
+    functions = [node for node in nodes if isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef)]
+    classes = {node.name for node in nodes if isinstance(node, ast.ClassDef)}
+    own = classes | {function.name for function in functions}
+    defaults = [default for function in functions for default in (*function.args.defaults, *function.args.kw_defaults)]
+    shared = {name: value for statement in tree.body for name, value in _assigned(statement)}
+    waiting = {name for name, value in shared.items() if value is None or _is_to_fill(value, own)}
+    inside = [node for function in functions for node in ast.walk(function)]
+    return (
+        any(isinstance(node, ast.Global | ast.Nonlocal) for node in nodes)
+        or any(isinstance(default, _MUTABLE) for default in defaults)
+        or any(function.decorator_list for function in functions)
+        or any(_sets_attribute(node, own) for node in nodes)
+        or any(isinstance(node, ast.Name) and node.id in waiting for node in inside)
+        or any(_written(node) in shared for node in inside)
+    )
+
+
+def _parts(value: ast.expr | None) -> list[ast.expr | None]:
+    """Return the values of a tuple, or a value alone."""
+    return [*value.elts] if isinstance(value, ast.Tuple) else [value]
+
+
+def _assigned(statement: ast.stmt) -> Iterator[tuple[str, ast.expr | None]]:
+    """Yield the names of a top-level assignment, each with its value, None where it cannot be told apart."""
+    if not isinstance(statement, ast.Assign | ast.AnnAssign):
+        return
+    for target in statement.targets if isinstance(statement, ast.Assign) else [statement.target]:
+        if isinstance(target, ast.Name):
+            yield target.id, statement.value
+        elif isinstance(target, ast.Tuple) and isinstance(statement.value, ast.Tuple):
+            pairs = zip(target.elts, statement.value.elts, strict=False)
+            yield from ((name.id, value) for name, value in pairs if isinstance(name, ast.Name))
+
+
+def _is_to_fill(value: ast.expr, own: Collection[str]) -> bool:
+    """Whether a value is an empty container, or is made by a class or a function that is not numpy's or math's."""
+    match value:
+        case ast.List(elts=items) | ast.Set(elts=items) | ast.Dict(keys=items):
+            return not items
+        case ast.Call(func=ast.Name(id=name)):
+            return name in own or name in _CONTAINERS
+        case ast.Call(func=ast.Attribute(attr=name)):
+            return name in _CONTAINERS
+    return False
+
+
+def _written(node: ast.AST) -> str | None:
+    """Return the name of what a node writes into: by an index, an augmented assignment or a method of containers."""
+    match node:
+        case ast.Subscript(value=ast.Name(id=name), ctx=ast.Store() | ast.Del()):
+            return name
+        case ast.AugAssign(target=ast.Name(id=name)):
+            return name
+        case ast.Call(func=ast.Attribute(value=ast.Name(id=name), attr=method)) if method in _WRITERS:
+            return name
+    return None
 
 
 def _may_be_read(statement: ast.Assign | ast.AnnAssign, read: AbstractSet[str]) -> bool:
