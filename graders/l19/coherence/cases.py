@@ -46,6 +46,8 @@ def bands(rng: np.random.Generator) -> Iterator[Arguments]:
     yield 2, 10, 0.99
     yield 3, 50, 0.8
     yield 4, 1, 0.5
+    yield 2, 10, 0.999
+    yield 1, 6, 0.05
     yield int(rng.integers(1, 5)), int(rng.integers(5, 80)), float(np.round(rng.uniform(0.6, 0.99), 2))
 
 
@@ -66,6 +68,12 @@ def runs_by_hand(rng: np.random.Generator) -> Iterator[Arguments]:
         np.array([[[2.0, 0.5], [0.5, 1.0]], [[1.0, 0.0], [0.0, 4.0]], [[0.5, 0.1], [0.1, 2.0]]]),
     )
     yield matrix((4, 0), (0, 5), (3, -2)), matrix((0, 0), (1, 1), (2, 1)), np.array([0.5 * np.eye(2)] * 3)
+    # One run alone, which the band judges too; then forty, between the ends of the band and those of the normal law.
+    yield matrix((4,)), matrix((1,)), np.array([[[1.0]]])
+    yield matrix((1.01,)), matrix((1,)), np.array([[[1.0]]])
+    alternating = np.resize((1.0, -1.0), (40, 1))
+    for mean in (1.46, 0.585):
+        yield np.round(mean**0.5 * alternating, 6), np.zeros((40, 1)), np.ones((40, 1, 1))
 
 
 def telling_runs(rng: np.random.Generator) -> Iterator[Arguments]:

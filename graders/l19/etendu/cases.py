@@ -21,6 +21,8 @@ def places_by_hand(rng: np.random.Generator) -> Iterator[Arguments]:
     yield vector(1, 0), vector(13, 5)
     yield vector(-2, 1), vector(-6, 4)
     yield vector(2, -3), vector(2, -1)
+    yield vector(0.36, 0.48), vector(0, 0)
+    yield vector(250, -100), vector(10, -30)
 
 
 def any_places(rng: np.random.Generator) -> Iterator[Arguments]:
@@ -47,6 +49,11 @@ def readings_by_hand(rng: np.random.Generator) -> Iterator[Arguments]:
     yield vector(1, 0), matrix((2, 1), (1, 3)), 11.0, vector(13, 5), 0.25
     yield vector(-2, 1), matrix((9, -2), (-2, 1)), 5.5, vector(-6, 4), 4.0
     yield vector(0, 2), matrix((1, 0.5), (0.5, 2)), 2.5, vector(3, -2), 0.5
+    # Far from what was believed, farther and nearer; a beacon that is close; a sensor that is worth little.
+    yield vector(4, 6), matrix((4, 1), (1, 3)), 20.0, vector(1, 2), 1.0
+    yield vector(4, 6), matrix((4, 1), (1, 3)), 0.25, vector(1, 2), 1.0
+    yield vector(0.36, 0.48), matrix((0.5, 0.1), (0.1, 0.25)), 1.5, vector(0, 0), 0.04
+    yield vector(-2, 1), matrix((9, -2), (-2, 1)), 6.5, vector(-6, 4), 40.0
 
 
 def any_readings(rng: np.random.Generator) -> Iterator[Arguments]:

@@ -19,6 +19,8 @@ def gains_by_hand(rng: np.random.Generator) -> Iterator[Arguments]:
     yield 2.0, 2.0
     yield 0.25, 2.25
     yield 6.25, 0.01
+    yield 1e-4, 2e-4
+    yield 3e-5, 4000.0
     for _ in range(4):
         v, r = np.round(rng.uniform(0.05, 8.0, 2), 2)
         yield float(v), float(r)
@@ -38,6 +40,8 @@ def opinions_by_hand(rng: np.random.Generator) -> Iterator[Arguments]:
     yield row(1.0, 5.0), row(3.0, 3.0)
     yield row(2.0, -1.0, 6.0), row(2.0, 4.0, 0.5)
     yield row(7.0), row(2.5)
+    yield row(1.0, 2.0), row(1e-4, 3e-4)
+    yield row(5000.0, -400.0), row(900.0, 1e4)
 
 
 def any_opinions(rng: np.random.Generator) -> Iterator[Arguments]:
@@ -51,6 +55,7 @@ def chains_by_hand(rng: np.random.Generator) -> Iterator[Arguments]:
     yield 10.0, 4.0, row(12.0, 11.0), row(1.0, 0.8)
     yield -2.0, 9.0, row(4.0), row(3.0)
     yield 0.0, 2.0, row(3.0, -1.0, 2.0, 5.0), row(6.0, 0.5, 2.0, 9.0)
+    yield 200.0, 1e-4, row(-300.0, 5.0, 7.0), row(2e-4, 900.0, 1e-5)
     yield 1.0, 3.0, row(2.0, 4.0, 7.0), row(1.5, 0.0, 2.0)
 
 

@@ -50,6 +50,14 @@ def readings_by_hand(rng: np.random.Generator) -> Iterator[Arguments]:
         matrix((1, 0.5), (0.5, 2)),
     )
     yield vector(2), matrix((3,)), vector(1, 4), matrix((1,), (2,)), matrix((1, 0), (0, 2))
+    # Two correlated numbers seen of one; three of three, and of four; a sensor far better than another one.
+    yield vector(2), matrix((3,)), vector(1, 4), matrix((1,), (2,)), matrix((1, 0.75), (0.75, 2))
+    three = matrix((2, 0.5, 0), (0.5, 1, 0.25), (0, 0.25, 3))
+    yield vector(1, -2, 3), matrix((2, 1, 0), (1, 3, 1), (0, 1, 4)), vector(2, 0, 5), \
+        matrix((1, 1, 0), (0, 2, -1), (1, 0, 1)), three  # fmt: skip
+    yield vector(1, -2, 3, 0.5), np.diag([2.0, 3.0, 4.0, 1.0]) + 0.5, vector(2, 0, 5), \
+        matrix((1, 1, 0, 2), (0, 2, -1, 0), (1, 0, 1, -1)), three  # fmt: skip
+    yield vector(1, 2), matrix((2, 1), (1, 3)), vector(4, 1), matrix((1, 1), (0, 1)), matrix((0.06, 0), (0, 900))
 
 
 def any_readings(rng: np.random.Generator) -> Iterator[Arguments]:

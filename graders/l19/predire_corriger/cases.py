@@ -25,6 +25,8 @@ def moves_by_hand(rng: np.random.Generator) -> Iterator[Arguments]:
 def any_moves(rng: np.random.Generator) -> Iterator[Arguments]:
     yield -7.25, 0.36, 2.5, 1.69
     yield 12.5, 6.25, -0.75, 0.04
+    yield -120.0, 1e-4, -75.0, 3e-4
+    yield 900.0, 400.0, -1500.0, 2500.0
     for _ in range(8):
         m, u = np.round(rng.uniform(-9.0, 9.0, 2), 2) + 0.0
         v, q = np.round(rng.uniform(0.05, 8.0, 2), 2)
@@ -45,6 +47,8 @@ def readings_by_hand(rng: np.random.Generator) -> Iterator[Arguments]:
 def any_readings(rng: np.random.Generator) -> Iterator[Arguments]:
     yield -4.5, 0.36, -3.25, 2.25
     yield 7.75, 5.29, 6.5, 0.09
+    yield -120.0, 1e-4, 95.0, 3e-4
+    yield 10.0, 900.0, -400.0, 1600.0
     for _ in range(8):
         m, z = _apart(rng)
         v, r = np.round(rng.uniform(0.05, 8.0, 2), 2)

@@ -95,6 +95,11 @@ def scans_by_hand(rng: np.random.Generator) -> Iterator[Arguments]:
     yield matrix((0, 3.25), (5, 0)), matrix((0, 0), (9, 0)), same
     yield matrix((0, 2.9), (9, 0)), matrix((0, 0), (9, 0)), same
     yield matrix((0, 2.9), (9, 0)), matrix((0, 0), (9, 0)), 0.25 * same
+    # As many measurements as landmarks, four, all of them in a gate; then one measurement more.
+    four = matrix((0, 0), (6, 0), (0, 6), (6, 6))
+    away = matrix((0.5, 0.25), (6.25, -0.75), (-0.75, 6), (6.5, 6.75))
+    yield away[::-1], four, np.array([np.eye(2)] * 4)
+    yield np.vstack([away, [[0.0, 1.5]]]), four, np.array([np.eye(2)] * 4)
 
 
 #: Measurements, landmarks, level and seed of scans in which every known mistake shows that can show at all: a test
@@ -178,6 +183,12 @@ def joint_by_hand(rng: np.random.Generator) -> Iterator[Arguments]:
     yield matrix((6, 0), (2, 0)), close, unequal, R
     row = matrix((0, 0), (2, 0), (4, 0))
     yield matrix((1, 0), (5.5, 0), (0, 0)), row, three + np.diag([0.0, 0.0, 4.0, 4.0, 9.0, 9.0]), R
+    # A sensor that errs along a slanted line; the last of five landmarks, and four measurements.
+    yield matrix((1.75, 1.75)), apart, np.zeros((4, 4)), matrix((0.5, 0.4), (0.4, 0.5))
+    yield matrix((1.75, -1.75)), apart, np.zeros((4, 4)), matrix((0.5, 0.4), (0.4, 0.5))
+    five = matrix((0, 0), (9, 0), (0, 9), (9, 9), (20, 0))
+    yield matrix((21, 0.1), (1.1, 9)), five, np.kron(np.ones((5, 5)), np.eye(2)), R
+    yield matrix((10, 9.1), (21.2, 0), (0.9, -0.2), (10.1, 0.3)), five, np.kron(np.ones((5, 5)), np.eye(2)), R
 
 
 #: As SCANS, for all measurements together.

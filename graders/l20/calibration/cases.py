@@ -76,6 +76,10 @@ def journeys_by_hand(rng: np.random.Generator) -> Iterator[Arguments]:
     curves = along((1, 0), (1, 0.5), (2, -0.5), (0, 1))
     for constants in ROBOTS:
         yield curves, right_steps(curves, *constants)
+    # A step counted ahead that went back; steps from which the two constants are hard, but possible, to tell apart.
+    yield along((1, 0.5), (0.5, -0.5), (2, 0)), along((-0.75, 0.5), (0.5, -0.75), (1.5, 0.25))
+    yield along((1, 0.1), (1.1, 0.1), (0.9, 0.11)), along((0.9, 0.2), (1.2, 0.15), (1, 0.3))
+    yield along((20, 0.1), (15, -0.08), (25, 0.05)), along((21, 0.2), (15.5, 0.05), (24, 0.2))
 
 
 def slipping_journeys(rng: np.random.Generator) -> Iterator[Arguments]:
@@ -112,6 +116,7 @@ def corrections_by_hand(rng: np.random.Generator) -> Iterator[Arguments]:
         yield steps, 1.0, 1.0, 0.25
     yield matrix((0, 1, 0)), 1.0, 1.0, 0.5
     yield matrix((1, 0.5, 0)), 0.8, 1.0, 0.3
+    yield along((1, 0.9), (-0.5, -1.1)), 1.25, 2.5, 0.25
 
 
 def any_corrections(rng: np.random.Generator) -> Iterator[Arguments]:

@@ -45,6 +45,11 @@ def examples(rng: np.random.Generator) -> Iterator[Arguments]:
     six = np.vstack([five, [5.0, 2.0, -1.0]])
     yield six, [edge(0, 1, (1, 1, 0)), edge(3, 2, (1, 0, 1)), edge(4, 5, (1, 2, 0), 2.0, 5.0)]
     yield rows(*((4 * k, 0, 0) for k in range(8))), [edge(k, k + 1, (4, 0, 0)) for k in range(7)]
+    # All weights tiny, or huge: only what is null beside the largest counts. Then weights that differ by a thousand.
+    for scale in (1e-7, 1e7):
+        yield square, [(i, j, z, scale * omega) for i, j, z, omega in steps]
+        yield square, [(i, j, z, scale * omega) for i, j, z, omega in (steps[0], steps[2])]
+    yield square, [steps[0], (*steps[1][:3], 2e-3 * steps[1][3]), steps[2]]
 
 
 def drawn(rng: np.random.Generator) -> Iterator[Arguments]:

@@ -48,6 +48,9 @@ def walls_by_hand(rng: np.random.Generator) -> Iterator[Arguments]:
     yield (matrix((0, 0), (3, 4), (6, 8)),)
     yield (matrix((0, 0), (1, 0), (2, 0), (2, 1), (2, 2)),)
     yield (matrix((0, 0), (1, 0), (2, 1)),)
+    # Points a centimetre apart; a contour whose end comes back near its beginning.
+    yield (matrix((0, 0), (0.01, 0), (0.02, 0.01), (0.03, 0.03)),)
+    yield (matrix((0, 0), (1, 0), (2, 0), (2, 1), (2, 2), (1, 2), (0, 2), (0, 1), (0.1, 0.2)),)
 
 
 def any_walls(rng: np.random.Generator) -> Iterator[Arguments]:
@@ -62,7 +65,7 @@ def is_wall(args: Arguments) -> bool:
     """Has it three points, and is no chord short?"""
     Q = args[0]
     chords = np.vstack([Q[1:], Q[-1:]]) - np.vstack([Q[:1], Q[:-1]])
-    return len(Q) >= 3 and float(np.linalg.norm(chords, axis=1).min()) > 0.05
+    return len(Q) >= 3 and float(np.linalg.norm(chords, axis=1).min()) > 0.005
 
 
 def pairs_by_hand(rng: np.random.Generator) -> Iterator[Arguments]:
@@ -126,6 +129,7 @@ def matrices_at_a_threshold(rng: np.random.Generator) -> Iterator[Arguments]:
             yield drawn_matrix(source, strengths), threshold
     A = drawn_matrix(np.random.default_rng(TELLING), (0.002, 0.03, 0.8))
     yield from ((A, threshold) for threshold in (0.1, 0.0005))
+    yield drawn_matrix(np.random.default_rng(TELLING), (0.9, 1.5, 4.5)), 2.5
 
 
 def drawn_matrix(rng: np.random.Generator, strengths: tuple[float, float, float]) -> Floats:

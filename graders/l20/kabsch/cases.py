@@ -192,6 +192,9 @@ def _flat_clouds(rng: np.random.Generator) -> Iterator[tuple[Floats, Floats]]:
     """Two points of the plane, points of a line of the plane or of a plane in space, the same cloud twice."""
     x, y = rng.integers(1, 5, 2)
     yield points((0, 0), (2, 0)), points((x, 1), (x, 3))
+    yield points((0, 0), (1, 1)), points((3, 2), (2, 1))
+    yield points((1, 2), (2, 4)), points((x, y), (x - 2, y + 1))
+    yield points((-1, 2), (2, 1)), points((x, y), (x - 3, y + 1))
     yield points((0, 0), (1, 1), (3, 3)), points((x, y), (x + 1, y - 1), (x + 3, y - 3))
     flat = points((0, 0, 0), (3, 0, 0), (0, 2, 0), (1, 1, 0))
     for R in (ABOUT_Z, AXES_IN_TURN, random_rotation(rng, 3), random_rotation(rng, 3)):

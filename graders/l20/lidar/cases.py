@@ -67,6 +67,15 @@ TALL = plan("""
 .....
 .....
 """)
+#: Open on all sides, by a part of each: there too, the cells across are free.
+NOTCHED = plan("""
+..#......
+.........
+#...#....
+........#
+.........
+......#..
+""")
 #: Rays (x, y, angle) that cut a corner of a wall of `ROOM`, and go through it for a fifth or two fifths of a cell.
 CUT = ((1.2, 3.94, -QUARTER / 2), (1.2, 4.08, -QUARTER / 2), (5.3, 2.18, QUARTER / 2))
 #: Rays that meet their first wall so squarely that steps of half a cell do not jump it.
@@ -76,6 +85,8 @@ NEAR_WALLS = (
 )  # fmt: skip
 #: A corridor longer than any range that is asked, and than the kit's map is wide.
 CORRIDOR = np.pad(np.ones((2, 30), dtype=bool), 1)
+#: A hall without a wall: across it, as many lines of the grid are met as can be.
+HALL = np.ones((9, 10), dtype=bool)
 
 
 def distance(libres: Grid, x: float, y: float, angle: float, portee_max: float) -> float:
@@ -186,11 +197,15 @@ def within_range(rng: Rng) -> Iterator[Arguments]:
 
 
 def over_the_edge(rng: Rng) -> Iterator[Arguments]:
-    """Out of maps that no wall surrounds, by their four sides, straight and slanted."""
+    """Out of maps that no wall surrounds, by their four sides, straight and slanted, then across all lines of one."""
     for libres, x, y in ((WIDE, 4.3, 3.6), (TALL, 1.6, 4.3), (WIDE, 7.8, 1.3)):
         for angle in (0.0, QUARTER, math.pi, -QUARTER, 0.35, 1.3, 1.9, 2.75, -0.45, -1.25, -1.85, -2.6):
             if judged((libres, x, y, angle, 12.0)):
                 yield libres, x, y, angle, 12.0
+    for angle in (0.0, QUARTER, math.pi, -QUARTER, 1.3, -1.85):
+        yield NOTCHED, 3.4, 4.3, angle, 12.0
+    yield HALL, 0.9, 0.9, math.atan2(8.1, 8.25), 12.0
+    yield HALL, 9.1, 8.1, math.atan2(-8.1, -8.25), 12.0
     for source in telling_then(rng):
         for libres in (WIDE, TALL, WIDE):
             yield _drawn(source, libres, 12.0)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -12,6 +14,11 @@ from graders.l20 import journeys, world
 from graders.l20.mcl.answers import SEED, seeded
 from graders.l20.mcl.scenes import SMALL
 from graders.l20.mcl.telling import number, observed, thin
+
+#: A map with fewer free cells is sown to the last one: 2000 draws miss one of fifty with a probability below 1e-15.
+FEW_CELLS = 51
+#: Of a cell, and of a turn in radians: what 2000 uniform draws never leave empty (1e-45, 1e-25).
+EDGE, GAP = 0.05, 0.2
 
 
 @observed(SEED)
@@ -39,19 +46,26 @@ def _sown_well(bench: Bench, free: NDArray[np.bool_]) -> None:
             free, cloud, "des particules sur les cases libres seulement",
         )  # fmt: skip
     reached = len(set(zip(row.tolist(), column.tolist(), strict=True)))
-    if reached < 0.8 * np.count_nonzero(free):
+    if reached < (1.0 if np.count_nonzero(free) < FEW_CELLS else 0.8) * np.count_nonzero(free):
         raise _badly_sown(
             f"Sur {np.count_nonzero(free)} cases libres, {n} particules n'en atteignent que {reached}.",
             free, cloud, "des particules sur toutes les cases libres",
         )  # fmt: skip
     for name, place in (("x", x - column), ("y", y - row)):
-        if place.std() < 0.15:
+        if place.min() > EDGE or place.max() < 1.0 - EDGE or place.std() < 0.15:
             raise _badly_sown(
-                f"Dans leurs cases, les particules sont toutes à la même place selon {name} : "
-                f"{number(place.mean())} en "
-                "moyenne. Le robot peut être n'importe où dans sa case.",
+                f"Dans leurs cases, les particules vont selon {name} de {number(place.min())} à {number(place.max())} "
+                "seulement. Le robot peut être n'importe où dans sa case, de 0 à 1.",
                 free, cloud, "une place tirée au hasard dans la case",
             )  # fmt: skip
+    turned = np.sort(np.mod(heading, math.tau))
+    gaps = np.diff(turned, append=turned[0] + math.tau)
+    if gaps.max() > GAP:
+        raise _badly_sown(
+            f"Les caps ne couvrent pas tout le tour : aucun n'est entre {number(turned[np.argmax(gaps)])} et "
+            f"{number(turned[np.argmax(gaps)] + gaps.max())} rad, à un tour près.",
+            free, cloud, "des caps uniformes sur un tour complet",
+        )  # fmt: skip
     lean = abs(np.exp(1j * heading).mean())
     if lean > 0.2:
         raise _badly_sown(

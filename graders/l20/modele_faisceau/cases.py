@@ -111,6 +111,9 @@ def scans(rng: Rng) -> Iterator[Arguments]:
     yield reading([10.0], [10.0], 0.2, 10.0, USUAL, 0.5)
     yield reading([9.5], [10.0], 0.2, 10.0, USUAL, 0.5)
     yield reading([2.0, 5.2, 10.0, 7.0], [5.0, 5.0, 5.0, 10.0], 0.2, 10.0, USUAL, 0.5)
+    # A lidar that often meets something unexpected, near it.
+    expected = np.linspace(1.0, 8.0, 36)
+    yield reading(expected / 2.0, expected, 0.2, 12.0, (0.5, 0.4, 0.05, 0.05), 6.0)
     for source in telling_then(rng):
         for n in (7, 36):
             yield _scan(source, n, *_settings(source))

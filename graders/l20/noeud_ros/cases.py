@@ -41,6 +41,8 @@ def examples(rng: Rng) -> Iterator[Scene]:
             phase(beams(36, {15: 0.28}), "un obstacle à 0,28 m, devant"),
             phase(beams(36, {15: 0.32}), "un obstacle à 0,32 m, devant"),
             phase(beams(36, {20: 0.27}), "un obstacle à 0,27 m, devant"),
+            phase(beams(36, {20: 0.297}), "un obstacle à 0,297 m, devant"),
+            phase(beams(36, {20: 0.303}), "un obstacle à 0,303 m, devant"),
             phase(beams(36, {0: 0.2, 35: 0.2}), "un obstacle à 0,2 m, aux deux bouts du scan"),
             phase(beams(36, dict.fromkeys(range(10, 26), 0.25)), "un mur à 0,25 m devant"),
             phase(beams(36), "rien à moins de 5 m"),
@@ -71,7 +73,7 @@ def _metres(distance: float) -> str:
 def windows(rng: Rng) -> Iterator[Scene]:
     """Scans of several sizes, even and odd, with one near beam just inside the window, or just outside."""
     phases = []
-    for count in (36, 360, 181, 45, 90):
+    for count in (36, 360, 181, 45, 90, 26, 720):
         middle = count // 2
         for beam in (middle - HALF + MARGIN, middle - HALF - MARGIN - 1, middle + HALF - MARGIN - 1, middle + HALF + 2):
             where = "dans" if abs(beam + 0.5 - middle) < HALF else "hors de"
@@ -111,6 +113,14 @@ def readings(rng: Rng) -> Iterator[Scene]:
             phase(beams(37, {16: 0.88, 20: 0.82, 12: NAN}, far=INF), "deux lectures au-delà de range_max", **short),
         ],
         launched=0.9,
+    )
+    far = {"distance": 2.5}
+    yield Scene(
+        [
+            phase(beams(36, {18: 2.4}), "un obstacle à 2,4 m, alors que distance_min vaut 2,5 m", **far),
+            phase(beams(36, {18: 2.6}), "un obstacle à 2,6 m, alors que distance_min vaut 2,5 m", **far),
+        ],
+        launched=2.5,
     )
     yield Scene(list(one_sided()))
     ranges = np.where(rng.random(72) < 0.25, NAN, np.round(rng.uniform(1.0, 6.0, 72), 2))

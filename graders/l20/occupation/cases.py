@@ -69,6 +69,8 @@ def aslant(rng: Rng) -> Iterator[Integration]:
     yield one_ray(at(7.5, 4.5, slope - math.pi), 4.375)
     yield one_ray(at(1.5, 0.25, QUARTER - slope / 2.0), 2.5)
     yield one_ray(at(0.5, 1.2, slope), 4.375)
+    yield one_ray(at(7.5, 4.25, -3.1), 6.5 / math.cos(math.pi - 3.1))
+    yield one_ray(at(7.5, 0.75, 3.1), 6.5 / math.cos(math.pi - 3.1))
     for source, count in ((np.random.default_rng(TELLING), 8), (rng, 3)):
         for _ in range(count):
             yield _up_to_a_face(source, FAR)
@@ -98,6 +100,7 @@ def at_the_range(rng: Rng) -> Iterator[Integration]:
     yield one_ray(at(0.5, 2.5, 0.0), 5.5, 6.0)
     yield one_ray(at(0.5, 1.5, 0.0), 4.5, FAR)
     yield one_ray(at(0.5, 4.5, -math.atan2(3.0, 4.0)), 5.0, 5.0)
+    yield one_ray(at(1.5, 3.5, 0.0), 5.25, 2.0)
     for _ in range(2):
         y, portee_max = int(rng.integers(5)), float(rng.integers(2, 6))
         yield one_ray(at(1.5, y + 0.5, 0.0), portee_max, portee_max)

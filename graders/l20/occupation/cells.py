@@ -28,12 +28,14 @@ FACE = 0.02
 
 @dataclass(frozen=True, eq=False)
 class Told:
-    """Masks (H, W). `either`: the cell in which a ray reads its end; a cell in none of the masks is not judged."""
+    """Masks (H, W). `either`: the cell in which a ray reads its end; `never`: those in which none can stop, which must
+    not rise, judged or not otherwise; a cell in none of the masks is not judged."""
 
     crossed: Mask
     stopped: Mask
     either: Mask
     untouched: Mask
+    never: Mask
 
 
 def told(shape: tuple[int, ...], pose: Floats, scan: Floats, portee_max: float) -> Told:
@@ -61,6 +63,7 @@ def told(shape: tuple[int, ...], pose: Floats, scan: Floats, portee_max: float) 
         stopped=judged & at_face.any(axis=0) & ~(crossed | grazed | doubtful).any(axis=0),
         either=judged & inside.any(axis=0) & (len(scan) == 1),
         untouched=judged & ~(may_cross | may_stop).any(axis=0),
+        never=judged & ~may_stop.any(axis=0),
     )
 
 

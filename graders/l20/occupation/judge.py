@@ -80,6 +80,7 @@ def exactly(case: Integration, grid: Floats) -> Wrong | None:
         (seen.either & ~between, "le rayon s’y arrête"),
         (seen.crossed, "le rayon la traverse"),
         (seen.untouched, "le rayon ne la rencontre pas"),
+        (seen.never & (grid > case.l + TOLERANCE), "le rayon ne s’y arrête pas"),
     ):
         cell = _worst(mask & far, np.abs(grid - wanted))
         if cell is not None:

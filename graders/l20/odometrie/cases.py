@@ -71,6 +71,8 @@ def any_steps(rng: np.random.Generator) -> Iterator[Arguments]:
     yield pose(2.5, 0.75, 0.4), -0.52, -0.88, 0.7
     yield pose(-1.75, -0.5, 2.6), -0.71, -0.64, 0.35
     yield pose(0.25, 3.5, -2.1), 0.44, -0.16, 0.8
+    yield pose(-1.5, 2.25, -1.4), -0.2, 1.2, 0.5
+    yield pose(300.0, -250.0, 1.4), 1.2, -0.2, 0.5
     for _ in range(10):
         yield _step(rng, digits=2)
 
@@ -129,6 +131,7 @@ def any_spreads(rng: np.random.Generator) -> Iterator[Arguments]:
     yield 0.17, 0.08, 1.6
     yield 0.0, 0.02, 0.45
     yield 0.25, 0.25, 0.31
+    yield 0.002, 0.003, 0.05
     for _ in range(6):
         left, right = rng.uniform(0.001, 0.4, 2)
         yield round(float(left), 3), round(float(right), 3), round(float(rng.uniform(0.2, 2.5)), 2)

@@ -91,6 +91,7 @@ def paths_to_price(rng: np.random.Generator) -> Iterator[Arguments]:
     yield [(0, 0), (0, 1), (1, 2), (2, 2), (2, 3)], hill
     yield [(2, 0), (2, 1), (2, 2), (2, 1)], hill
     yield [(2, 3), (1, 3), (0, 2)], hill
+    yield [(0, 0), (1, 1), (1, 2)], np.array([[0.0, 0.0, 0.0], [0.0, 400.0, 90.0]])
     for length in (4, 9):
         costs = np.round(rng.uniform(0.0, 6.0, (6, 7)), 1)
         yield _walk(rng, costs, length), costs

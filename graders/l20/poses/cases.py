@@ -42,11 +42,14 @@ WRAPPING = by_hand(
     )
 )
 SENSES = by_hand(((1,), (-1,), (1,), (-1,)))
-SINGLE = by_hand(((1, 0, QUARTER), (0, 0, 0), (1, 2, 0), (0, 0, QUARTER), (2, 1, -QUARTER), (1, 2, math.pi)))
+SINGLE = by_hand(
+    ((1, 0, QUARTER), (0, 0, 0), (1, 2, 0), (0, 0, QUARTER), (2, 1, -QUARTER), (1, 2, math.pi), (2, 1, -3.12))
+)
 NEAR = by_hand(
     (
         ((1, 2, QUARTER), (1, 3, QUARTER)),
         ((1, 2, 0), (1, 2, 0)),
+        ((1, 2, QUARTER), (1, 2, QUARTER)),
         ((1, 2, 0), (3, 5, QUARTER)),
         ((2, 1, -QUARTER), (0, 1, 0)),
         ((2, 1, -QUARTER), (0, 1, QUARTER)),

@@ -160,6 +160,10 @@ def doubts(rng: Rng, grid: GridWorld) -> Iterator[Arguments]:
     yield one_hot(shape, (1, 1), (1, 2)), grid.scans[1, 1], 0.5
     yield one_hot(shape, (1, 1), (1, 2)), grid.scans[1, 1], 1.0
     yield one_hot(shape, *ALIKE), grid.scans[ALIKE[0]], 0.5
+    away = max(
+        map(tuple, np.argwhere(grid.free)), key=lambda cell: float(np.sum((grid.scans[cell] - grid.scans[1, 1]) ** 2))
+    )
+    yield one_hot(shape, (1, 1), (int(away[0]), int(away[1]))), grid.scans[1, 1], 5.0
     yield grid.uniform(), grid.scans[FAR_FROM_OTHERS], 0.4
     for sigma in (1.5, 1.0, 0.5):
         cell = pick(rng, grid.free)

@@ -87,7 +87,7 @@ def bias_scenarios(rng: np.random.Generator) -> Iterator[Scenario]:
     In the first one N w = (0.12, 1.88, 1.8, 0.2): a draw that never comes near 0, or near 1, shows at either end. In
     the second one most particles have a small chance of a copy beside one that is nearly sure of it.
     """
-    yield scenario(rng, (0.03, 0.47, 0.45, 0.05), calls=250)
+    yield scenario(rng, (0.03, 0.47, 0.45, 0.05), calls=900)
     yield scenario(rng, (0.02, 0.02, 0.02, 0.49875, 0.02, 0.02, 0.02, 0.38125), d=2, calls=150)
 
 

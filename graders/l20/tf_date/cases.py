@@ -113,6 +113,12 @@ SHUFFLED: list[Message] = [
     dated("odom", "base", 1.0, 0, 0, 0),
     dated("odom", "base", 2.0, 1, 0, 0.5),
 ]
+LIKE_NAMED: list[Message] = [
+    fixed("base", "base_laser", 1, 0, 0.5),
+    fixed("map", "base", 2, 1, QUARTER),
+    fixed("base", "bas", 0, 3, 1),
+]
+CHAIN: list[Message] = [fixed(parent, child, 1, 0.5, 0.25) for parent, child in pairwise("abcdefg")]
 #: A camera that is silent, an arm that has not begun: none of them on the way from the laser.
 SILENT: list[Message] = [
     dated("odom", "base", 5.0, 0, 0, 1),
@@ -136,6 +142,11 @@ def chains(rng: np.random.Generator) -> Iterator[Arguments]:
     yield SHUFFLED, "odom", "base", 1.5
     yield SHUFFLED, "odom", "base", 2.5
     yield SILENT, "odom", "laser", 5.5
+    # Dates whose texts are in another order; names that begin alike; six links.
+    yield [dated("odom", "base", t, x, 0, 0) for t, x in ((9.0, 1), (10.0, 3), (11.0, 4))], "odom", "base", 9.5
+    yield LIKE_NAMED, "map", "base", 3.0
+    yield LIKE_NAMED, "map", "base_laser", 3.0
+    yield CHAIN, "a", "g", 0.0
     for source, count in ((np.random.default_rng(TELLING), 3), (rng, 3)):
         yield from (_lookup(source) for _ in range(count))
 

@@ -227,18 +227,22 @@ OPEN = (
 )
 #: Where the ray ends that has seen nothing: no wall.
 NO_WALL = ((4, 18), (4, 6))
+OPEN_NEAR = ((4, 4), (4, 10), (5, 2), (3, 2), (2, 2))
 BOTH_OCCUPIED, BOTH_OPEN = OCCUPIED[0] + OCCUPIED[1], OPEN[0] + OPEN[1]
 MAPS: tuple[Arguments, ...] = (
     (PLACES[:1], TWICE[:1], SHAPE, CORNER, SIDE),
     (PLACES[1:], TWICE[:1], SHAPE, CORNER, SIDE),
     (PLACES, TWICE, SHAPE, CORNER, SIDE),
+    # Another lidar, whose range is given: six metres read on it are nothing seen.
+    (PLACES[:1], np.array([[6.0, *SCAN[1:]]]), SHAPE, CORNER, SIDE, 6.0),
 )
 
 
 def maps(bench: Bench) -> None:
-    """One scan of four rays on a small grid, then two."""
-    ends = (NO_WALL[:1], NO_WALL[1:], NO_WALL)
-    for args, occupied, free, empty in zip(MAPS, (*OCCUPIED, BOTH_OCCUPIED), (*OPEN, BOTH_OPEN), ends, strict=True):
+    """One scan of four rays on a small grid, then two; then one of a shorter range."""
+    ends = (NO_WALL[:1], NO_WALL[1:], NO_WALL, ((4, 14),))
+    occupied_cells, open_cells = (*OCCUPIED, BOTH_OCCUPIED, OCCUPIED[0]), (*OPEN, BOTH_OPEN, OPEN_NEAR)
+    for args, occupied, free, empty in zip(MAPS, occupied_cells, open_cells, ends, strict=True):
         try:
             got = read_array(bench.call("carte", *args))
         except UnreadableError as error:
@@ -254,6 +258,7 @@ def _misdrawn(args: Arguments, got: Floats, wishes: Mapping[Cell, str], wrong: S
     """What is said of a map of another shape, or else of its first wrong cell."""
     poses, scans = args[0], args[1]
     inputs = {"poses": poses, "scans": scans, "forme": list(SHAPE), "origine": CORNER, "cote": SIDE}
+    inputs |= {"portee": args[5]} if len(args) > 5 else {}
     if not wrong:
         return Rejection(
             f"carte doit renvoyer un tableau de forme {SHAPE}, sans nan ni infini.", inputs=inputs,
@@ -268,7 +273,7 @@ def _misdrawn(args: Arguments, got: Floats, wishes: Mapping[Cell, str], wrong: S
         inputs=inputs,
         expected=f"{wishes[cell]} dans la case {cell}",
         got=f"{_decimal(float(got[cell]))} dans la case {cell}",
-        figure=pictures.small_map_figure(poses, scans, CORNER, SIDE, float(SCAN.max()), got, cell),
+        figure=pictures.small_map_figure(poses, scans, CORNER, SIDE, float(scans.max()), got, cell),
     )
 
 
