@@ -329,7 +329,7 @@ def _nearness(series: Series) -> Iterator[str]:
     worst = max(errors)
     if np.isfinite(worst) and 0.0 < worst < NEARLY and len(errors) > MIN_WRONG:
         percent = number(float(f"{100.0 * worst:.1g}"))
-        yield f"n’est juste qu’à peu près : à {percent} % de la plus grande valeur attendue"
+        yield f"n’est juste qu’à peu près : dans ces appels, à {percent} % de la plus grande valeur attendue"
 
 
 #: The relations, the most telling first.

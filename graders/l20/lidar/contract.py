@@ -39,7 +39,9 @@ CONTRACTS = (
             Boundary("un coin de mur coupé de peu", stops_beside_a_corner),
             Boundary("une carte sans murs au bord", lambda g, x, y, a, p: bool(g[0].any())),
             Boundary("un rayon qui passe à moins de 0,06 case d’un coin", free="il n’est pas demandé"),
-            Boundary("un départ dans un mur, ou sur une ligne de la grille", free="il n’est pas demandé"),
+            Boundary(
+                "un départ dans un mur, ou à moins de 0,06 case d’une ligne de la grille", free="il n’est pas demandé"
+            ),
         ),
     ),
 )

@@ -47,7 +47,7 @@ def told(got: list[Floats], right: list[Floats], calls: list[tuple[object, ...]]
         (lambda x: np.roll(x, 1), "a les bonnes valeurs, dans un autre ordre"),
         (lambda x: np.concatenate([[7.0], x[:-1]]), "décalées d’un rang : la première est de trop"),
         (lambda x: 0.0 * x + 1.0, "est la même valeur dans les 3 essais"),
-        (lambda x: x * [1.0, 1.01, 0.99], "n’est juste qu’à peu près : à 1 %"),
+        (lambda x: x * [1.0, 1.01, 0.99], "n’est juste qu’à peu près : dans ces appels, à 1 %"),
         (lambda x: x * [1.0, 3.0, -4.0], "commence bien : sa première valeur est juste, et plus aucune ensuite"),
         (lambda x: x * [1.0, 1.0, -4.0], "n’est faux qu’à sa dernière valeur"),
     ],
