@@ -74,6 +74,9 @@ def runs_by_hand(rng: np.random.Generator) -> Iterator[Arguments]:
     alternating = np.resize((1.0, -1.0), (40, 1))
     for mean in (1.46, 0.585):
         yield np.round(mean**0.5 * alternating, 6), np.zeros((40, 1)), np.ones((40, 1, 1))
+    # A hundred, of which the last ones make the filter too sure of itself.
+    grown = np.resize((1.0, -1.0), (100, 1)) * np.where(np.arange(100) < 60, 1.0, 2.0)[:, None]
+    yield grown, np.zeros((100, 1)), np.ones((100, 1, 1))
 
 
 def telling_runs(rng: np.random.Generator) -> Iterator[Arguments]:

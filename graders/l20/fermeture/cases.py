@@ -123,6 +123,7 @@ def closures_by_hand(rng: np.random.Generator) -> Iterator[Arguments]:
     yield here, there, pose(-1, 0, 0), known, np.eye(3)
     yield here, there, pose(-2, 0, 0), both, np.eye(3)
     yield here, there, pose(1, 0, 0), known, np.diag([9.0, 4.0, 1.0])
+    yield here, there, pose(60, 0, 0), known, np.eye(3)
     yield here, there, pose(1, -1, 0), known, matrix((2, 1, 0), (1, 3, 0), (0, 0, 4))
     sigma = np.zeros((6, 6))
     sigma[3:, 3:] = matrix((0.01, 0, 0), (0, 1.01, 0.1), (0, 0.1, 0.01))

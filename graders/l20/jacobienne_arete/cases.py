@@ -83,6 +83,7 @@ def contributions_by_hand(rng: np.random.Generator) -> Iterator[Arguments]:
     yield pose(0, 0, 0), pose(2, 1, 0), pose(1.5, 0, 0), np.diag([2.0, 2.0, 5.0])
     yield pose(1, 2, QUARTER), pose(1, 4, 0), pose(1, 0, -1), matrix((2, 1, 0), (1, 3, 0), (0, 0, 4))
     yield pose(0, 0, 0), pose(1, 0, 0), pose(1, 0, 0), np.diag([1.0, 4.0, 9.0])
+    yield pose(1, 2, QUARTER), pose(1, 4, 0), pose(1, 0, -1), matrix((400, 100, 0), (100, 300, 50), (0, 50, 900))
 
 
 def any_contributions(rng: np.random.Generator) -> Iterator[Arguments]:

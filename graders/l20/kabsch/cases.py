@@ -202,3 +202,7 @@ def _flat_clouds(rng: np.random.Generator) -> Iterator[tuple[Floats, Floats]]:
     for d in (2, 3):
         same = random_cloud(rng, 5, d)
         yield same, same.copy()
+    for d in (2, 3):  # many points, no two halves of which say the same
+        many = random_cloud(rng, 40, d)
+        image = moved(many, random_rotation(rng, d), rng.uniform(-5.0, 5.0, d))[1]
+        yield many, np.round(image + 0.4 * rng.normal(size=image.shape) * np.linspace(0.0, 2.0, 40)[:, None], 1) + 0.0

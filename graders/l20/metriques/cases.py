@@ -157,7 +157,7 @@ def single_steps(rng: np.random.Generator) -> Iterator[Arguments]:
     yield STRETCHED, AHEAD, 1
     yield RECTANGLE, SQUARE, 1
     yield seen_from((1, -2, -QUARTER), BENT), CORNER, 1
-    for pair in walks(rng, (4, 6, 8), 4):
+    for pair in walks(rng, (4, 6, 8, 60), 4):
         yield (*pair, 1)
 
 

@@ -67,6 +67,9 @@ def dates_inside(rng: np.random.Generator) -> Iterator[Arguments]:
     yield np.array([0.0, 1.0, 5.0]), three, 2.0
     yield np.array([0.0, 1.0, 5.0]), three, 0.25
     yield np.array([-2.0, -1.0]), np.array([[1.0, 1, 3], [1, 2, -3]]), -1.5
+    many = np.arange(20.0)
+    yield many, np.column_stack([many**2, -many, 0.1 * many]), 17.5
+    yield many, np.column_stack([many**2, -many, 0.1 * many]), 19.0
     for source, count in ((np.random.default_rng(TELLING), 3), (rng, 4)):
         for _ in range(count):
             dates, poses = _history(source, int(source.integers(3, 7)))
