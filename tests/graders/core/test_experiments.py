@@ -309,7 +309,7 @@ def test_of_a_map_that_stays_empty_it_is_told() -> None:
         grader.solution + "\n\ndef carte(poses, scans, forme, origine, cote, portee=8.0):\n    return np.zeros(forme)\n"
     )
     (fact,) = Experimenter(grader, LOCAL, 3, lambda: False).find_facts(source, ("carte",))
-    assert fact.title == "Le résultat de carte est la même valeur dans les 3 essais"
+    assert fact.title == "Le résultat de carte est la même valeur dans les 4 essais"
 
 
 def test_one_right_answer_of_several_is_told_as_an_example() -> None:
