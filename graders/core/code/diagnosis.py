@@ -27,12 +27,12 @@ EXPLAINS, FAILS_TOO = "Cela explique", "Autre vérification qui échoue"
 OTHERS_FAIL = "Autres vérifications qui échouent"
 #: Said of a mistake that shows only where the other functions are right.
 _HIDDEN = "se voit avec les autres fonctions justes"
-#: Said of a mistake on its ground, and of several on answers that are those of all of them.
-_GROUND_WORDS = {
-    Ground.RESEMBLANCE: "Votre fonction répond comme avec cette erreur ; d'autres donneraient cela aussi.",
-    Ground.ANSWERS: "Vos réponses sont celles que donne cette erreur.",
-}
-_TOGETHER = "Vos réponses sont celles que donnent ces erreurs."
+#: Begin of what is said of answers, by some explanations themselves.
+_ANSWERS_ARE = "Vos réponses sont celles"
+#: Said of a mistake that others resemble; of answers that are those of a mistake, or of several.
+_RESEMBLES = "Votre fonction répond comme avec cette erreur ; d'autres donneraient cela aussi."
+_ALIKE = f"{_ANSWERS_ARE} que donne cette erreur."
+_TOGETHER = f"{_ANSWERS_ARE} que donnent ces erreurs."
 
 
 @dataclass(frozen=True)
@@ -132,7 +132,7 @@ def combine_diagnoses(
     named: dict[str, Misconception | Slip] = {**SLIPS, **{mistake.id: mistake for mistake in misconceptions}}
     together: list[Misconception | Slip] = [*(named[mistake] for mistake in ids), *facts]
     is_alone = len(together) == 1 and explains_all
-    by_answers = [m.id for m in together if grounds.get(m.id) is Ground.ANSWERS]
+    by_answers = [m.id for m in together if grounds.get(m.id) is Ground.ANSWERS and _ANSWERS_ARE not in m.explanation]
     paragraphs: list[str] = []
     for mistake in together:
         explanation = mistake.explanation if is_alone else _beside_others(mistake)
@@ -142,10 +142,10 @@ def combine_diagnoses(
         if paragraphs:
             other = f"Autre erreur{f', qui {_HIDDEN}' if is_hidden else ''}{', peut-être' if is_likely else ''}"
             begin = f"{other} : {lowercase_title(mistake.title)}. "
-        if len(by_answers) < 2 or mistake.id not in by_answers:
-            begin += f"{_GROUND_WORDS[ground]} " if ground in _GROUND_WORDS else ""
-        elif mistake.id == by_answers[0]:
-            begin += f"{_TOGETHER} "
+        if is_likely:
+            begin += f"{_RESEMBLES} "
+        elif mistake.id in by_answers[:1]:
+            begin += f"{_TOGETHER if len(by_answers) > 1 else _ALIKE} "
         paragraphs += [begin + explanation, mistake.question]
     titles = [
         f"{LIKELY}{lowercase_title(m.title)}" if grounds.get(m.id) is Ground.RESEMBLANCE else m.title for m in together

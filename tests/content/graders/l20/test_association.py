@@ -20,9 +20,10 @@ from tests.support.verdicts import checked, failed, model_with, named, verdict_o
 EXERCISE = "l20/association"
 verdict = partial(verdict_of, EXERCISE)
 edited = partial(model_with, EXERCISE)
-IN_THE_ORDER_OF_THE_MAP = (
-    CODE[EXERCISE].folder / "specimens/wrong_answer/masque_dans_l_ordre_de_la_carte.py"
-).read_text(encoding="utf-8")
+IN_THE_ORDER_OF_THE_MAP, CUT_WHERE_EQUAL = (
+    (CODE[EXERCISE].folder / f"specimens/wrong_answer/{name}.py").read_text(encoding="utf-8")
+    for name in ("masque_dans_l_ordre_de_la_carte", "branches_egales_coupees")
+)
 NOISE = "M = C[np.ix_(lignes, lignes)] + np.kron(np.eye(len(paires)), R)"
 
 
@@ -88,6 +89,7 @@ def test_an_association_is_compared_as_whole_numbers() -> None:
     [
         (edited(NOISE, "M = np.kron(np.eye(len(paires)), R)"), "commune_oubliee", {"ensemble_exemples"}),
         (IN_THE_ORDER_OF_THE_MAP, "ordre_de_c", {"ensemble_exemples"}),
+        (CUT_WHERE_EQUAL, "premiere_trouvee", {"ensemble_exemples"}),
         (edited("np.flatnonzero(np.min(D, axis=1) > porte)", "np.flatnonzero(associer(z, amers, S, niveau) < 0)"),
          "non_associees", {"nouveaux_exemples", "nouveaux_quelconques"}),
         (edited("    return D\n\n\ndef associer(", "    z += 1.0\n    return D\n\n\ndef associer("),
