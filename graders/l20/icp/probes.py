@@ -13,9 +13,10 @@ from graders.l20.icp import cases
 from graders.l20.icp.descent import DEFAULT, Registration, Step, descend, staircase
 from graders.l20.icp.judge import ERROR_ABSOLUTE, ERROR_RELATIVE, misplaced, read, unread
 
+#: Seeds for which programs that go astray do so alike however numbers are rounded, but for a few.
 KINDS = (
-    (cases.TWO, 0), (cases.ONE, 0), (cases.SAME, 0), (cases.FROM, 0), (cases.ONE_FROM, 0), (cases.MORE, 0),
-    (cases.FEWER, 0), (cases.NOISY, 0), (cases.MIRROR, 0), (cases.THREE_FROM, 0), (cases.THREE_FROM, 1),
+    (cases.TWO, 0), (cases.ONE, 1), (cases.SAME, 6), (cases.FROM, 1), (cases.ONE_FROM, 5), (cases.MORE, 7),
+    (cases.FEWER, 0), (cases.NOISY, 0), (cases.MIRROR, 3), (cases.THREE_FROM, 0), (cases.THREE_FROM, 1),
 )  # fmt: skip
 
 
@@ -24,7 +25,7 @@ def _asked(kind: cases.Kind, seed: int) -> Registration:
     case = kind.made(seed)
     if case.n_iter != DEFAULT:
         return case
-    return case._replace(n_iter=len(descend(*case[:4], DEFAULT)) + 2)
+    return case._replace(n_iter=len(descend(*case[:4], DEFAULT)) + 1)
 
 
 #: The last two are one registration, first with the number of iterations, then without.
@@ -110,6 +111,13 @@ def _arguments(asked: tuple[Registration, ...]) -> tuple[Arguments, ...]:
 
 
 PROBES = (
-    Probes(function="icp", calls=_arguments(ASKED), kit=world.STILL, read=read_place, rules=(only_without_count,)),
+    Probes(
+        function="icp",
+        calls=_arguments(ASKED),
+        compared=len(ASKED) - 2,  # after thirty iterations, who goes astray is anywhere
+        kit=world.STILL,
+        read=read_place,
+        rules=(only_without_count,),
+    ),
     Probes(function="icp", calls=_arguments(OF_ERRORS), kit=world.STILL, read=read_errors),
 )
