@@ -71,9 +71,10 @@ SLIPS = {
         Slip(
             "angle_non_ramene",
             "Un angle qui n'est pas ramené dans ]−π, π]",
-            "L'angle est juste à un nombre entier de tours près, mais il sort de l'intervalle ]−π, π].",
-            "Que vaut votre angle quand les deux caps ajoutés dépassent un demi-tour ?",
-            ("L'angle est juste à un nombre entier de tours près, mais il sort de l'intervalle ]−π, π].",),
+            "L'angle est juste à un nombre entier de tours près. Il sort de l'intervalle ]−π, π], où il est à ramener "
+            "une fois calculé.",
+            "Que devient votre angle quand il dépasse un demi-tour ?",
+            ("L'angle est juste à un nombre entier de tours près.",),
         ),
         Slip(
             "argument_modifie",
