@@ -36,14 +36,14 @@ class CalibrationError(InvalidArgumentError):
 class WheelCalibration:
     """What one unit of each encoder is worth, `left_scale` and `right_scale` in metres, and the `track` in metres.
 
-    `turn_error` (rad) and `way_error` (m): root mean squares of what the constants leave of a step.
+    `heading_residual` (rad) and `distance_residual` (m): root mean squares of what the constants leave of a step.
     """
 
     left_scale: float
     right_scale: float
     track: float
-    turn_error: float
-    way_error: float
+    heading_residual: float
+    distance_residual: float
 
     @property
     def drive(self) -> DifferentialDrive:
@@ -85,14 +85,14 @@ class StepCalibration:
     """Corrections of odometry that comes as poses: its ways are to be multiplied by `stretch`, its turns by `turn`.
 
     `pull` (rad/m) is what the robot turns for each metre while it believes that it drives straight: unequal wheels.
-    `turn_error` (rad) and `way_error` (m): root mean squares of what is left of a step.
+    `heading_residual` (rad) and `distance_residual` (m): root mean squares of what is left of a step.
     """
 
     stretch: float
     turn: float
     pull: float
-    turn_error: float
-    way_error: float
+    heading_residual: float
+    distance_residual: float
 
     def correct(self, odometry_steps: ArrayLike) -> Floats:
         """The steps (n, 3) as they should have been. A step turns evenly: its chord turns by half of what is added."""
@@ -105,23 +105,23 @@ class StepCalibration:
         return np.column_stack([c * x - s * y, s * x + c * y, wrap_angle(corrected)])
 
 
-def calibrate_steps(odometry_steps: ArrayLike, steps: ArrayLike, *, discard: float = 0.0) -> StepCalibration:
+def calibrate_steps(odometry_steps: ArrayLike, steps: ArrayLike, *, worst_share: float = 0.0) -> StepCalibration:
     """The three constants of `StepCalibration` from steps (n, 3) by odometry and the motions (n, 3) really made.
 
         dtheta = turn dtheta_o + pull ds_o,   ds = stretch ds_o                                                 (3)
 
-    This is (1) and (2) for a robot whose odometry was computed with a nominal track and equal wheels. `discard`: the
-    share of steps, the worst in heading, that are left out before a second fit, for motions that come from matches of
-    scans, some of which are wrong (Censi et al., section V.E). Raises CalibrationError.
+    This is (1) and (2) for a robot whose odometry was computed with a nominal track and equal wheels. `worst_share`:
+    that of the steps, the worst in heading, that are left out before a second fit, for motions that come from matches
+    of scans, some of which are wrong (Censi et al., section V.E). Raises CalibrationError.
     """
-    if not 0.0 <= discard < 1.0:
-        raise CalibrationError("discard", f"{discard} is not a share of the steps")
+    if not 0.0 <= worst_share < 1.0:
+        raise CalibrationError("worst_share", f"{worst_share} is not a share of the steps")
     measured, motions = _pair("odometry_steps", odometry_steps, 3, steps)
     found = _fitted_steps(measured, motions)
-    if discard == 0.0:
+    if worst_share == 0.0:
         return found
     missed = np.abs(wrap_angle(found.correct(measured)[:, 2] - motions[:, 2]))
-    kept = np.sort(np.argsort(missed, kind="stable")[: max(3, round((1.0 - discard) * len(missed)))])
+    kept = np.sort(np.argsort(missed, kind="stable")[: max(3, round((1.0 - worst_share) * len(missed)))])
     return _fitted_steps(measured[kept], motions[kept])
 
 

@@ -32,11 +32,11 @@ CONFIDENCE = 0.99
 
 
 class AssociationError(InvalidArgumentError):
-    """Expectations or measurements that cannot be compared; `argument` names them."""
+    """Expected sightings or measurements that cannot be compared; `argument` names them."""
 
 
 @dataclass(frozen=True, eq=False)
-class Expectations:
+class ExpectedSightings:
     """The l landmarks as they should be seen: `means` (l, 2), their joint `covariance` (2 l, 2 l), without noise.
 
     `noise` (2, 2): that of one measurement, independent from one to the next. `angles` (2,): which of both components
@@ -61,12 +61,12 @@ class Expectations:
         object.__setattr__(self, "means", means)
 
     @classmethod
-    def of(cls, belief: EkfSlam) -> tuple[Expectations, list[int]]:
+    def from_slam(cls, belief: EkfSlam) -> tuple[ExpectedSightings, list[int]]:
         """What the robot of an EKF-SLAM expects of its landmarks, and their identities, in the same order."""
         identities = sorted(belief.slots)
         means, jacobian = np.zeros((len(identities), SIZE)), np.zeros((SIZE * len(identities), belief.mean.size))
         for k, identity in enumerate(identities):
-            seen = belief.compare(belief.slots[identity], np.zeros(SIZE))
+            seen = belief.predict_sighting(belief.slots[identity], np.zeros(SIZE))
             means[k] = -seen.innovation.difference
             jacobian[SIZE * k : SIZE * k + SIZE, seen.columns] = seen.H
         return cls(means, jacobian @ belief.covariance @ jacobian.T, belief.noise.sighting), identities
@@ -98,11 +98,11 @@ class Expectations:
 @dataclass(frozen=True, eq=False)
 class Association:
     """`landmarks` (m,): the rank of each measurement's landmark, -1 for none. `distance`: of all pairs together, by
-    their joint innovation; `explored`: the hypotheses that were looked at."""
+    their joint innovation; `explored_nodes`: the hypotheses that were looked at."""
 
     landmarks: Integers
     distance: float
-    explored: int
+    explored_nodes: int
 
     @cached_property
     def pairs(self) -> list[tuple[int, int]]:
@@ -110,7 +110,7 @@ class Association:
         return [(int(i), int(self.landmarks[i])) for i in np.flatnonzero(self.landmarks != SPURIOUS)]
 
 
-def joint_distance(expected: Expectations, measurements: ArrayLike, landmarks: ArrayLike) -> float:
+def joint_distance(expected: ExpectedSightings, measurements: ArrayLike, landmarks: ArrayLike) -> float:
     """The squared Mahalanobis distance of all pairs together: h' C^-1 h, with C the joint covariance of innovations.
 
     C holds the covariances between the expectations of the landmarks, which (1) forgets. 0 without a pair.
@@ -125,7 +125,9 @@ def joint_distance(expected: Expectations, measurements: ArrayLike, landmarks: A
     return float(away @ np.linalg.solve(C, away))
 
 
-def nearest_neighbours(expected: Expectations, measurements: ArrayLike, confidence: float = CONFIDENCE) -> Association:
+def nearest_neighbours(
+    expected: ExpectedSightings, measurements: ArrayLike, confidence: float = CONFIDENCE
+) -> Association:
     """Pairs of least distance (1) first, each landmark and each measurement once, as long as they pass their gate.
 
     The gate is the quantile `confidence` of chi-square with 2 degrees: of true pairs it loses 1 - `confidence`. Raises
@@ -141,7 +143,9 @@ def nearest_neighbours(expected: Expectations, measurements: ArrayLike, confiden
     return Association(found, joint_distance(expected, measurements, found), distances.size)
 
 
-def joint_compatibility(expected: Expectations, measurements: ArrayLike, confidence: float = CONFIDENCE) -> Association:
+def joint_compatibility(
+    expected: ExpectedSightings, measurements: ArrayLike, confidence: float = CONFIDENCE
+) -> Association:
     """The largest set of pairs that are jointly compatible and, among those as large, the nearest (JCBB).
 
     Measurement by measurement, each of its compatible landmarks is tried, the nearest first, then none; a branch is cut
@@ -157,10 +161,10 @@ def joint_compatibility(expected: Expectations, measurements: ArrayLike, confide
 class _Search:
     """Depth first over the measurements; `best` so far."""
 
-    expected: Expectations
+    expected: ExpectedSightings
     measurements: ArrayLike
     confidence: float
-    explored: int = 0
+    explored_nodes: int = 0
     best: Association = field(init=False)
 
     def run(self) -> Association:
@@ -177,11 +181,11 @@ class _Search:
         self._left = [*left.tolist(), 0]
         self.best = Association(np.full(count, SPURIOUS), 0.0, 0)
         self._descend(0, [], np.zeros((0, 0)), np.zeros(0))
-        return Association(self.best.landmarks, self.best.distance, self.explored)
+        return Association(self.best.landmarks, self.best.distance, self.explored_nodes)
 
     def _descend(self, i: int, pairs: list[tuple[int, int]], L: Floats, whitened: Floats) -> None:
         """From measurement i on, with the factor `L` of C and `whitened` = L^-1 h of the `pairs` so far."""
-        self.explored += 1
+        self.explored_nodes += 1
         distance = float(whitened @ whitened)
         if i == len(self._order):
             more = len(pairs) - len(self.best.pairs)

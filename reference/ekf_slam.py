@@ -168,7 +168,7 @@ class EkfSlam:
         self.covariance = larger
 
     def _correct(self, slot: int, z: Floats) -> float:
-        sighting = self.compare(slot, z)
+        sighting = self.predict_sighting(slot, z)
         evidence = sighting.innovation.log_density
         PHt = self.covariance[:, sighting.columns] @ sighting.H.T
         self.mean += PHt @ np.linalg.solve(sighting.innovation.covariance, sighting.innovation.difference)
@@ -177,7 +177,7 @@ class EkfSlam:
         self.innovation = sighting.innovation
         return evidence
 
-    def compare(self, slot: int, z: Floats) -> Sighting:
+    def predict_sighting(self, slot: int, z: Floats) -> Sighting:
         """What was seen, (2,), against what was expected of the landmark at `slot` of the state:
 
         range sqrt(q), bearing atan2(dy, dx) - t, with (dx, dy) = l - (x, y) and q = dx^2 + dy^2               (4)

@@ -13,7 +13,7 @@ class InvalidArgumentError(ValueError):
         self.argument = argument
 
 
-def check_word(
+def check_choice(
     argument: str, word: object, words: Any, error: type[InvalidArgumentError] = InvalidArgumentError
 ) -> None:
     """Raise `error` unless `word` is one of `words`, a Literal type: a misspelt option takes no other meaning."""

@@ -27,7 +27,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from reference.ekf_slam import SlamNoise
-from reference.errors import InvalidArgumentError, check_word
+from reference.errors import InvalidArgumentError, check_choice
 from reference.filters.resampling import effective_sample_size, systematic_resampling
 from reference.se2 import wrap_angle
 
@@ -53,7 +53,7 @@ class FastSlam:
         pose: ArrayLike = (0.0, 0.0, 0.0),
         least_share: float = 0.5,
     ) -> None:
-        check_word("version", version, Version)
+        check_choice("version", version, Version)
         if particles < 1:
             raise InvalidArgumentError("particles", f"{particles} carry no belief")
         start = np.asarray(pose, dtype=np.float64)

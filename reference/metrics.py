@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.spatial.transform import Rotation
 
-from reference.errors import InvalidArgumentError, check_word
+from reference.errors import InvalidArgumentError, check_choice
 from reference.registration import kabsch
 from reference.se2 import to_matrix
 
@@ -103,7 +103,7 @@ def absolute_trajectory_error(truth: ArrayLike, estimate: ArrayLike, align: Alig
     `align` is by which transformation: "rigid" or "similarity" (with a scale), those of least squares over all poses;
     "first", which makes the first poses coincide; "none". Raises MetricError, also for any other word.
     """
-    check_word("align", align, Alignment, MetricError)
+    check_choice("align", align, Alignment, MetricError)
     true, estimated = _matrices("truth", truth), _matrices("estimate", estimate)
     _check_pair(true, estimated)
     R, t, scale = _alignment(true, estimated, align)
@@ -127,7 +127,7 @@ def relative_pose_error(
     Pairs follow one another, each beginning where the last one ends, counted along the estimate; with `overlapping`, of
     poses only, one begins at every pose. Raises MetricError, also when there is no pair, or for any other unit.
     """
-    check_word("unit", unit, Unit, MetricError)
+    check_choice("unit", unit, Unit, MetricError)
     true, estimated = _matrices("truth", truth), _matrices("estimate", estimate)
     _check_pair(true, estimated)
     pairs = _pairs(estimated, delta, unit, overlapping)

@@ -13,7 +13,7 @@ from graders.core.contract.values import Floats
 from graders.l20 import world
 from reference.se2 import compose, relative
 from reference.world.grid_map import GridMap
-from reference.world.simulation import Lidar
+from reference.world.simulation import SimulatedLidar
 
 STRIDE = 0.9
 BEAMS = 36
@@ -27,7 +27,7 @@ ROOM, SIDES = STRIDE + 0.35, np.linspace(-0.3, 0.3, 5)
 USUAL_TURN, TRIES = 0.35, 8
 ON_THE_SPOT = np.array([0.6, 0.9, 1.2, 1.5])
 
-LIDAR = Lidar.full_turn(BEAMS, world.RANGE, SCAN_NOISE)
+LIDAR = SimulatedLidar.full_turn(BEAMS, world.RANGE, SCAN_NOISE)
 
 
 @dataclass(frozen=True, eq=False)

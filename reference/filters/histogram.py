@@ -18,7 +18,7 @@ from reference.filters.gaussian import checked_vector
 Floats = NDArray[np.float64]
 
 
-class LineModel(Protocol[Measurement_contra]):
+class OneDimensionalModel(Protocol[Measurement_contra]):
     """A problem on a line, as a histogram needs it: GaussianModel says what both functions mean."""
 
     def transition(self, states: Floats, control: Floats, edges: Floats, /) -> Floats: ...
@@ -32,7 +32,9 @@ class HistogramFilter(Generic[Measurement_contra]):
     The first and the last cell also hold what lies beyond them: no probability is lost. Raises InvalidArgumentError.
     """
 
-    def __init__(self, model: LineModel[Measurement_contra], edges: ArrayLike, belief: ArrayLike | None = None) -> None:
+    def __init__(
+        self, model: OneDimensionalModel[Measurement_contra], edges: ArrayLike, belief: ArrayLike | None = None
+    ) -> None:
         lines = checked_vector("edges", edges)
         if lines.size < 2 or not np.all(np.diff(lines) > 0.0):
             raise InvalidArgumentError("edges", "are not at least two increasing numbers")

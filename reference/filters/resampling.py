@@ -77,10 +77,10 @@ def systematic_resampling(weights: ArrayLike, rng: np.random.Generator, count: i
 
     `count` new particles are drawn, by default as many as there are. Raises InvalidWeightsError.
     """
-    return comb(weights, rng.random(), count)
+    return comb_resampling(weights, rng.random(), count)
 
 
-def comb(weights: ArrayLike, offset: float, count: int | None = None) -> Resampling:
+def comb_resampling(weights: ArrayLike, offset: float, count: int | None = None) -> Resampling:
     """Lay the teeth m + offset, m = 0 … count - 1, over the cumulative weights scaled to `count`, by default n.
 
     Tooth m falls on the first particle i with m + offset < count C_i, where C_i = w_0 + … + w_i. The teeth that lie

@@ -58,7 +58,7 @@ def kalman_gain(variance: float, noise: float) -> float:
     return variance / (variance + noise)
 
 
-def settled_variance(motion_noise: float, noise: float) -> float:
+def steady_state_variance(motion_noise: float, noise: float) -> float:
     """The variance after a correction to which a filter settles, when it predicts and corrects for ever.
 
     Before the correction p, after it p r / (p + r), and p = q + p r / (p + r):

@@ -20,7 +20,7 @@ Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
-class Spread:
+class UnscentedParameters:
     """How far the sigma points lie (`alpha`, `kappa`), and what is known beyond the covariance (`beta`, 2: Gaussian).
 
     Raises InvalidArgumentError unless alpha > 0.
@@ -44,7 +44,7 @@ class SigmaPoints:
     for_covariance: Floats
 
     @classmethod
-    def of(cls, mean: Floats, covariance: Floats, spread: Spread) -> SigmaPoints:
+    def of(cls, mean: Floats, covariance: Floats, spread: UnscentedParameters) -> SigmaPoints:
         """mu and mu +- the columns of sqrt((d + lambda) P), with lambda = alpha^2 (d + kappa) - d              (1)
 
         Weights: lambda / (d + lambda) in the middle, 1 / (2 (d + lambda)) elsewhere; for covariances the middle one
@@ -66,10 +66,10 @@ class UnscentedKalmanFilter(GaussianBelief):
     """A BayesFilter over a GaussianModel whose Jacobians are never asked for."""
 
     def __init__(
-        self, model: GaussianModel, mean: ArrayLike, covariance: ArrayLike, spread: Spread | None = None
+        self, model: GaussianModel, mean: ArrayLike, covariance: ArrayLike, spread: UnscentedParameters | None = None
     ) -> None:
         super().__init__(model, mean, covariance)
-        self.model, self.spread = model, spread or Spread()
+        self.model, self.spread = model, spread or UnscentedParameters()
 
     def predict(self, control: ArrayLike) -> None:
         """Move sigma points of state and noise together; take their mean and covariance."""

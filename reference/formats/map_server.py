@@ -20,7 +20,7 @@ from typing import Literal, get_args
 import numpy as np
 from numpy.typing import NDArray
 
-from reference.errors import InvalidArgumentError, check_word
+from reference.errors import InvalidArgumentError, check_choice
 from reference.formats.pgm import GreyImage, read_pgm, write_pgm
 from reference.text import decode_lines
 from reference.world.grid_map import GridMap
@@ -98,7 +98,7 @@ class MapDescription:
             raise MapFileError("resolution", f"{self.resolution} is not a positive length")
         if len(self.origin) != 3 or not np.all(np.isfinite(self.origin)):
             raise MapFileError("origin", f"{self.origin} is not (x, y, yaw)")
-        check_word("mode", self.mode, Mode, MapFileError)
+        check_choice("mode", self.mode, Mode, MapFileError)
         if not 0.0 <= self.free_thresh < self.occupied_thresh <= 1.0:
             raise MapFileError("free_thresh", f"{self.free_thresh} is not below occupied_thresh, in [0, 1]")
 

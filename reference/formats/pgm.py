@@ -17,7 +17,7 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from reference.errors import InvalidArgumentError, check_word
+from reference.errors import InvalidArgumentError, check_choice
 from reference.text import decode_text
 
 Kind = Literal["P2", "P5"]
@@ -85,7 +85,7 @@ def read_pgm(data: bytes) -> GreyImage:
 
 def write_pgm(image: GreyImage, kind: Kind = "P5", comment: str = "") -> bytes:
     """The PGM file of an image, with one line of comment or none. Raises PgmError."""
-    check_word("kind", kind, Kind, PgmError)
+    check_choice("kind", kind, Kind, PgmError)
     if "\n" in comment or "\r" in comment:
         raise PgmError("comment", "has several lines")
     height, width = image.pixels.shape

@@ -23,7 +23,7 @@ from reference import se2
 from reference.errors import InvalidArgumentError
 from reference.formats.ros_definitions import DEFINITIONS
 from reference.odometry import dead_reckoning
-from reference.world.simulation import Run
+from reference.world.simulation import SimulatedRun
 
 Floats = NDArray[np.float64]
 Message = dict[str, Any]
@@ -56,7 +56,7 @@ class Rosbag:
     messages: dict[str, int]
 
 
-def export_rosbag(run: Run, start_ns: int = NANOSECONDS, *, localised: bool = True) -> Rosbag:
+def export_rosbag(run: SimulatedRun, start_ns: int = NANOSECONDS, *, localised: bool = True) -> Rosbag:
     """The bag of a run whose first pose was passed `start_ns` nanoseconds after the epoch.
 
     Without `localised`, /tf leaves out map -> odom, for who plays it beside a localisation of their own.
@@ -81,7 +81,7 @@ def export_rosbag(run: Run, start_ns: int = NANOSECONDS, *, localised: bool = Tr
     return Rosbag(output.getvalue(), _metadata(stamps, counts), counts)
 
 
-def _messages(run: Run, stamps: list[int], localised: bool) -> Iterator[tuple[int, str, Message]]:
+def _messages(run: SimulatedRun, stamps: list[int], localised: bool) -> Iterator[tuple[int, str, Message]]:
     """What is said at each time, in the order of time."""
     spacing = _spacing(run.lidar.angles)
     believed = dead_reckoning(run.drive, run.wheels, run.truth[0])
@@ -108,7 +108,7 @@ def _messages(run: Run, stamps: list[int], localised: bool) -> Iterator[tuple[in
         yield stamp, "/scan", _laser_scan(stamp, run, k, spacing)
 
 
-def _laser_scan(stamp: int, run: Run, index: int, spacing: float) -> Message:
+def _laser_scan(stamp: int, run: SimulatedRun, index: int, spacing: float) -> Message:
     angles, ranges = run.lidar.angles, run.ranges[index]
     return {
         "header": _header(stamp, "laser"),

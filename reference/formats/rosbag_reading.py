@@ -1,7 +1,7 @@
 """A rosbag2 read without ROS, from its files in memory: storage sqlite3 (.db3) and MCAP, messages in CDR.
 
-`read_rosbag` gives the messages in the order of their recording. `replay` makes of them what a SLAM starts from: scans,
-each with the robot's odometry at its own date, and where the lidar sits on the robot.
+`read_rosbag` gives the messages in the order of their recording. `read_recording` makes of them what SLAM starts from:
+scans, each with the robot's odometry at its own date, and where the lidar sits on the robot.
 
 Frames and dates are ROS's (REP 105): /tf and /tf_static fill a `FrameBuffer`; a bag without odom -> base_link there
 gets it from its nav_msgs/Odometry. Dates of scans are those of their headers, not of their recording.
@@ -106,7 +106,7 @@ def read_rosbag(files: Mapping[str, bytes], topics: Collection[str] | None = Non
         yield BagMessage(raw.stamp_ns, raw.topic, raw.type_name, content)
 
 
-def replay(
+def read_recording(
     files: Mapping[str, bytes], scan_topic: str | None = None, *, odom: str = "odom", robot: str = "base_link"
 ) -> Recording:
     """The scans of one topic, placed by odometry at their own dates. Where only one topic has scans, it needs no name.

@@ -5,9 +5,9 @@ their bias, learned on the way. `tracker`: each scan on those just before it. `m
 links and closures, and which closures it believes in the end.
 """
 
-from reference.front_end.mapper import Closure
+from reference.front_end.mapper import LoopClosure
 from reference.front_end.odometry import OdometryBias
-from reference.front_end.settings import FrontEndError, OdometryNoise, Settings
-from reference.front_end.slam import Slam, slam
+from reference.front_end.settings import FrontEndError, FrontEndSettings, StepNoise
+from reference.front_end.slam import SlamResult, slam
 
-__all__ = ["Closure", "FrontEndError", "OdometryBias", "OdometryNoise", "Settings", "Slam", "slam"]
+__all__ = ["FrontEndError", "FrontEndSettings", "LoopClosure", "OdometryBias", "SlamResult", "StepNoise", "slam"]

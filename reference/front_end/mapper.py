@@ -17,10 +17,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from reference.front_end.odometry import difference, disagreement
-from reference.front_end.settings import Settings
-from reference.front_end.tracker import Tracked
+from reference.front_end.settings import FrontEndSettings
+from reference.front_end.tracker import TrackedScan
 from reference.pose_graph import PoseGraph, edge_chi2, graduated_non_convexity, relative_covariance
-from reference.registration import IcpError, InvalidCloudError, LineCloud, ScanMatch, Window, match_clouds
+from reference.registration import IcpError, InvalidCloudError, LineCloud, ScanMatch, SearchWindow, match_clouds
 from reference.registration.scan_matching import MIN_POINTS
 from reference.se2 import Floats, Pose, compose, relative
 
@@ -34,17 +34,17 @@ APART, CONTRADICTED = "the scans have too little in common", "odometry contradic
 
 
 @dataclass(frozen=True, eq=False)
-class Closure:
+class LoopClosure:
     """A match of key poses i < j, and the squared error (chi-square, 3 degrees) by which odometry disagrees with it.
 
-    `refused`: why it does not count; empty if it does.
+    `refusal`: why it does not count; empty if it does.
     """
 
     i: int
     j: int
     match: ScanMatch
     disagreement: float
-    refused: str = ""
+    refusal: str = ""
 
     @property
     def edge(self) -> Edge:
@@ -54,25 +54,25 @@ class Closure:
 class Mapper:
     """The map as it grows: `T_map_keys`, the `clouds` seen from there, `links` and `closures`, `refused` ones apart."""
 
-    def __init__(self, settings: Settings, T_map_start: Pose, cloud: LineCloud) -> None:
+    def __init__(self, settings: FrontEndSettings, T_map_start: Pose, cloud: LineCloud) -> None:
         self.T_map_keys: list[Pose] = [T_map_start]
         self.clouds: list[LineCloud] = [cloud]
-        self.links: list[Tracked] = []
-        self.closures: list[Closure] = []
-        self.refused: list[Closure] = []
+        self.links: list[TrackedScan] = []
+        self.closures: list[LoopClosure] = []
+        self.refused: list[LoopClosure] = []
         self._believed: list[bool] = []
-        self._contradicted: list[Closure] = []
+        self._contradicted: list[LoopClosure] = []
         self._settings = settings
 
-    def add(self, cloud: LineCloud, tracked: Tracked) -> None:
+    def add(self, cloud: LineCloud, tracked: TrackedScan) -> None:
         """Take a tracked scan as the next key pose, and close the loops that it closes."""
         self.T_map_keys.append(compose(self.T_map_keys[-1], tracked.T_key_robot))
         self.clouds.append(cloud)
         self.links.append(tracked)
         found = [closure for i, reach in self._candidates() if (closure := self._look(i, reach)) is not None]
-        self.refused += [closure for closure in found if closure.refused == APART]
-        self._contradicted += [closure for closure in found if closure.refused == CONTRADICTED]
-        accepted = [closure for closure in found if not closure.refused]
+        self.refused += [closure for closure in found if closure.refusal == APART]
+        self._contradicted += [closure for closure in found if closure.refusal == CONTRADICTED]
+        accepted = [closure for closure in found if not closure.refusal]
         self.closures += accepted
         self._believed += [True] * len(accepted)
         if not self._outvoted() and any(self._strain(closure) > STRAINED for closure in accepted):
@@ -94,7 +94,7 @@ class Mapper:
         self.closures, self._believed = self.closures + votes, self._believed + [True] * len(votes)
         self._optimise()
         won = [vote for vote, good in zip(votes, self._believed[first:], strict=True) if good]
-        self.closures = self.closures[:first] + [replace(vote, refused="") for vote in won]
+        self.closures = self.closures[:first] + [replace(vote, refusal="") for vote in won]
         if not won:
             self._believed, self.T_map_keys = before
             return False
@@ -102,14 +102,14 @@ class Mapper:
         self._contradicted = [closure for closure in self._contradicted if closure not in won]
         return True
 
-    def settle(self) -> None:
+    def settle_closures(self) -> None:
         """Keep the closures that agree with one another and with tracking; refuse the others."""
         self.refused += self._contradicted
         self._contradicted = []
         self._optimise()
         for closure, good in zip(self.closures, self._believed, strict=True):
             if not good:
-                self.refused.append(replace(closure, refused="the other closures contradict it"))
+                self.refused.append(replace(closure, refusal="the other closures contradict it"))
         self.closures = self._agreeing()
         self._believed = [True] * len(self.closures)
 
@@ -121,10 +121,10 @@ class Mapper:
         """The squared error of that graph."""
         return float(edge_chi2(self.graph(), np.array(self.T_map_keys)).sum())
 
-    def _agreeing(self) -> list[Closure]:
+    def _agreeing(self) -> list[LoopClosure]:
         return [closure for closure, good in zip(self.closures, self._believed, strict=True) if good]
 
-    def _graph(self, closures: list[Closure]) -> PoseGraph:
+    def _graph(self, closures: list[LoopClosure]) -> PoseGraph:
         edges = [(k, k + 1, link.T_key_robot, link.information) for k, link in enumerate(self.links)]
         edges += [closure.edge for closure in closures]
         return PoseGraph.from_edges(len(self.T_map_keys), [(i, j, z, (w + w.T) / 2.0) for i, j, z, w in edges])
@@ -158,7 +158,7 @@ class Mapper:
                 chosen.append(i)
         return [(i, float(reach[i])) for i in chosen]
 
-    def _look(self, i: int, reach: float) -> Closure | None:
+    def _look(self, i: int, reach: float) -> LoopClosure | None:
         """Search the newest scans around key pose i, and judge what is found; None where nothing is."""
         rule, j = self._settings, len(self.T_map_keys) - 1
         old = self._around(i, max(0, i - rule.around), min(i + rule.around, j - rule.min_gap // 2)).thinned(THIN_MAP)
@@ -166,19 +166,19 @@ class Mapper:
         if min(len(old), len(new)) < MIN_POINTS:
             return None
         expected = relative(self.T_map_keys[i], self.T_map_keys[j])
-        window = Window(reach, min(LEAST_TURN + TURN_PER_METRE * reach, MOST_TURN))
+        window = SearchWindow(reach, min(LEAST_TURN + TURN_PER_METRE * reach, MOST_TURN))
         try:
             match = match_clouds(old, new, expected, matching=rule.matching, window=window)
         except (IcpError, InvalidCloudError):
             return None
         if match.overlap < rule.loop_overlap:
-            return Closure(i, j, match, np.inf, APART)
+            return LoopClosure(i, j, match, np.inf, APART)
         gap = difference(match.T_a_b, expected)
         apart = disagreement(gap, np.zeros((3, 3)), match.information)
         if apart > rule.gate:  # more than the match alone can err: how far may odometry have drifted?
             covariance = relative_covariance(self.graph(), np.array(self.T_map_keys), i, j)
             apart = disagreement(gap, covariance, match.information)
-        return Closure(i, j, match, apart, CONTRADICTED if apart > rule.gate else "")
+        return LoopClosure(i, j, match, apart, CONTRADICTED if apart > rule.gate else "")
 
     def _around(self, key: int, first: int, last: int) -> LineCloud:
         """The clouds of key poses first to last, in the frame of one of them."""
@@ -187,7 +187,7 @@ class Mapper:
             [self.clouds[k].seen_from(relative(T_map_key, self.T_map_keys[k])) for k in range(first, last + 1)]
         )
 
-    def _strain(self, closure: Closure) -> float:
+    def _strain(self, closure: LoopClosure) -> float:
         """The squared error of a closure as the poses now stand."""
         gap = difference(closure.match.T_a_b, relative(self.T_map_keys[closure.i], self.T_map_keys[closure.j]))
         return float(gap @ closure.match.information @ gap)

@@ -49,7 +49,7 @@ def difference(a: Pose, b: Pose) -> Floats:
     return gap
 
 
-def fused(T_expected: Pose, covariance: Floats, T_matched: Pose, information: Floats) -> Pose:
+def fuse_poses(T_expected: Pose, covariance: Floats, T_matched: Pose, information: Floats) -> Pose:
     """The pose (3,) of least squares between what was expected and what was matched, which may know only a part."""
     gap = difference(T_matched, T_expected)
     pose = T_expected + np.linalg.solve(np.eye(3) + covariance @ information, covariance @ (information @ gap))

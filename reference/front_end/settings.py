@@ -7,7 +7,7 @@ from dataclasses import dataclass, field, fields
 import numpy as np
 
 from reference.errors import InvalidArgumentError
-from reference.registration import Matching
+from reference.registration import MatchingSettings
 from reference.se2 import Floats, Pose
 
 CHI2_99 = 11.34
@@ -18,7 +18,7 @@ class FrontEndError(InvalidArgumentError):
 
 
 @dataclass(frozen=True)
-class OdometryNoise:
+class StepNoise:
     """Standard deviations of a step of odometry, as sums of a constant, a share of the distance and one of the turn.
 
     Of each coordinate in metres: `metres` + `per_metre` d + `per_radian` |t|; of the heading in radians: `radians` +
@@ -47,7 +47,7 @@ class OdometryNoise:
 
 
 @dataclass(frozen=True)
-class Settings:
+class FrontEndSettings:
     """Key poses every `key_distance` m or `key_turn` rad, or where less than `key_overlap` of a scan was seen before.
 
     Each scan is matched with the `recent` key scans before it.
@@ -77,8 +77,8 @@ class Settings:
     drift: float = 0.02
     farthest: float = 8.0
     voters: int = 30
-    noise: OdometryNoise = field(default_factory=OdometryNoise)
-    matching: Matching = field(default_factory=Matching)
+    noise: StepNoise = field(default_factory=StepNoise)
+    matching: MatchingSettings = field(default_factory=MatchingSettings)
 
     def __post_init__(self) -> None:
         for name in ("key_distance", "key_turn", "reach", "turn", "gate", "drift", "farthest"):

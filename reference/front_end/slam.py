@@ -1,4 +1,4 @@
-"""The whole front end, as it reads: follow the scans, keep key poses, close loops, settle, draw."""
+"""The whole front end, as it reads: follow the scans, keep key poses, close loops, settle_closures, draw."""
 
 from __future__ import annotations
 
@@ -8,9 +8,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from reference.front_end.mapper import Closure, Mapper
-from reference.front_end.settings import FrontEndError, Settings
-from reference.front_end.tracker import Tracked, Tracker
+from reference.front_end.mapper import LoopClosure, Mapper
+from reference.front_end.settings import FrontEndError, FrontEndSettings
+from reference.front_end.tracker import TrackedScan, Tracker
 from reference.occupancy import InverseSensorModel, OccupancyGrid, build_map
 from reference.pose_graph import PoseGraph
 from reference.registration import LineCloud
@@ -21,7 +21,7 @@ IDENTITY = (0.0, 0.0, 0.0)
 
 
 @dataclass(frozen=True, eq=False)
-class Slam:
+class SlamResult:
     """What came out: the poses `T_map_robot` (n, 3) of all scans, and the occupancy `grid`.
 
     `keys` (k,): the scans that are key poses, the nodes of `graph`. `links` (k - 1): how each key pose was tracked from
@@ -33,9 +33,9 @@ class Slam:
     T_map_robot: Floats
     keys: NDArray[np.int64]
     graph: PoseGraph
-    links: tuple[Tracked, ...]
-    closures: tuple[Closure, ...]
-    refused: tuple[Closure, ...]
+    links: tuple[TrackedScan, ...]
+    closures: tuple[LoopClosure, ...]
+    refused: tuple[LoopClosure, ...]
     bias: Floats
     chi2: float
     grid: OccupancyGrid
@@ -47,37 +47,37 @@ def slam(
     *,
     T_robot_laser: ArrayLike = IDENTITY,
     start: ArrayLike = IDENTITY,
-    settings: Settings | None = None,
+    settings: FrontEndSettings | None = None,
     resolution: float = 0.05,
-) -> Slam:
+) -> SlamResult:
     """The trajectory and the map of n `scans`, of a lidar of any field of view that sits at `T_robot_laser`.
 
     `T_odom_robot` (n, 3): where odometry says that the robot was at each scan; only the steps between count. The map
     is that of the first pose at `start`. Raises FrontEndError.
     """
-    rule = settings or Settings()
+    rule = settings or FrontEndSettings()
     odometry, mount = _checked(scans, T_odom_robot), _pose("T_robot_laser", T_robot_laser)
     clouds = [LineCloud.of_scan(scan, mount) for scan in scans]
     tracker, mapper = Tracker(rule), Mapper(rule, _pose("start", start), clouds[0])
-    tracker.see(mapper.T_map_keys, mapper.clouds)
+    tracker.set_submap(mapper.T_map_keys, mapper.clouds)
     keys, T_key_robot = [0], [np.zeros(3)]
     for k in range(1, len(scans)):
-        tracked = tracker.follow(clouds[k], relative(odometry[k - 1], odometry[k]))
+        tracked = tracker.track(clouds[k], relative(odometry[k - 1], odometry[k]))
         if _is_key(tracked, rule):
             mapper.add(clouds[k], tracked)
             tracker.restart()
-            tracker.see(mapper.T_map_keys, mapper.clouds)
+            tracker.set_submap(mapper.T_map_keys, mapper.clouds)
             keys.append(k)
         T_key_robot.append(tracker.T_key_robot)
-    mapper.settle()
+    mapper.settle_closures()
     T_map_robot = _hung(np.array(keys), np.array(T_key_robot), np.array(mapper.T_map_keys))
     T_map_laser = np.array([compose(pose, mount) for pose in T_map_robot])
     grid = build_map(scans, T_map_laser, resolution, model=InverseSensorModel(once_a_scan=True))
     parts = (tuple(mapper.links), tuple(mapper.closures), tuple(mapper.refused))
-    return Slam(T_map_robot, np.array(keys), mapper.graph(), *parts, tracker.bias.shares, mapper.chi2(), grid)
+    return SlamResult(T_map_robot, np.array(keys), mapper.graph(), *parts, tracker.bias.shares, mapper.chi2(), grid)
 
 
-def _is_key(tracked: Tracked, rule: Settings) -> bool:
+def _is_key(tracked: TrackedScan, rule: FrontEndSettings) -> bool:
     """Is the robot so far from the last key pose, or sees so much that is new, that it needs another?"""
     x, y, turn = tracked.T_key_robot.tolist()
     seen = 1.0 if tracked.match is None else tracked.match.overlap

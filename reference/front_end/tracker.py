@@ -7,9 +7,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from reference.front_end.odometry import OdometryBias, difference, disagreement, fused
-from reference.front_end.settings import Settings
-from reference.registration import IcpError, InvalidCloudError, LineCloud, ScanMatch, Window, match_clouds
+from reference.front_end.odometry import OdometryBias, difference, disagreement, fuse_poses
+from reference.front_end.settings import FrontEndSettings
+from reference.registration import IcpError, InvalidCloudError, LineCloud, ScanMatch, SearchWindow, match_clouds
 from reference.registration.scan_matching import MIN_POINTS
 from reference.se2 import Floats, Pose, compose, compose_covariance, relative
 
@@ -21,7 +21,7 @@ AGREEING, CERTAIN, ASTRAY = 0.3, 0.8, 1.5
 
 
 @dataclass(frozen=True, eq=False)
-class Tracked:
+class TrackedScan:
     """Where a scan was taken, `T_key_robot` (3,), and the `information` (3, 3) of it, odometry included.
 
     `match`: that with the scans before; None where they did not help.
@@ -35,7 +35,7 @@ class Tracked:
 class Tracker:
     """The robot since the last key pose: `T_key_robot`, and the `covariance` that odometry alone has added up since."""
 
-    def __init__(self, settings: Settings) -> None:
+    def __init__(self, settings: FrontEndSettings) -> None:
         self.bias = OdometryBias()
         self._settings = settings
         self._submap: LineCloud | None = None
@@ -45,13 +45,13 @@ class Tracker:
         """The robot stands on a key pose, the newest one."""
         self.T_key_robot, self.covariance = np.zeros(3), np.zeros((3, 3))
 
-    def see(self, T_map_keys: Sequence[Pose], clouds: Sequence[LineCloud]) -> None:
+    def set_submap(self, T_map_keys: Sequence[Pose], clouds: Sequence[LineCloud]) -> None:
         """Lay the clouds of the newest key poses together, in the frame of the last of them: what scans are laid on."""
         key = T_map_keys[-1]
         near = zip(T_map_keys[-self._settings.recent :], clouds[-self._settings.recent :], strict=True)
         self._submap = LineCloud.joined([cloud.seen_from(relative(key, pose)) for pose, cloud in near])
 
-    def follow(self, cloud: LineCloud, wheels: Pose) -> Tracked:
+    def track(self, cloud: LineCloud, wheels: Pose) -> TrackedScan:
         """Move by a step (3,) of the wheels, and correct it by what is seen there."""
         before, step = self.T_key_robot, self.bias.corrected(wheels)
         noise = self._settings.noise.covariance(step)
@@ -60,22 +60,22 @@ class Tracker:
         if match is None:
             self.covariance = compose_covariance(before, self.covariance, step, noise)
             self.T_key_robot = expected
-            return Tracked(expected, _inverse(self.covariance), None)
+            return TrackedScan(expected, _inverse(self.covariance), None)
         apart = disagreement(difference(match.T_a_b, expected), noise, match.information)
         # Wheels that slip are believed the less, the more the scans contradict them.
         slipped = noise * max(1.0, apart / self._settings.gate)
         self.covariance = compose_covariance(before, self.covariance, step, slipped)
-        self.T_key_robot = fused(expected, self.covariance, match.T_a_b, match.information)
+        self.T_key_robot = fuse_poses(expected, self.covariance, match.T_a_b, match.information)
         if not match.degenerate and apart <= self._settings.gate:
             self.bias.learn(wheels, relative(before, self.T_key_robot))
-        return Tracked(self.T_key_robot, match.information + _inverse(self.covariance), match)
+        return TrackedScan(self.T_key_robot, match.information + _inverse(self.covariance), match)
 
     def _match(self, cloud: LineCloud, expected: Pose, noise: Floats) -> ScanMatch | None:
         """The match of a cloud with the submap; None where too little of it lies near."""
         rule = self._settings
         sigma, turn_sigma = float(noise[0, 0] ** 0.5), float(noise[2, 2] ** 0.5)
         reach, turn = max(rule.reach, SURE * sigma), max(rule.turn, SURE * turn_sigma)
-        window = Window(reach, turn, sigma=sigma, turn_sigma=turn_sigma)
+        window = SearchWindow(reach, turn, sigma=sigma, turn_sigma=turn_sigma)
         if self._submap is None or min(len(cloud), len(self._submap)) < MIN_POINTS:
             return None
         try:

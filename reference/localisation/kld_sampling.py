@@ -49,7 +49,7 @@ class KldSampling:
         if not 1 <= self.least <= self.most:
             raise InvalidArgumentError("least", f"{self.least} is not between 1 and most = {self.most}")
 
-    def needed(self, bins: ArrayLike) -> Integers:
+    def particles_needed(self, bins: ArrayLike) -> Integers:
         """How many particles a belief over `bins` bins needs, (…), between `least` and `most`.
 
         (1) with the quantile of chi2 by Wilson and Hilferty, z being that of the normal law:
@@ -70,10 +70,10 @@ class KldSampling:
         headings = wrap_angle(values[:, 2])
         return np.floor(np.column_stack([values[:, :2] / self.cell, (headings + np.pi) / self.sector])).astype(np.int64)
 
-    def enough(self, poses: ArrayLike) -> int:
+    def count_enough(self, poses: ArrayLike) -> int:
         """How many of the poses (n, 3), drawn independently in this order, are enough.
 
-        The smallest m >= `least` such that m >= needed(number of bins filled by the first m); n when there is none:
+        The smallest m >= `least` such that m >= particles_needed(bins filled by the first m); n when there is none:
         what Fox's loop over single draws stops at, found for all of them at once. Raises InvalidArgumentError.
         """
         bins = self.bins(poses)
@@ -83,5 +83,5 @@ class KldSampling:
         opens = np.zeros(len(bins), dtype=np.int64)
         opens[firsts] = 1
         drawn = np.arange(1, len(bins) + 1)
-        done = drawn >= self.needed(np.cumsum(opens))
+        done = drawn >= self.particles_needed(np.cumsum(opens))
         return int(drawn[np.argmax(done)]) if done.any() else len(bins)

@@ -29,7 +29,7 @@ Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
-class Injection:
+class InjectionRule:
     """How many particles are drawn anew, on the free cells, at each resampling.
 
     Each is the pick of `tries` poses drawn evenly: the likelier for the present scan, the more often. One try is plain
@@ -58,13 +58,13 @@ class Injection:
 
 
 @dataclass
-class Averages:
+class LikelihoodAverages:
     """The running averages of (1), none before the first scan."""
 
     slow: float | None = None
     fast: float | None = None
 
-    def share(self, likelihood: float, rule: Injection) -> float:
+    def update_and_share(self, likelihood: float, rule: InjectionRule) -> float:
         """Take in one likelihood; the share of particles to draw anew."""
         if self.slow is None or self.fast is None:
             self.slow = self.fast = likelihood
@@ -107,13 +107,13 @@ class MonteCarloLocalization(ParticleFilter[Scan]):
         rng: np.random.Generator,
         *,
         motion: OdometryNoise | None = None,
-        injection: Injection | None = None,
+        injection: InjectionRule | None = None,
         kld: KldSampling | None = None,
         threshold: float = 0.5,
     ) -> None:
         super().__init__(LidarModel(sensor, motion or OdometryNoise()), poses_world, rng, threshold=threshold)
         self.grid_map, self.sensor, self.injection, self.kld = grid_map, sensor, injection, kld
-        self.averages, self.injected = Averages(), 0
+        self.averages, self.injected = LikelihoodAverages(), 0
 
     def correct(self, measurement: Scan) -> float:
         """Weigh the particles by the scan; resample if N_eff is low or if poses are to be injected."""
@@ -145,7 +145,7 @@ class MonteCarloLocalization(ParticleFilter[Scan]):
     def _share(self, evidence: float, scan: Scan) -> float:
         if self.injection is None or not (hits := int(np.count_nonzero(scan.hits))):
             return 0.0
-        return self.averages.share(float(np.exp(evidence / hits)), self.injection)
+        return self.averages.update_and_share(float(np.exp(evidence / hits)), self.injection)
 
     def _drawn(self) -> Floats:
         return self.states.take(self.scheme(self.weights, self.rng, None).ancestors, axis=0)
@@ -154,7 +154,7 @@ class MonteCarloLocalization(ParticleFilter[Scan]):
         """Independent draws, as many as KLD-sampling asks for."""
         ancestors = self.rng.permutation(multinomial_resampling(self.weights, self.rng, kld.most).ancestors)
         drawn = self.states[ancestors]
-        return np.asarray(drawn[: kld.enough(drawn)])
+        return np.asarray(drawn[: kld.count_enough(drawn)])
 
 
 def likely_poses(

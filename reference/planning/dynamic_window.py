@@ -43,7 +43,7 @@ SQRT2 = float(np.sqrt(2.0))
 
 
 @dataclass(frozen=True)
-class Limits:
+class RobotLimits:
     """A round differential robot: `radius` (m), speeds (m/s, rad/s), accelerations (m/s^2, rad/s^2); never backwards.
 
     It decides once a `period` (s), looks `horizon` (s) ahead, and tries `samples` values of v and of w. It is led after
@@ -69,7 +69,7 @@ class Limits:
 
 
 @dataclass(frozen=True, eq=False)
-class Journey:
+class DrivenPath:
     """`poses` (k + 1, 3), one a period, the `speeds` (k, 2) = (v, w) between them, and whether the goal was reached.
 
     `clearance`: how near, in metres, the robot's rim came to a wall at least, counted safely.
@@ -90,13 +90,13 @@ class DynamicWindow:
 
     world: GridMap
     goal: Floats
-    limits: Limits
+    limits: RobotLimits
     clear: Floats = field(repr=False)
     remaining: Floats = field(repr=False)
     ways: Floats = field(repr=False)
 
     @classmethod
-    def towards(cls, world: GridMap, goal: ArrayLike, limits: Limits) -> DynamicWindow:
+    def towards(cls, world: GridMap, goal: ArrayLike, limits: RobotLimits) -> DynamicWindow:
         """For a goal (2,) in the world. What is not known free is taken for wall. Raises PlanningError."""
         point = np.asarray(goal, dtype=np.float64)
         if point.shape != (2,) or not np.all(np.isfinite(point)):
@@ -116,11 +116,11 @@ class DynamicWindow:
         """The speed (2,) = (v, w) for the next period, from the pose (3,) and speed so far."""
         limits = self.limits
         choices = self._window(speed)
-        stops = drive(pose, choices, limits, brake=True, duration=limits.period)
+        stops = predict_drive(pose, choices, limits, brake=True, duration=limits.period)
         safe = self.clearance(stops).min(axis=1) > limits.radius
         safe[0] = True  # braking: found safe a period ago, as a part of that choice
         choices = choices[safe]
-        ahead = drive(pose, choices, limits, brake=False, duration=limits.horizon)
+        ahead = predict_drive(pose, choices, limits, brake=False, duration=limits.horizon)
         ends = ahead[:, -1]
         reach = np.minimum(2.0 * limits.radius, np.linalg.norm(ends[:, :2] - self.goal, axis=1))
         nose = ends[:, :2] + reach[:, None] * np.column_stack([np.cos(ends[:, 2]), np.sin(ends[:, 2])])
@@ -128,13 +128,13 @@ class DynamicWindow:
         cost = self._to_go(ends[:, :2]) + self._to_go(nose) - room
         return np.asarray(choices[int(np.argmin(cost))])
 
-    def lead(self, pose: Floats, speed: Floats) -> Floats:
+    def follow_route(self, pose: Floats, speed: Floats) -> Floats:
         """The speed (2,) that leads from the pose (3,) to the next cell of the cheapest way: brake, turn, go straight.
 
         Braking where no way leads.
         """
         limits, target = self.limits, self._next_point(pose)
-        slower = braked(speed[None], limits)[0]
+        slower = brake_speeds(speed[None], limits)[0]
         if target is None:
             return np.asarray(slower)
         ahead = target - pose[:2]
@@ -149,7 +149,7 @@ class DynamicWindow:
             return np.asarray(slower)
         step = limits.max_dv * limits.period
         forward = np.array([_fitting(distance, speed[0], step, limits.max_v, limits.period), 0.0])
-        stops = drive(pose, forward[None], limits, brake=True, duration=limits.period)
+        stops = predict_drive(pose, forward[None], limits, brake=True, duration=limits.period)
         return forward if self.clearance(stops).min() > limits.radius else np.asarray(slower)
 
     def cost_to_go(self, point: ArrayLike) -> float:
@@ -186,7 +186,7 @@ class DynamicWindow:
         v = np.linspace(max(0.0, speed[0] - dv), min(limits.max_v, speed[0] + dv), limits.samples)
         w = np.linspace(max(-limits.max_w, speed[1] - dw), min(limits.max_w, speed[1] + dw), limits.samples)
         grid = np.stack(np.meshgrid(v, np.append(w, 0.0) if abs(speed[1]) <= dw else w), axis=-1).reshape(-1, 2)
-        return np.vstack([braked(speed[None], limits), grid])
+        return np.vstack([brake_speeds(speed[None], limits), grid])
 
     def _to_go(self, points: Floats) -> Floats:
         x, y = (self.world.to_cells(points) - 0.5).T
@@ -212,13 +212,13 @@ def _fitting(way: float, speed: float, step: float, most: float, period: float) 
     return float(low)
 
 
-def braked(speeds: Floats, limits: Limits) -> Floats:
+def brake_speeds(speeds: Floats, limits: RobotLimits) -> Floats:
     """Speeds (k, 2) after one period of braking."""
     less = np.array([limits.max_dv, limits.max_dw]) * limits.period
     return np.asarray(np.sign(speeds) * np.maximum(np.abs(speeds) - less, 0.0))
 
 
-def drive(pose: Floats, speeds: Floats, limits: Limits, *, brake: bool, duration: float) -> Floats:
+def predict_drive(pose: Floats, speeds: Floats, limits: RobotLimits, *, brake: bool, duration: float) -> Floats:
     """Poses (k, m, 3) passed from `pose` (3,) at the speeds (k, 2), each kept for `duration`, then braked if asked."""
     periods = max(1, round(duration / limits.period))
     if brake:
@@ -228,7 +228,7 @@ def drive(pose: Floats, speeds: Floats, limits: Limits, *, brake: bool, duration
     passed = [current]
     for number in range(periods):
         if number and brake:
-            speeds = braked(speeds, limits)
+            speeds = brake_speeds(speeds, limits)
         for _ in range(PARTS):
             current = arc(current, speeds, limits.period / PARTS)
             passed.append(current)
@@ -259,17 +259,17 @@ def navigate(
     world: GridMap,
     start: ArrayLike,
     goal: ArrayLike,
-    limits: Limits | None = None,
+    limits: RobotLimits | None = None,
     *,
     tolerance: float = 0.15,
     max_time: float = 120.0,
-) -> Journey:
+) -> DrivenPath:
     """Drive from rest at the pose `start` (3,) to within `tolerance` (m) of `goal` (2,), or for `max_time` seconds.
 
     The speeds are those of `choose`, and of `lead` once they bring no progress. A goal to which no way leads is not
     reached. Raises PlanningError when the robot cannot stand at either end.
     """
-    bounds = limits or Limits()
+    bounds = limits or RobotLimits()
     window = DynamicWindow.towards(world, goal, bounds)
     pose, speed = np.array(start, dtype=np.float64), np.zeros(2)
     if pose.shape != (3,) or not np.all(np.isfinite(pose)) or window.clearance(pose) <= bounds.radius:
@@ -281,11 +281,11 @@ def navigate(
         cost = window.cost_to_go(pose[:2])
         if cost < least - PROGRESS * world.resolution:
             least, since = cost, 0.0
-        speed = window.choose(pose, speed) if since < bounds.patience else window.lead(pose, speed)
+        speed = window.choose(pose, speed) if since < bounds.patience else window.follow_route(pose, speed)
         since += bounds.period
-        passed = drive(pose, speed[None], bounds, brake=False, duration=bounds.period)[0]
+        passed = predict_drive(pose, speed[None], bounds, brake=False, duration=bounds.period)[0]
         pose, nearest = passed[-1], min(nearest, float(window.clearance(passed).min()))
         poses.append(pose)
         speeds.append(speed)
         reached = bool(np.hypot(*(pose[:2] - np.asarray(goal))) <= tolerance)
-    return Journey(np.array(poses), np.array(speeds).reshape(-1, 2), reached, nearest - bounds.radius)
+    return DrivenPath(np.array(poses), np.array(speeds).reshape(-1, 2), reached, nearest - bounds.radius)

@@ -17,14 +17,14 @@ Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)
-class Inflated:
+class InflatedGrid:
     """The cells `free` (H, W) for the centre of the robot, and the `costs` (H, W) of their nearness to walls."""
 
     free: NDArray[np.bool_]
     costs: Floats
 
 
-def inflate(free: ArrayLike, radius: float, *, weight: float = 10.0, fall: float = 0.5) -> Inflated:
+def inflate(free: ArrayLike, radius: float, *, weight: float = 10.0, fall: float = 0.5) -> InflatedGrid:
     """For a round robot of `radius`, in cells: costs are weight exp(-fall (d - radius)) at d from the nearest wall.
 
     Closed where d <= radius; distances in cells, between centres of cells. Raises PlanningError.
@@ -37,4 +37,4 @@ def inflate(free: ArrayLike, radius: float, *, weight: float = 10.0, fall: float
         raise PlanningError("free", f"has shape {grid.shape}, not (H, W)")
     distance = distance_to(~np.pad(grid, 1))[1:-1, 1:-1]
     open_cells = grid & (distance > radius)
-    return Inflated(open_cells, np.where(open_cells, weight * np.exp(-fall * (distance - radius)), 0.0))
+    return InflatedGrid(open_cells, np.where(open_cells, weight * np.exp(-fall * (distance - radius)), 0.0))

@@ -15,11 +15,11 @@ from reference.pose_graph.errors import (
     SingularSystemError,
 )
 from reference.pose_graph.g2o import G2oGraph, as_g2o, dumps_g2o, loads_g2o
-from reference.pose_graph.gauge import gauge_dimension, gauge_vectors
+from reference.pose_graph.gauge import gauge_dimension, gauge_null_vectors
 from reference.pose_graph.graph import PoseGraph, Sightings
 from reference.pose_graph.kernels import DCS, Huber, Kernel, Switchable
 from reference.pose_graph.normal_equations import NormalEquations
-from reference.pose_graph.optimise import Gauge, Reason, Solution, gauss_newton, levenberg_marquardt
+from reference.pose_graph.optimise import Gauge, Solution, StopReason, gauss_newton, levenberg_marquardt
 from reference.pose_graph.residuals import (
     chi2,
     edge_chi2,
@@ -33,9 +33,9 @@ from reference.pose_graph.residuals import (
 )
 from reference.pose_graph.robust import (
     RobustSolution,
+    add_false_closures,
     graduated_non_convexity,
     robust_gauss_newton,
-    with_false_closures,
 )
 
 __all__ = [
@@ -54,13 +54,14 @@ __all__ = [
     "ParameterError",
     "PoseGraph",
     "PoseGraphError",
-    "Reason",
     "RobustSolution",
     "ShapeError",
     "Sightings",
     "SingularSystemError",
     "Solution",
+    "StopReason",
     "Switchable",
+    "add_false_closures",
     "as_g2o",
     "certify",
     "chi2",
@@ -69,7 +70,7 @@ __all__ = [
     "edge_chi2",
     "edge_residuals",
     "gauge_dimension",
-    "gauge_vectors",
+    "gauge_null_vectors",
     "gauss_newton",
     "graduated_non_convexity",
     "group_residuals",
@@ -84,5 +85,4 @@ __all__ = [
     "residuals",
     "robust_gauss_newton",
     "sighting_chi2",
-    "with_false_closures",
 ]

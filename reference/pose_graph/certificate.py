@@ -75,7 +75,7 @@ def certify(graph: PoseGraph, poses: ArrayLike, landmarks: ArrayLike | None = No
     v = np.concatenate([where[:, 0] + 1j * where[:, 1], seen_at[:, 0] + 1j * seen_at[:, 1], np.exp(1j * where[:, 2])])
     if graph.n_poses + graph.n_landmarks == 1:
         return Certificate(True, 0, 0.0)
-    if not graph.fully_informed:
+    if not graph.is_fully_informed:
         return Certificate(False, len(v), np.inf)
     edges, sightings = _edge_terms(graph, where), _sighting_terms(graph, where, seen_at)
     if edges is None:

@@ -19,7 +19,7 @@ from scipy import sparse
 from scipy.sparse import csgraph
 
 from reference.pose_graph.errors import DisconnectedGraphError, ParameterError, SingularSystemError
-from reference.pose_graph.factor import Pattern, factorise, positive_definite
+from reference.pose_graph.factor import SparsityPattern, factorise, is_positive_definite
 from reference.pose_graph.graph import POINT, Floats, PoseGraph, checked_poses
 from reference.pose_graph.normal_equations import NormalEquations
 from reference.se2 import wrap_angle
@@ -71,7 +71,7 @@ def chordal_angles(graph: PoseGraph, held: Floats) -> Floats:
     r[fixed] = np.column_stack([np.cos(held), np.sin(held)])[fixed]
     sizes = np.full(graph.n_poses, POINT)
     sizes[fixed] = 0
-    pattern = Pattern(sizes, graph.i, graph.j)
+    pattern = SparsityPattern(sizes, graph.i, graph.j)
     if pattern.size:
         weight = graph.information[:, 2, 2]
         c, s = weight * np.cos(graph.z_i_j[:, 2]), weight * np.sin(graph.z_i_j[:, 2])
@@ -106,7 +106,7 @@ def positions(graph: PoseGraph, poses: Floats) -> tuple[Floats, Floats]:
     if is_position.any():
         kept = sparse.csc_array(equations.pattern.upper(system.data)[is_position][:, is_position])
         factor = factorise(kept)
-        if not graph.fully_informed and not positive_definite(kept, factor.lower()):
+        if not graph.is_fully_informed and not is_positive_definite(kept, factor.lower()):
             raise SingularSystemError("the positions are not determined: some are free")
         step[is_position] = -factor.solve(system.b[is_position])
     found, landmarks = equations.nodes(equations.moved(state, step))

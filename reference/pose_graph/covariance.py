@@ -20,7 +20,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from reference.pose_graph.errors import EdgeIndexError, SingularSystemError
-from reference.pose_graph.factor import Factor, Lower, factorise, positive_definite
+from reference.pose_graph.factor import Factorisation, LowerFactor, factorise, is_positive_definite
 from reference.pose_graph.graph import BLOCK, POINT, Floats, Indices, PoseGraph, checked_landmarks, checked_poses
 from reference.pose_graph.normal_equations import NormalEquations
 from reference.pose_graph.residuals import jacobians
@@ -80,7 +80,7 @@ def marginal_covariances(
     return blocks[:n], blocks[n:, :POINT, :POINT]
 
 
-def _selected_inverse(lower: Lower, node: Indices) -> list[tuple[int, Indices, Floats]]:
+def _selected_inverse(lower: LowerFactor, node: Indices) -> list[tuple[int, Indices, Floats]]:
     """(17): for each column of Z, its rows (the column itself first) and their values; `node` (s,) owns each column.
 
     A column keeps Z over its rows, the front, until the columns whose first row below is this one have taken theirs.
@@ -112,14 +112,14 @@ def _selected_inverse(lower: Lower, node: Indices) -> list[tuple[int, Indices, F
     return columns
 
 
-def _below(lower: Lower, j: int) -> tuple[Indices, Floats]:
+def _below(lower: LowerFactor, j: int) -> tuple[Indices, Floats]:
     """The rows and values of column j of L below its diagonal."""
     span = slice(lower.L.indptr[j], lower.L.indptr[j + 1])
     rows, values = lower.L.indices[span], lower.L.data[span]
     return rows[rows > j].astype(np.int64), values[rows > j]
 
 
-def _structure(lower: Lower, node: Indices) -> list[Indices]:
+def _structure(lower: LowerFactor, node: Indices) -> list[Indices]:
     """The rows P of each column: those of L and of the column's own node, and those that the recursion asks for.
 
     An entry of L that happens to be zero may have been left out of it: its place is needed all the same.
@@ -137,11 +137,11 @@ def _structure(lower: Lower, node: Indices) -> list[Indices]:
     return structure
 
 
-def _factor(graph: PoseGraph, poses: ArrayLike, landmarks: ArrayLike | None) -> tuple[NormalEquations, Factor]:
+def _factor(graph: PoseGraph, poses: ArrayLike, landmarks: ArrayLike | None) -> tuple[NormalEquations, Factorisation]:
     equations = NormalEquations(graph)
     upper = equations.upper(equations.state(checked_poses(graph, poses), checked_landmarks(graph, landmarks)))
     factor = factorise(upper)
-    if not positive_definite(upper, factor.lower()):
+    if not is_positive_definite(upper, factor.lower()):
         raise SingularSystemError("the information of the graph is singular: some unknown is free")
     return equations, factor
 

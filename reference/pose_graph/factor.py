@@ -27,7 +27,7 @@ RELATIVE_PIVOT = 1e-13
 
 
 @dataclass(frozen=True)
-class Lower:
+class LowerFactor:
     """A[p][:, p] = L D L': `L` (s, s) unit lower triangular, `pivots` (s,) the diagonal of D, `p` (s,) the order."""
 
     L: sparse.csc_array
@@ -35,7 +35,7 @@ class Lower:
     p: Indices
 
 
-class Factor(Protocol):
+class Factorisation(Protocol):
     """The factor of a symmetric matrix (s, s)."""
 
     def update(self, data: Floats) -> None:
@@ -44,11 +44,11 @@ class Factor(Protocol):
     def solve(self, b: Floats) -> Floats:
         """The solution (s,) for a right-hand side (s,)."""
 
-    def lower(self) -> Lower:
+    def lower(self) -> LowerFactor:
         """The factor itself."""
 
 
-class Pattern:
+class SparsityPattern:
     """Where the upper triangle of a symmetric matrix of blocks is non-zero; columns one after the other.
 
     `sizes` (N,): the size of each node's block, 0 for a node that is held fixed. `a`, `b` (p,): the pairs of nodes that
@@ -158,11 +158,11 @@ class QdldlFactor:
     def solve(self, b: Floats) -> Floats:
         return np.asarray(self._solver.solve(b))
 
-    def lower(self) -> Lower:
+    def lower(self) -> LowerFactor:
         L, pivots, p = self._solver.factors()
         below = sparse.csc_array(L)
         unit = below + sparse.eye_array(below.shape[0], format="csc")
-        return Lower(unit, np.asarray(pivots), np.asarray(p, dtype=np.int64))
+        return LowerFactor(unit, np.asarray(pivots), np.asarray(p, dtype=np.int64))
 
 
 class SuperLuFactor:
@@ -182,11 +182,11 @@ class SuperLuFactor:
         x[self._order] = self._lu.solve(b[self._order])
         return x
 
-    def lower(self) -> Lower:
+    def lower(self) -> LowerFactor:
         again = np.argsort(self._lu.perm_c)
         if not np.array_equal(self._lu.perm_r, self._lu.perm_c):
             raise SingularSystemError("a pivot on the diagonal is zero")
-        return Lower(sparse.csc_array(self._lu.L), self._lu.U.diagonal(), self._order[again])
+        return LowerFactor(sparse.csc_array(self._lu.L), self._lu.U.diagonal(), self._order[again])
 
 
 def _superlu(full: sparse.csc_array, ordering: Literal["NATURAL", "MMD_AT_PLUS_A"]) -> sparse_linalg.SuperLU:
@@ -217,11 +217,11 @@ def _singular(error: RuntimeError) -> SingularSystemError:
     return SingularSystemError(f"the normal equations are singular: {error}")
 
 
-def factorise(upper: sparse.csc_array) -> Factor:
+def factorise(upper: sparse.csc_array) -> Factorisation:
     """The factor of the symmetric matrix of which `upper` is the upper triangle, its whole diagonal stored."""
     return SuperLuFactor(upper) if qdldl is None else QdldlFactor(upper)
 
 
-def positive_definite(upper: sparse.csc_array, lower: Lower) -> bool:
+def is_positive_definite(upper: sparse.csc_array, lower: LowerFactor) -> bool:
     """Is every pivot positive, and more than what rounding leaves of the diagonal entry that it comes from?"""
     return bool(np.all(lower.pivots > RELATIVE_PIVOT * upper.diagonal()[lower.p]))

@@ -16,7 +16,7 @@ from scipy.sparse import csgraph
 from reference.pose_graph.graph import BLOCK, POINT, Floats
 
 
-def gauge_vectors(poses: Floats, landmarks: Floats | None = None) -> Floats:
+def gauge_null_vectors(poses: Floats, landmarks: Floats | None = None) -> Floats:
     """The three directions (3n + 2l, 3) for poses (n, 3) and landmarks (l, 2), laid out as the state is.
 
     (1, 0, 0) and (0, 1, 0) for every pose, (1, 0) and (0, 1) for every landmark; (-y, x, 1) and (-y, x).    (10)

@@ -17,7 +17,7 @@ from numpy.typing import ArrayLike, NDArray
 from scipy import sparse
 from scipy.sparse import csgraph
 
-from reference.errors import check_word
+from reference.errors import check_choice
 from reference.pose_graph.errors import (
     DisconnectedGraphError,
     EdgeIndexError,
@@ -124,7 +124,7 @@ class PoseGraph:
         return replace(self, i=i, j=j, z_i_j=z_i_j, information=information)
 
     @cached_property
-    def fully_informed(self) -> bool:
+    def is_fully_informed(self) -> bool:
         """Is every information matrix of the edges positive definite, so that connected poses are determined?"""
         size = np.abs(self.information).max(axis=(1, 2), initial=0.0)
         return bool(np.all(np.linalg.eigvalsh(self.information)[:, 0] > POSITIVE * size))
@@ -149,7 +149,7 @@ def _check_settings(graph: PoseGraph) -> None:
         raise ShapeError("n_poses", "a graph has at least one pose")
     if graph.n_landmarks < 0:
         raise ShapeError("sightings.n_landmarks", "is negative")
-    check_word("convention", graph.convention, Convention, ParameterError)
+    check_choice("convention", graph.convention, Convention, ParameterError)
     outside = [k for k in graph.fixed if not 0 <= k < graph.n_poses]
     if outside or not graph.fixed:
         reason = f"pose {outside[0]} of {graph.n_poses} does not exist" if outside else "no pose holds the gauge"

@@ -22,9 +22,9 @@ from typing import NamedTuple
 import numpy as np
 from scipy import sparse
 
-from reference.pose_graph.factor import Pattern
+from reference.pose_graph.factor import SparsityPattern
 from reference.pose_graph.graph import BLOCK, POINT, Floats, Indices, PoseGraph
-from reference.pose_graph.planar import Complexes, Planar
+from reference.pose_graph.planar import Complexes, PlanarMatrices
 from reference.pose_graph.residuals import planar_information
 
 Weights = Callable[[Floats], Floats]
@@ -33,21 +33,21 @@ UPPER = np.array([(0, 0), (0, 1), (1, 1), (0, 2), (1, 2), (2, 2)]).T
 WHOLE = np.array([(0, 0), (0, 1), (1, 0), (1, 1), (0, 2), (1, 2), (2, 0), (2, 1), (2, 2)]).T
 
 
-class Terms(NamedTuple):
+class EdgeTerms(NamedTuple):
     """What (8) is made of, edge by edge, then sighting by sighting: D, W, and W f as a vector and its part of angle."""
 
     D: Complexes
-    W: Planar
+    W: PlanarMatrices
     pull: Complexes
     torque: Floats
 
 
 @dataclass(frozen=True)
-class System:
+class LinearSystem:
     """The shares (m + k,) of edges and sightings in chi2 at a state; H and b there, computed when first asked for."""
 
     equations: NormalEquations
-    terms: Terms
+    terms: EdgeTerms
     shares: Floats
 
     @property
@@ -90,7 +90,7 @@ class NormalEquations:
             sizes[list(graph.fixed)] = 0
         self.free = np.flatnonzero(np.repeat(sizes > 0, dimensions))
         self._measurements()
-        self.pattern = Pattern(sizes, self._i, self._j)
+        self.pattern = SparsityPattern(sizes, self._i, self._j)
         self._slots, self._rows = self._destinations()
         self._numbers = np.empty((len(UPPER[0]) * 2 + len(WHOLE[0]), len(self._i)))
 
@@ -105,9 +105,9 @@ class NormalEquations:
             self._j = np.concatenate([graph.j, graph.n_poses + seen.landmark])
             self._z = np.concatenate([self._z, _complex(seen.p_i_l)])
             self._turn = np.concatenate([self._turn, np.zeros(len(seen.i))])
-            first, second = self._omega, Planar.of(seen.information)
+            first, second = self._omega, PlanarMatrices.of(seen.information)
             p, w = np.concatenate([first.p, second.p]), np.concatenate([first.w, second.w])
-            self._omega = Planar(p, np.concatenate([first.q, second.q]), np.concatenate([first.k, second.k]), w)
+            self._omega = PlanarMatrices(p, np.concatenate([first.q, second.q]), np.concatenate([first.k, second.k]), w)
 
     def _destinations(self) -> tuple[Indices, Indices]:
         """Where the numbers of `entries` go in H, and those of `right_side` in b."""
@@ -132,7 +132,7 @@ class NormalEquations:
         angles -= TURN * np.rint(angles / TURN)
         return there
 
-    def assemble(self, state: Floats, weights: Weights | None = None) -> System:
+    def assemble(self, state: Floats, weights: Weights | None = None) -> LinearSystem:
         """H and b at a state; `weights` turns the chi2 (m,) of the edges into the factors (m,) that they count with."""
         poses, landmarks = self.nodes(state)
         t, theta, m = _complex(poses), poses[:, 2].copy(), len(self.graph.i)
@@ -149,13 +149,13 @@ class NormalEquations:
         if weights is not None:
             factors = np.concatenate([weights(shares[:m]), np.ones(len(shares) - m)])
             W, pull, torque = W.scaled(factors), factors * pull, factors * torque
-        return System(self, Terms(D, W, pull, torque), shares)
+        return LinearSystem(self, EdgeTerms(D, W, pull, torque), shares)
 
     def upper(self, state: Floats, weights: Weights | None = None) -> sparse.csc_array:
         """The upper triangle of H (s, s) at a state."""
         return self.pattern.upper(self.assemble(state, weights).data)
 
-    def entries(self, terms: Terms) -> Floats:
+    def entries(self, terms: EdgeTerms) -> Floats:
         """The upper triangle (nnz,) of H by (8). The angle's row of A' W is W (i D) + (k, w): r, then q2."""
         D, (p, q, k, w) = terms.D, terms.W
         r = 1j * (p * D - q * D.conj()) + k
@@ -174,7 +174,7 @@ class NormalEquations:
         np.negative(q2, out=H_ij[8])
         return _sums(self._slots, self._numbers.ravel(), self.pattern.nnz)
 
-    def right_side(self, terms: Terms) -> Floats:
+    def right_side(self, terms: EdgeTerms) -> Floats:
         """b (s,) by (8): - (W f, and its part of angle, turned by D too) for the first node, W f for the second."""
         D, _, pull, torque = terms
         sides = np.empty((BLOCK, 2, len(D)))

@@ -14,9 +14,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from reference.pose_graph.errors import ParameterError, SingularSystemError
-from reference.pose_graph.factor import Factor, factorise, positive_definite
+from reference.pose_graph.factor import Factorisation, factorise, is_positive_definite
 from reference.pose_graph.graph import POINT, Floats, PoseGraph, checked_landmarks, checked_poses
-from reference.pose_graph.normal_equations import NormalEquations, System, Weights
+from reference.pose_graph.normal_equations import LinearSystem, NormalEquations, Weights
 from reference.se2 import wrap_angle
 
 STEP_TOLERANCE = 1e-9
@@ -27,7 +27,7 @@ MOST_DAMPING = 1e16
 ROUNDING = 1e-14
 
 
-class Reason(StrEnum):
+class StopReason(StrEnum):
     """Why an optimisation ended."""
 
     SMALL_STEP = "the last step was below the tolerance"
@@ -63,7 +63,7 @@ class Solution:
     poses: Floats
     chi2: tuple[float, ...]
     converged: bool
-    reason: Reason
+    reason: StopReason
     gauge: Gauge
     landmarks: Floats = field(default_factory=lambda: np.zeros((0, POINT)))
     damping: tuple[float, ...] = ()
@@ -75,7 +75,7 @@ class Solution:
 
 
 @dataclass(frozen=True)
-class Limits:
+class StopLimits:
     """When to stop: `step` bounds the largest component of a step, `chi2` the relative decrease of chi2."""
 
     iterations: int
@@ -88,37 +88,37 @@ class Limits:
         if not (self.step >= 0.0 and self.chi2 >= 0.0):
             raise ParameterError("tolerance", "is not a positive number")
 
-    def reached(self, step: Floats, system: System, before: float, after: float) -> Reason | None:
+    def reached(self, step: Floats, system: LinearSystem, before: float, after: float) -> StopReason | None:
         """The reason to stop after a step that brought chi2 from `before`, where `system` was solved, to `after`.
 
         The decrease that the step promised is -b' step.
         """
         longest = float(np.abs(step).max())  # not finite where some component is not
         if not (math.isfinite(after) and math.isfinite(longest)):
-            return Reason.NOT_FINITE
+            return StopReason.NOT_FINITE
         if longest < self.step:
-            return Reason.SMALL_STEP
+            return StopReason.SMALL_STEP
         if abs(before - after) < self.chi2 * after or abs(system.b @ step) < ROUNDING * before:
-            return Reason.SMALL_DECREASE
+            return StopReason.SMALL_DECREASE
         return None
 
 
-class Problem:
+class OptimisationProblem:
     """A graph under optimisation: its normal equations, and a factor that keeps what the pattern decides."""
 
     def __init__(self, graph: PoseGraph, weights: Weights | None = None) -> None:
         self.graph, self.weights = graph, weights
         self.equations = NormalEquations(graph)
-        self._factor: Factor | None = None
+        self._factor: Factorisation | None = None
 
-    def at(self, state: Floats) -> System:
+    def at(self, state: Floats) -> LinearSystem:
         return self.equations.assemble(state, self.weights)
 
-    def cost(self, system: System) -> float:
+    def cost(self, system: LinearSystem) -> float:
         """What the search reports: chi2, every edge in full."""
         return system.chi2
 
-    def step(self, system: System, damping: float = 0.0) -> Floats:
+    def step(self, system: LinearSystem, damping: float = 0.0) -> Floats:
         """The step (s,): (H + damping I) step = -b. Raises SingularSystemError."""
         data = system.data
         if damping:
@@ -127,23 +127,23 @@ class Problem:
         if self._factor is None:
             upper = self.equations.pattern.upper(data)
             self._factor = factorise(upper)
-            if not self.surely_regular and not positive_definite(upper, self._factor.lower()):
+            if not self.is_surely_regular and not is_positive_definite(upper, self._factor.lower()):
                 raise SingularSystemError("the normal equations are singular: some unknown is free")
         else:
             self._factor.update(data)
         return -self._factor.solve(system.b)
 
     @property
-    def surely_regular(self) -> bool:
+    def is_surely_regular(self) -> bool:
         """Connected poses and full information make H positive definite; all else needs a look."""
-        return not self.graph.n_landmarks and self.weights is None and self.graph.fully_informed
+        return not self.graph.n_landmarks and self.weights is None and self.graph.is_fully_informed
 
-    def solution(self, state: Floats, history: list[float], reason: Reason, **more: object) -> Solution:
+    def solution(self, state: Floats, history: list[float], reason: StopReason, **more: object) -> Solution:
         poses, landmarks = self.equations.nodes(state)
         poses[:, 2] = wrap_angle(poses[:, 2])
         size = self.equations.pattern.size
         gauge = Gauge(self.graph.fixed, size, size)
-        met = reason in (Reason.SMALL_STEP, Reason.SMALL_DECREASE, Reason.NOTHING_FREE)
+        met = reason in (StopReason.SMALL_STEP, StopReason.SMALL_DECREASE, StopReason.NOTHING_FREE)
         return Solution(poses, tuple(history), met, reason, gauge, landmarks, **more)  # type: ignore[arg-type]
 
 
@@ -163,18 +163,18 @@ def gauss_newton(
     iteration that leaves the finite numbers ends the search, not converged. Raises a
     PoseGraphError for a start that does not fit the graph, SingularSystemError when something is not determined.
     """
-    limits = Limits(max_iterations, tolerance, chi2_tolerance)
-    problem = Problem(graph)
+    limits = StopLimits(max_iterations, tolerance, chi2_tolerance)
+    problem = OptimisationProblem(graph)
     state = problem.equations.state(checked_poses(graph, poses), checked_landmarks(graph, landmarks))
     return descend(problem, state, limits)
 
 
-def descend(problem: Problem, state: Floats, limits: Limits) -> Solution:
+def descend(problem: OptimisationProblem, state: Floats, limits: StopLimits) -> Solution:
     """Steps of Gauss-Newton from a state, until a limit is reached."""
     system = problem.at(state)
     history = [problem.cost(system)]
     if not problem.equations.pattern.size:
-        return problem.solution(state, history, Reason.NOTHING_FREE)
+        return problem.solution(state, history, StopReason.NOTHING_FREE)
     for _ in range(limits.iterations):
         before, step = system, problem.step(system)
         state = problem.equations.moved(state, step)
@@ -183,7 +183,7 @@ def descend(problem: Problem, state: Floats, limits: Limits) -> Solution:
         reason = limits.reached(step, before, *history[-2:])
         if reason is not None:
             return problem.solution(state, history, reason)
-    return problem.solution(state, history, Reason.ITERATIONS)
+    return problem.solution(state, history, StopReason.ITERATIONS)
 
 
 def levenberg_marquardt(
@@ -204,13 +204,13 @@ def levenberg_marquardt(
     by 2, then 4, 8... `first_damping` is relative to the largest diagonal entry of H. Arguments, results and errors are
     those of `gauss_newton`; chi2 lists accepted steps.
     """
-    limits = Limits(max_iterations, tolerance, chi2_tolerance)
-    problem = Problem(graph)
+    limits = StopLimits(max_iterations, tolerance, chi2_tolerance)
+    problem = OptimisationProblem(graph)
     state = problem.equations.state(checked_poses(graph, poses), checked_landmarks(graph, landmarks))
     system = problem.at(state)
     history, dampings = [system.chi2], []
     if not problem.equations.pattern.size:
-        return problem.solution(state, history, Reason.NOTHING_FREE)
+        return problem.solution(state, history, StopReason.NOTHING_FREE)
     damping, growth = first_damping * float(system.data[problem.equations.pattern.starts[1:] - 1].max()), 2.0
     reason = None
     while reason is None and len(history) <= max_iterations:
@@ -225,8 +225,8 @@ def levenberg_marquardt(
             dampings.append(damping)
             damping, growth = damping * max(1.0 / 3.0, 1.0 - (2.0 * gain - 1.0) ** 3), 2.0
         elif np.max(np.abs(step)) < tolerance:
-            reason = Reason.SMALL_STEP
+            reason = StopReason.SMALL_STEP
         else:
             damping, growth = damping * growth, 2.0 * growth
-            reason = Reason.NO_DECREASE if damping > MOST_DAMPING else None
-    return problem.solution(state, history, reason or Reason.ITERATIONS, damping=tuple(dampings))
+            reason = StopReason.NO_DECREASE if damping > MOST_DAMPING else None
+    return problem.solution(state, history, reason or StopReason.ITERATIONS, damping=tuple(dampings))

@@ -18,7 +18,7 @@ from reference.pose_graph.graph import Floats
 Complexes = NDArray[np.complex128]
 
 
-class Planar(NamedTuple):
+class PlanarMatrices(NamedTuple):
     """The m matrices [[p + Re q, Im q, Re k], [Im q, p - Re q, Im k], [Re k, Im k, w]]: every array is (m,)."""
 
     p: Floats
@@ -27,7 +27,7 @@ class Planar(NamedTuple):
     w: Floats
 
     @classmethod
-    def of(cls, matrices: Floats) -> Planar:
+    def of(cls, matrices: Floats) -> PlanarMatrices:
         """From symmetric matrices (m, 3, 3), or (m, 2, 2), which say nothing of the angle."""
         w00, w01, w11 = matrices[:, 0, 0], matrices[:, 0, 1], matrices[:, 1, 1]
         p, q = (w00 + w11) / 2.0, (w00 - w11) / 2.0 + 1j * w01
@@ -35,13 +35,13 @@ class Planar(NamedTuple):
             return cls(p, q, np.zeros_like(q), np.zeros_like(p))
         return cls(p, q, matrices[:, 0, 2] + 1j * matrices[:, 1, 2], matrices[:, 2, 2].copy())
 
-    def turned(self, u: Complexes) -> Planar:
+    def turned(self, u: Complexes) -> PlanarMatrices:
         """P Q P' with P = diag(R(theta), 1), u = exp(i theta) (m,)."""
-        return Planar(self.p, self.q * (u * u), self.k * u, self.w)
+        return PlanarMatrices(self.p, self.q * (u * u), self.k * u, self.w)
 
-    def scaled(self, factors: Floats) -> Planar:
+    def scaled(self, factors: Floats) -> PlanarMatrices:
         """Each matrix times its factor (m,)."""
-        return Planar(self.p * factors, self.q * factors, self.k * factors, self.w * factors)
+        return PlanarMatrices(self.p * factors, self.q * factors, self.k * factors, self.w * factors)
 
     def applied(self, z: Complexes, phi: Floats) -> tuple[Complexes, Floats]:
         """The products (6) with vectors (z, phi), (m,) each."""

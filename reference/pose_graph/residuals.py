@@ -12,7 +12,7 @@ from __future__ import annotations
 import numpy as np
 
 from reference.pose_graph.graph import BLOCK, POINT, Floats, PoseGraph
-from reference.pose_graph.planar import Planar
+from reference.pose_graph.planar import PlanarMatrices
 from reference.se2 import wrap_angle
 
 
@@ -72,12 +72,12 @@ def landmark_jacobians(T_w_i: Floats, p_w_l: Floats) -> tuple[Floats, Floats]:
     return by_i[:, :POINT], by_j[:, :POINT, :POINT]
 
 
-def planar_information(graph: PoseGraph) -> Planar:
+def planar_information(graph: PoseGraph) -> PlanarMatrices:
     """The matrices that weigh (1) as those of `graph` weigh the residual of its own convention.
 
     e2 = P' e1 with P = diag(R(theta_z), 1), by (2), so that e2' omega e2 = e1' (P omega P') e1
     """
-    omega = Planar.of(graph.information)
+    omega = PlanarMatrices.of(graph.information)
     return omega if graph.convention == "difference" else omega.turned(np.exp(1j * graph.z_i_j[:, 2]))
 
 

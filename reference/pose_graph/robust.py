@@ -17,13 +17,13 @@ from scipy.special import gammaincinv
 from reference.pose_graph.errors import ParameterError, ShapeError
 from reference.pose_graph.graph import BLOCK, Floats, PoseGraph, checked_landmarks, checked_poses
 from reference.pose_graph.kernels import Kernel
-from reference.pose_graph.normal_equations import System
-from reference.pose_graph.optimise import Limits, Problem, Solution, descend
+from reference.pose_graph.normal_equations import LinearSystem
+from reference.pose_graph.optimise import OptimisationProblem, Solution, StopLimits, descend
 
 Mask = NDArray[np.bool_]
 
 GROWTH = 1.4
-INNER = Limits(iterations=10, step=1e-4, chi2=1e-5)
+INNER = StopLimits(iterations=10, step=1e-4, chi2=1e-5)
 
 
 @dataclass(frozen=True)
@@ -43,14 +43,14 @@ class RobustSolution:
         return np.asarray(self.weights < 0.5)
 
 
-class _Reweighted(Problem):
+class _Reweighted(OptimisationProblem):
     """A problem whose suspects go through a kernel."""
 
     def __init__(self, graph: PoseGraph, kernel: Kernel, suspects: Mask) -> None:
         super().__init__(graph, lambda u: np.where(suspects, kernel.weight(u), 1.0))
         self.kernel, self.suspects = kernel, suspects
 
-    def cost(self, system: System) -> float:
+    def cost(self, system: LinearSystem) -> float:
         u = system.edge_chi2
         return float(np.where(self.suspects, self.kernel.rho(u), u).sum() + system.sighting_chi2.sum())
 
@@ -72,7 +72,7 @@ def robust_gauss_newton(
     """
     problem = _Reweighted(graph, kernel, _checked_suspects(graph, suspects))
     start = problem.equations.state(checked_poses(graph, poses), checked_landmarks(graph, landmarks))
-    solution = descend(problem, start, Limits(max_iterations, tolerance, chi2_tolerance))
+    solution = descend(problem, start, StopLimits(max_iterations, tolerance, chi2_tolerance))
     return _judged(problem, solution)
 
 
@@ -100,7 +100,7 @@ def graduated_non_convexity(
     if not 0.0 < limit < np.inf:
         raise ParameterError("bound", f"{limit} is not a positive number")
     weights = np.ones(len(graph.i))
-    problem = Problem(graph, lambda _: weights)
+    problem = OptimisationProblem(graph, lambda _: weights)
     state = problem.equations.state(checked_poses(graph, poses), checked_landmarks(graph, landmarks))
     found = descend(problem, state, INNER)
     mu = 0.0
@@ -117,7 +117,7 @@ def graduated_non_convexity(
         if np.all((weights == 1.0) | (weights == 0.0)):
             break
         mu *= GROWTH
-    last = descend(problem, problem.equations.state(found.poses, found.landmarks), Limits(50, 1e-9, 0.0))
+    last = descend(problem, problem.equations.state(found.poses, found.landmarks), StopLimits(50, 1e-9, 0.0))
     return RobustSolution(replace(last, weights=weights), weights)
 
 
@@ -140,7 +140,7 @@ def _judged(problem: _Reweighted, solution: Solution) -> RobustSolution:
     return RobustSolution(replace(solution, weights=weights), weights)
 
 
-def with_false_closures(graph: PoseGraph, count: int, rng: np.random.Generator) -> tuple[PoseGraph, Mask]:
+def add_false_closures(graph: PoseGraph, count: int, rng: np.random.Generator) -> tuple[PoseGraph, Mask]:
     """The graph with `count` loop closures added that claim two random poses to be one, and which edges (m,) they are.
 
     They carry the information of an edge of the graph, drawn at random: nothing but the others gives them away.

@@ -5,17 +5,17 @@ its parts: `nearest`, `kernels`, `normals`, `observability`, `acceleration`. `co
 window, without a guess. `scan_matching`: two scans of a robot, by the two together.
 """
 
-from reference.registration.correlation import Correlation, Window, correlate
-from reference.registration.icp import IcpError, IcpResult, Pairing, icp, icp_to_lines
+from reference.registration.correlation import CorrelationMatch, SearchWindow, correlate
+from reference.registration.icp import IcpError, IcpResult, PairingRule, icp, icp_to_lines
 from reference.registration.kernels import Cauchy, Huber, Kernel, LeastSquares, Tukey
 from reference.registration.normals import normals_by_beams, normals_by_neighbours
 from reference.registration.rigid import ROUNDING, InvalidCloudError, RigidAlignment, kabsch, squared_residual
-from reference.registration.scan_matching import LineCloud, Matching, ScanMatch, match_clouds, match_scans
+from reference.registration.scan_matching import LineCloud, MatchingSettings, ScanMatch, match_clouds, match_scans
 
 __all__ = [
     "ROUNDING",
     "Cauchy",
-    "Correlation",
+    "CorrelationMatch",
     "Huber",
     "IcpError",
     "IcpResult",
@@ -23,12 +23,12 @@ __all__ = [
     "Kernel",
     "LeastSquares",
     "LineCloud",
-    "Matching",
-    "Pairing",
+    "MatchingSettings",
+    "PairingRule",
     "RigidAlignment",
     "ScanMatch",
+    "SearchWindow",
     "Tukey",
-    "Window",
     "correlate",
     "icp",
     "icp_to_lines",

@@ -25,7 +25,7 @@ RIDGE = 1e-12
 TINY = float(np.finfo(np.float64).tiny)
 
 
-class Extrapolation:
+class AndersonExtrapolation:
     """The last poses and steps of a sequence; turns are weighed by `spread`, the size of the cloud."""
 
     def __init__(self, spread: float) -> None:

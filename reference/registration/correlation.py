@@ -31,7 +31,7 @@ OFFSETS = sorted(((y * y + x * x, y, x) for y in _AROUND for x in _AROUND if y *
 
 
 @dataclass(frozen=True)
-class Window:
+class SearchWindow:
     """Where to look: up to `reach` (m) along x and y and `turn` (rad) either way, by cells of `resolution` (m).
 
     A pose that is one standard deviation away from the guess, `sigma` (m) along an axis or `turn_sigma` (rad), must
@@ -55,7 +55,7 @@ class Window:
 
 
 @dataclass(frozen=True, eq=False)
-class Correlation:
+class CorrelationMatch:
     """The best pose of the lattice, its score, 1 at most, and how many scores and bounds were computed."""
 
     T_q_p: Pose
@@ -64,7 +64,7 @@ class Correlation:
 
 
 @dataclass(frozen=True, eq=False)
-class Lattice:
+class ScoreLattice:
     """The scores of shifts: `places` (turns, n) of the points of P in a field laid out row by row, `width` cells a row.
 
     `bounds`: the field, and its largest values over squares of 2^h cells, for h = 0, 1, 2...; 0 near their borders.
@@ -87,7 +87,7 @@ class Lattice:
         return np.asarray(seen - self.turn_costs[nodes[:, 0]] - self.cell_cost * np.sum(away**2, axis=1))
 
 
-def correlate(P: ArrayLike, Q: ArrayLike, T_q_p: ArrayLike, window: Window) -> Correlation:
+def correlate(P: ArrayLike, Q: ArrayLike, T_q_p: ArrayLike, window: SearchWindow) -> CorrelationMatch:
     """The pose of best score for P (n, 2) on Q (m, 2) in a window around `T_q_p` (3,).
 
     Raises IcpError or InvalidCloudError.
@@ -103,10 +103,12 @@ def correlate(P: ArrayLike, Q: ArrayLike, T_q_p: ArrayLike, window: Window) -> C
     lattice = build_lattice(p, q, guess, turns, window, height)
     (turn, dy, dx), score, evaluations = _search(lattice, len(turns), shift, height)
     moved = guess + np.array([dx * window.resolution, dy * window.resolution, turns[turn]])
-    return Correlation(np.array([*moved[:2], wrap_angle(float(moved[2]))]), score, evaluations)
+    return CorrelationMatch(np.array([*moved[:2], wrap_angle(float(moved[2]))]), score, evaluations)
 
 
-def build_lattice(p: Floats, q: Floats, guess: Floats, turns: Floats, window: Window, height: int) -> Lattice:
+def build_lattice(
+    p: Floats, q: Floats, guess: Floats, turns: Floats, window: SearchWindow, height: int
+) -> ScoreLattice:
     """The field of Q on a grid with margins wide enough for every bound, and P at every turn of the guess on it.
 
     Shifts are below 2^height cells either way, and rows so wide that none leads off them.
@@ -126,7 +128,7 @@ def build_lattice(p: Floats, q: Floats, guess: Floats, turns: Floats, window: Wi
     x, y = np.moveaxis(cells - low, -1, 0)
     places = np.clip(y, -2 * side, rows + side) * width + np.clip(x, side, width - side)
     costs = COST * (turns / window.turn_sigma) ** 2
-    return Lattice(places, width, tuple(bounds), costs, COST * (resolution / window.sigma) ** 2)
+    return ScoreLattice(places, width, tuple(bounds), costs, COST * (resolution / window.sigma) ** 2)
 
 
 def _field(marked: Indices, shape: tuple[int, int]) -> Floats:
@@ -146,7 +148,7 @@ def _pooled(field: Floats, side: int) -> Floats:
     return np.maximum(tall[:, :-side], tall[:, side:])
 
 
-def _search(lattice: Lattice, turns: int, shift: int, height: int) -> tuple[tuple[int, int, int], float, int]:
+def _search(lattice: ScoreLattice, turns: int, shift: int, height: int) -> tuple[tuple[int, int, int], float, int]:
     """The best (turn, dy, dx) with |dy|, |dx| <= shift, from squares of 2^height cells down to single ones."""
     roots = np.arange(-shift, shift + 1, 2**height)
     nodes = np.stack(np.meshgrid(np.arange(turns), roots, roots, indexing="ij"), axis=-1).reshape(-1, 3)
@@ -166,7 +168,7 @@ def _search(lattice: Lattice, turns: int, shift: int, height: int) -> tuple[tupl
     return (int(best[0]), int(best[1]), int(best[2])), best_score, evaluations
 
 
-def _dive(lattice: Lattice, node: Indices, height: int, shift: int) -> tuple[Indices, float]:
+def _dive(lattice: ScoreLattice, node: Indices, height: int, shift: int) -> tuple[Indices, float]:
     """A leaf below a node, by the best branch each time, and its score: a score that others must beat."""
     score = 0.0
     for h in range(height, -1, -1):

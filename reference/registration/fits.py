@@ -19,13 +19,13 @@ UNSEEN = 1e-9
 TINY = float(np.finfo(np.float64).tiny)
 
 
-def carry(T_q_p: Pose, points: Complexes) -> Complexes:
+def transform_points(T_q_p: Pose, points: Complexes) -> Complexes:
     """The points (n,) of the frame of P, in the frame of Q: z becomes exp(i theta) z + (x + i y)."""
     x, y, theta = T_q_p.tolist()
     return points * cmath.rect(1.0, theta) + complex(x, y)
 
 
-class Weighed(NamedTuple):
+class WeightedPoints(NamedTuple):
     """Points with their weights: the mean, and weight times what is left (n,), with the root of the sum of its squares.
 
     A cloud that is fitted again and again with all its weights equal is weighed once.
@@ -36,7 +36,7 @@ class Weighed(NamedTuple):
     size: float
 
     @classmethod
-    def of(cls, points: Complexes, weights: Floats | None = None) -> Weighed:
+    def of(cls, points: Complexes, weights: Floats | None = None) -> WeightedPoints:
         """Points (n,) and their weights (n,); 1 each, unless given."""
         if weights is None:
             mean = complex(np.add.reduce(points)) / len(points)
@@ -47,7 +47,7 @@ class Weighed(NamedTuple):
         return cls(mean, parts, float(np.vdot(parts, parts).real) ** 0.5)
 
 
-def weighted_fit(p: Weighed, q: Complexes, weights: Floats | None, T_q_p: Pose) -> Pose:
+def fit_weighted_pairs(p: WeightedPoints, q: Complexes, weights: Floats | None, T_q_p: Pose) -> Pose:
     """The motion that minimises sum w |R p + t - q|^2 over pairs (n,): Theorem 3 in the plane, in closed form.
 
     With centred points, sum w conj(p) q = sum w p . q + i sum w p x q, and R is the turn by its argument: a rotation by
@@ -62,7 +62,7 @@ def weighted_fit(p: Weighed, q: Complexes, weights: Floats | None, T_q_p: Pose) 
     return np.array([t.real, t.imag, theta])
 
 
-def slide(
+def step_towards_lines(
     T_q_p: Pose, moved: Complexes, q: Complexes, normals: Complexes, weights: Floats, unseen: float = UNSEEN
 ) -> Pose:
     """One Gauss-Newton step of sum w (n . (R p + t - q))^2, turning about the centre of the points `moved` = R p + t.

@@ -25,8 +25,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from reference.errors import InvalidArgumentError
-from reference.registration.acceleration import Extrapolation
-from reference.registration.fits import UNSEEN, Weighed, carry, slide, weighted_fit
+from reference.registration.acceleration import AndersonExtrapolation
+from reference.registration.fits import UNSEEN, WeightedPoints, fit_weighted_pairs, step_towards_lines, transform_points
 from reference.registration.kernels import Kernel, LeastSquares
 from reference.registration.nearest import Complexes, NearestPoints
 from reference.registration.normals import plane_cloud
@@ -45,7 +45,7 @@ class IcpError(InvalidArgumentError):
 
 
 @dataclass(frozen=True)
-class Pairing:
+class PairingRule:
     """Which pairs count, and how much: a robust kernel, a greatest distance, the share of the points that is kept."""
 
     kernel: Kernel = field(default_factory=LeastSquares)
@@ -62,7 +62,7 @@ class Pairing:
     def plain(self) -> bool:
         return isinstance(self.kernel, LeastSquares) and self.max_distance == np.inf and self.keep == 1.0
 
-    def judge(self, gaps: Floats, distances: Floats) -> tuple[float, Floats | None]:
+    def cost_and_weights(self, gaps: Floats, distances: Floats) -> tuple[float, Floats | None]:
         """The cost (1) of pairs with gaps (n,), and the weight (n,) of each in the next fit; None: all count alike.
 
         `distances` (n,): theirs, by which they are rejected; the same as their gaps, but for lines.
@@ -124,7 +124,7 @@ def icp(
     Q: ArrayLike,
     T_q_p: ArrayLike = IDENTITY,
     *,
-    pairing: Pairing | None = None,
+    pairing: PairingRule | None = None,
     max_iterations: int = 50,
     tolerance: float = 1e-9,
     accelerated: bool = False,
@@ -136,16 +136,16 @@ def icp(
     InvalidCloudError, also when every point of P is the same one, or no pair is near enough to count.
     """
     p, q = _distinct("P", P), _plane("Q", Q)
-    alike = Weighed.of(p)
+    alike = WeightedPoints.of(p)
 
     def fit(T: Pose, moved: Complexes, pairs: Indices, weights: Floats | None) -> Pose:
-        return weighted_fit(alike if weights is None else Weighed.of(p, weights), q[pairs], weights, T)
+        return fit_weighted_pairs(alike if weights is None else WeightedPoints.of(p, weights), q[pairs], weights, T)
 
     def gaps(moved: Complexes, distances: Floats, pairs: Indices) -> Floats:
         return distances
 
-    search = _Search(p, NearestPoints(q), fit, gaps, pairing or Pairing(), max_iterations, tolerance)
-    return search.run(_pose(T_q_p), Extrapolation(float(np.std(p))) if accelerated else None)
+    search = _Search(p, NearestPoints(q), fit, gaps, pairing or PairingRule(), max_iterations, tolerance)
+    return search.run(_pose(T_q_p), AndersonExtrapolation(float(np.std(p))) if accelerated else None)
 
 
 def icp_to_lines(
@@ -154,7 +154,7 @@ def icp_to_lines(
     normals: ArrayLike,
     T_q_p: ArrayLike = IDENTITY,
     *,
-    pairing: Pairing | None = None,
+    pairing: PairingRule | None = None,
     max_iterations: int = 50,
     tolerance: float = 1e-9,
     unseen: float = UNSEEN,
@@ -171,12 +171,12 @@ def icp_to_lines(
         raise InvalidCloudError("normals", "are all null: Q follows no line")
 
     def fit(T: Pose, moved: Complexes, pairs: Indices, weights: Floats | None) -> Pose:
-        return slide(T, moved, q[pairs], n[pairs], np.ones(len(p)) if weights is None else weights, unseen)
+        return step_towards_lines(T, moved, q[pairs], n[pairs], np.ones(len(p)) if weights is None else weights, unseen)
 
     def gaps(moved: Complexes, distances: Floats, pairs: Indices) -> Floats:
         return np.abs((np.conj(n[pairs]) * (moved - q[pairs])).real)
 
-    search = _Search(p, NearestPoints(q), fit, gaps, pairing or Pairing(), max_iterations, tolerance)
+    search = _Search(p, NearestPoints(q), fit, gaps, pairing or PairingRule(), max_iterations, tolerance)
     return search.run(_pose(T_q_p))
 
 
@@ -206,11 +206,11 @@ class _Search:
     nearest: NearestPoints
     fit: Fit
     gaps_of: Callable[[Complexes, Floats, Indices], Floats]
-    pairing: Pairing
+    pairing: PairingRule
     max_iterations: int
     tolerance: float
 
-    def run(self, T_q_p: Pose, extrapolate: Extrapolation | None = None) -> IcpResult:
+    def run(self, T_q_p: Pose, extrapolate: AndersonExtrapolation | None = None) -> IcpResult:
         state, converged = _counting(self._pair(T_q_p)), False
         errors = [state.cost]
         while not converged and len(errors) <= self.max_iterations:
@@ -221,7 +221,7 @@ class _Search:
         weights = np.ones(len(self.p)) if state.weights is None else state.weights
         return IcpResult(state.T_q_p, np.array(errors), state.pairs, state.gaps, weights, converged)
 
-    def _jump(self, state: _State, T_fitted: Pose, extrapolate: Extrapolation) -> _State:
+    def _jump(self, state: _State, T_fitted: Pose, extrapolate: AndersonExtrapolation) -> _State:
         """Where the sequence is heading, if that is lower than where it is; its next pose otherwise."""
         T = extrapolate(state.T_q_p, T_fitted)
         ahead = self._pair(T)
@@ -231,10 +231,10 @@ class _Search:
         return self._pair(T_fitted)
 
     def _pair(self, T: Pose) -> _State:
-        moved = carry(T, self.p)
+        moved = transform_points(T, self.p)
         distances, pairs = self.nearest.find(moved)
         gaps = self.gaps_of(moved, distances, pairs)
-        cost, weights = self.pairing.judge(gaps, distances)
+        cost, weights = self.pairing.cost_and_weights(gaps, distances)
         return _State(T, moved, pairs, gaps, cost, weights)
 
     def _is_still(self, T: Pose, T_next: Pose) -> bool:

@@ -22,8 +22,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.spatial import cKDTree
 
-from reference.registration.correlation import Window, correlate
-from reference.registration.icp import IcpError, IcpResult, Pairing, icp_to_lines
+from reference.registration.correlation import SearchWindow, correlate
+from reference.registration.icp import IcpError, IcpResult, PairingRule, icp_to_lines
 from reference.registration.kernels import Cauchy
 from reference.registration.normals import normals_by_neighbours, plane_cloud
 from reference.registration.observability import DEGENERATE, Observability, line_jacobians, observability
@@ -40,7 +40,7 @@ STILL = 1e-5
 
 
 @dataclass(frozen=True)
-class Matching:
+class MatchingSettings:
     """How scans are matched, in metres: pairs farther than `max_distance` are dropped, gaps beyond `scale` count less.
 
     Points within `near` of the other scan overlap it; `sigma` is the standard deviation believed of the gap of a piece
@@ -118,13 +118,13 @@ class ScanMatch:
 
 
 def match_scans(
-    a: Scan, b: Scan, T_a_b: ArrayLike, *, matching: Matching | None = None, window: Window | None = None
+    a: Scan, b: Scan, T_a_b: ArrayLike, *, matching: MatchingSettings | None = None, window: SearchWindow | None = None
 ) -> ScanMatch:
     """The pose of scan b seen from scan a, from the guess `T_a_b` (3,), or from the best place in a `window` around it.
 
     Raises IcpError for a scan of fewer than 10 points, or when nothing of b comes near a.
     """
-    rule, clouds = matching or Matching(), (LineCloud.of_scan(a), LineCloud.of_scan(b))
+    rule, clouds = matching or MatchingSettings(), (LineCloud.of_scan(a), LineCloud.of_scan(b))
     for name, cloud in zip("ab", clouds, strict=True):
         if len(cloud) < MIN_POINTS:
             raise IcpError(name, f"shows {len(cloud)} points, fewer than {MIN_POINTS}")
@@ -135,17 +135,22 @@ def match_scans(
 
 
 def match_clouds(
-    a: LineCloud, b: LineCloud, T_a_b: ArrayLike, *, matching: Matching | None = None, window: Window | None = None
+    a: LineCloud,
+    b: LineCloud,
+    T_a_b: ArrayLike,
+    *,
+    matching: MatchingSettings | None = None,
+    window: SearchWindow | None = None,
 ) -> ScanMatch:
     """The pose of cloud b on cloud a, as `match_scans`; a may be many scans laid together.
 
     Raises IcpError or InvalidCloudError, also when nothing of b comes near a.
     """
-    rule, guess = matching or Matching(), np.asarray(T_a_b, dtype=np.float64)
+    rule, guess = matching or MatchingSettings(), np.asarray(T_a_b, dtype=np.float64)
     if window:
         close = b.points[np.linalg.norm(plane_cloud("b", b.points), axis=1) <= rule.reach]
         guess = correlate(close, a.points, guess, window).T_q_p
-    pairing = Pairing(Cauchy(rule.scale), rule.max_distance)
+    pairing = PairingRule(Cauchy(rule.scale), rule.max_distance)
     # A few points of a door frame would let a corridor slide by metres: along what is hardly seen, the guess stays.
     found = icp_to_lines(b.points, a.points, a.normals, guess, pairing=pairing, tolerance=STILL, unseen=DEGENERATE)
     moved, normals = transform(found.T_q_p, b.points), a.normals[found.pairs]
@@ -155,7 +160,7 @@ def match_clouds(
     return ScanMatch(found.T_q_p, information, overlap, held, found)
 
 
-def _information(moved: Floats, t_a_b: Floats, normals: Floats, weights: Floats, rule: Matching) -> Floats:
+def _information(moved: Floats, t_a_b: Floats, normals: Floats, weights: Floats, rule: MatchingSettings) -> Floats:
     """The sum (3, 3) over the pieces of wall of the mean of w J'J / sigma^2 of the points on each, w their weights.
 
     What is weak is left out, lengths and angles being compared by the spread of the points about the robot.

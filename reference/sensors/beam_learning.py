@@ -37,7 +37,7 @@ class BeamFit:
     converged: bool
 
 
-def learn(
+def learn_beam_model(
     ranges: ArrayLike, expected: ArrayLike, start: BeamModel, *, rounds: int = 200, tolerance: float = 1e-7
 ) -> BeamFit:
     """The model that makes ranges (n,) most likely given expected ones (n,), near `start`.

@@ -39,7 +39,7 @@ def plain_responsibilities(model: BeamModel, ranges: ArrayLike, expected: ArrayL
     return np.asarray(joint / total)
 
 
-def plain_round(model: BeamModel, ranges: ArrayLike, expected: ArrayLike) -> BeamModel:
+def plain_em_round(model: BeamModel, ranges: ArrayLike, expected: ArrayLike) -> BeamModel:
     """One round of EM: (1), then (2). Raises InvalidArgumentError."""
     z, truth = np.asarray(ranges, dtype=np.float64), np.asarray(expected, dtype=np.float64)
     due = plain_responsibilities(model, z, truth)

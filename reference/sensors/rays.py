@@ -23,7 +23,7 @@ class ScanLikelihood(Protocol):
     def log_likelihood(self, poses_world: Floats, scan: Scan, /) -> Floats: ...
 
 
-def thinned(scan: Scan, count: int) -> Scan:
+def thin_scan(scan: Scan, count: int) -> Scan:
     """At most `count` beams of the scan, as evenly spread as whole beams can be. Raises InvalidArgumentError."""
     if count < 1:
         raise InvalidArgumentError("count", f"{count} beams make no scan")

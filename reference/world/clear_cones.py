@@ -17,7 +17,7 @@ Counts = NDArray[np.uint8]
 MOST = 255
 
 
-def leaps(wall: Grid, sectors: int) -> Counts:
+def clear_leap_lengths(wall: Grid, sectors: int) -> Counts:
     """How far rays may leap, (m, sectors, L, R, 2), on maps `wall` (m, L, R) framed by walls, at most MOST.
 
     A ray comes into column `i` by row `r` and goes towards greater columns and rows, with a slope, in rows a column, of
@@ -30,13 +30,13 @@ def leaps(wall: Grid, sectors: int) -> Counts:
     found = np.empty((len(wall), sectors, columns, rows, 2), dtype=np.uint8)
     own = free[:, :-1, :-1]
     for k in range(sectors):
-        beyond = cones(wall, k, sectors)[:, 1:] + np.uint8(1)
+        beyond = clear_cone_lengths(wall, k, sectors)[:, 1:] + np.uint8(1)
         np.multiply(own, beyond[:, :, :-1], out=found[:, k, :, :, 0])
         np.multiply(own & free[:, :-1, 1:], beyond[:, :, 1:], out=found[:, k, :, :, 1])
     return found
 
 
-def cones(wall: Grid, k: int, sectors: int) -> Counts:
+def clear_cone_lengths(wall: Grid, k: int, sectors: int) -> Counts:
     """How many columns are empty in each cell's cone, (m, L + 1, R + 1), on maps `wall` (m, L, R), at most MOST - 1.
 
     The cone of (i, r) holds what rays may touch that come into column i within row r, with a slope of sector k. After

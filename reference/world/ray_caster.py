@@ -22,7 +22,7 @@ from itertools import product
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from reference.world.clear_cones import leaps
+from reference.world.clear_cones import clear_leap_lengths
 from reference.world.raycast import Floats, Grid, RaycastError, checked_rays
 
 Integers = NDArray[np.int64]
@@ -125,7 +125,7 @@ class _Starts:
 class RayCaster:
     """A map `free` (H, W) made ready for casting.
 
-    `table` holds what `clear_cones.leaps` tells of its mirrors, framed by walls: of four whose columns are the map's,
+    `table`: the `clear_cones.clear_leap_lengths` of its mirrors, framed by walls: of four whose columns are the map's,
     then of four whose columns are its rows. `place` (3, 8) tells, for each mirror, where cell (x, y) of the map is in
     the table: place[0] x + place[1] y + place[2]. Heights are in units of 2^-`unit` rows.
     """
@@ -144,7 +144,7 @@ class RayCaster:
         wall = np.pad(~grid, 1, constant_values=True)
         steep = np.stack([wall[::step_y, ::step_x] for step_y in (1, -1) for step_x in (1, -1)])
         shallow = np.ascontiguousarray(steep.swapaxes(1, 2))
-        table = np.concatenate([leaps(maps, SECTORS).ravel() for maps in (shallow, steep)])
+        table = np.concatenate([clear_leap_lengths(maps, SECTORS).ravel() for maps in (shallow, steep)])
         return cls(grid, table, _places(*wall.shape), BITS - max(wall.shape).bit_length())
 
     def cast(self, origins: ArrayLike, angles: ArrayLike, max_range: float) -> Floats:

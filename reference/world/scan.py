@@ -18,7 +18,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from reference.errors import InvalidArgumentError, check_word
+from reference.errors import InvalidArgumentError, check_choice
 
 Floats = NDArray[np.float64]
 Zero = Literal["no measurement", "too close", "nothing seen"]
@@ -82,7 +82,7 @@ class Scan:
         """
         if not 0.0 <= min_range < max_range:
             raise ScanError("min_range", f"{min_range} is not a length below max_range")
-        check_word("zero", zero, Zero, ScanError)
+        check_choice("zero", zero, Zero, ScanError)
         readings = np.asarray(ranges, dtype=np.float64)
         if zero == "nothing seen":
             readings = np.where(readings == 0.0, np.inf, readings)

@@ -23,7 +23,7 @@ class SceneError(InvalidArgumentError):
     """A place too small for what it should hold; `argument` names it."""
 
 
-def building(
+def random_building(
     rng: np.random.Generator, rooms: tuple[int, int], room: int = 20, door: int = 4, resolution: float = 0.05
 ) -> GridMap:
     """`rooms` = (rows, columns) of rooms about `room` cells wide, a door of `door` cells in each wall between two.
@@ -50,7 +50,7 @@ def building(
     return GridMap.from_free(_connected(free), resolution)
 
 
-def clutter(
+def random_clutter(
     rng: np.random.Generator, shape: tuple[int, int], obstacles: int, size: int = 6, resolution: float = 0.05
 ) -> GridMap:
     """A hall (H, W) with boxes of at most `size` cells a side scattered in it. Raises SceneError."""
@@ -68,7 +68,7 @@ def clutter(
     return GridMap.from_free(_connected(free), resolution)
 
 
-def ring(
+def random_ring(
     rng: np.random.Generator, shape: tuple[int, int], corridor: int = 12, niches: int = 24, resolution: float = 0.05
 ) -> GridMap:
     """A corridor that closes on itself around a block, (H, W) in all, with `niches` in its walls to tell places apart.

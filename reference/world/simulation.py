@@ -1,7 +1,7 @@
 """A differential robot with a lidar in a grid map: journeys, what its encoders count, and what its lidar reads.
 
 All is in metres and radians in the world's frame. The robot does exactly what is asked; its encoders err, by the model
-of `DifferentialDrive`, and its lidar by that of `Lidar`: odometry then drifts away from the truth.
+of `DifferentialDrive`, and its lidar by that of `SimulatedLidar`: odometry then drifts away from the truth.
 
 Source: Thrun, Burgard, Fox, "Probabilistic Robotics" (2005), section 6.3, for the errors of a lidar.
 """
@@ -28,7 +28,7 @@ class SimulationError(InvalidArgumentError):
 
 
 @dataclass(frozen=True, eq=False)
-class Lidar:
+class SimulatedLidar:
     """Beams along `angles` (n,) from the heading, up to `max_range`.
 
     A beam that hits reads the distance with an error of standard deviation `sigma`. With probability `short` something
@@ -59,7 +59,7 @@ class Lidar:
             raise SimulationError("stray", "with `short` and `miss` makes a probability above 1")
 
     @classmethod
-    def full_turn(cls, beams: int, max_range: float, sigma: float = 0.0) -> Lidar:
+    def full_turn(cls, beams: int, max_range: float, sigma: float = 0.0) -> SimulatedLidar:
         """A lidar of `beams` beams over a whole turn, without gross errors."""
         return cls(turn_angles(beams), max_range, sigma)
 
@@ -81,7 +81,7 @@ class Lidar:
 
 
 @dataclass(frozen=True, eq=False)
-class Run:
+class SimulatedRun:
     """A simulated journey of n poses, one every `period` seconds.
 
     `truth` (n, 3); `wheels` (n - 1, 2), the paths (left, right) that the encoders counted between them; `odometry`
@@ -93,7 +93,7 @@ class Run:
     odometry: Floats
     ranges: Floats
     drive: DifferentialDrive
-    lidar: Lidar
+    lidar: SimulatedLidar
     period: float
 
     def __len__(self) -> int:
@@ -114,10 +114,10 @@ def simulate(
     motions: Sequence[Motion],
     start: ArrayLike,
     drive: DifferentialDrive,
-    lidar: Lidar,
+    lidar: SimulatedLidar,
     rng: np.random.Generator,
     period: float = 0.1,
-) -> Run:
+) -> SimulatedRun:
     """Drive `motions` from the pose `start` (3,), and write down what the encoders and the lidar say.
 
     Raises SimulationError when a pose on the way is not on a free cell.
@@ -131,7 +131,7 @@ def simulate(
         raise SimulationError("motions", f"lead off the free cells, at pose {blocked[0]}")
     counted = paths + drive.deviations(paths) * rng.standard_normal(paths.shape)
     ranges = lidar.read(grid_map, truth, rng)
-    return Run(truth, counted, integrate(drive, counted, start), ranges, drive, lidar, period)
+    return SimulatedRun(truth, counted, integrate(drive, counted, start), ranges, drive, lidar, period)
 
 
 def motions_through(start: ArrayLike, waypoints: ArrayLike, step: float, turn: float) -> list[Motion]:
@@ -158,7 +158,7 @@ def motions_through(start: ArrayLike, waypoints: ArrayLike, step: float, turn: f
     return motions
 
 
-def wander(
+def random_walk(
     grid_map: GridMap, start: ArrayLike, count: int, step: float, turn: float, rng: np.random.Generator
 ) -> list[Motion]:
     """`count` motions of a robot that goes where there is room: ahead while it can, else towards a way that is open.

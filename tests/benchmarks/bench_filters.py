@@ -20,7 +20,7 @@ import numpy as np
 
 from reference.ekf_slam import EkfSlam, SlamNoise, Update, update_covariance_in_place, updated_covariance_textbook
 from reference.filters.resampling import (
-    comb,
+    comb_resampling,
     multinomial_resampling,
     residual_resampling,
     stratified_resampling,
@@ -29,7 +29,7 @@ from reference.localisation.mcl import MonteCarloLocalization, uniform_poses
 from reference.sensors.beam import BeamModel, BeamSensor
 from reference.sensors.likelihood_field import LikelihoodField
 from reference.world.scan import Scan
-from reference.world.scenes import building
+from reference.world.scenes import random_building
 from tests.benchmarks.measure import Contender, Goal, Pace, Row, figure, interleave, median, table
 
 PARTICLES, BEAMS, MILLION = 500, 30, 1_000_000
@@ -90,10 +90,10 @@ def tutorial_comb(weights: list[float]) -> list[int]:
 def resampling_contenders() -> list[Contender]:
     weights = np.random.default_rng(0).random(MILLION)
     weights /= weights.sum()
-    assert np.array_equal(comb(weights, OFFSET).ancestors, searched(weights))
+    assert np.array_equal(comb_resampling(weights, OFFSET).ancestors, searched(weights))
     rng, listed = np.random.default_rng(1), weights.tolist()
     contenders = [
-        timed("systematic, ours", lambda: comb(weights, OFFSET)),
+        timed("systematic, ours", lambda: comb_resampling(weights, OFFSET)),
         timed("stratified, ours", lambda: stratified_resampling(weights, rng)),
         timed("residual, ours", lambda: residual_resampling(weights, rng), 5),
         timed("multinomial, ours", lambda: multinomial_resampling(weights, rng), 5),
@@ -138,7 +138,7 @@ def naive_step(
 
 def localisation_contenders() -> list[Contender]:
     rng = np.random.default_rng(2)
-    grid_map = building(rng, (2, 3), resolution=0.2)
+    grid_map = random_building(rng, (2, 3), resolution=0.2)
     start = uniform_poses(grid_map, PARTICLES, rng)
     angles = 2.0 * np.pi * np.arange(BEAMS) / BEAMS
     scan = Scan(grid_map.cast_scans(start[:1], angles, 8.0)[0], angles, 8.0)

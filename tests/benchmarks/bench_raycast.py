@@ -23,7 +23,7 @@ from reference.world.grid_map import GridMap
 from reference.world.ray_caster import RayCaster
 from reference.world.raycast import cast_rays
 from reference.world.scan import turn_angles
-from reference.world.scenes import building, clutter
+from reference.world.scenes import random_building, random_clutter
 from tests.benchmarks.measure import Contender, Goal, Row, figure, interleave, median, table
 
 POSES, BEAMS = 500, 30
@@ -157,9 +157,9 @@ def report(found: Compared) -> None:
 def places(side: int) -> dict[str, GridMap]:
     rng, rooms = np.random.default_rng(7), side // 40
     return {
-        "Cluttered hall": clutter(rng, (side, side), side * side // 400),
-        "Building of rooms": building(rng, (rooms, rooms), side // rooms - 1, 6),
-        "Empty hall": clutter(rng, (side, side), 0),
+        "Cluttered hall": random_clutter(rng, (side, side), side * side // 400),
+        "Building of rooms": random_building(rng, (rooms, rooms), side // rooms - 1, 6),
+        "Empty hall": random_clutter(rng, (side, side), 0),
     }
 
 

@@ -26,7 +26,7 @@ import numpy as np
 
 from reference.formats.carmen import LaserLog, parse_flaser
 from reference.formats.relations import parse_relations
-from reference.front_end import Slam, slam
+from reference.front_end import SlamResult, slam
 from reference.metrics import RelativeError, absolute_trajectory_error, relation_error
 from reference.se2 import relative
 from tests.benchmarks.measure import Goal, Row
@@ -50,7 +50,7 @@ class Mapped:
     """A log and what came out, in milliseconds of processor time a scan; `by_relations`: None where there are none."""
 
     log: LaserLog
-    found: Slam
+    found: SlamResult
     pace: float
     by_relations: RelativeError | None
 

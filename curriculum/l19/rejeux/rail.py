@@ -27,7 +27,7 @@ from graders.scene.replay import (
     View,
     decimal,
 )
-from reference.filters.scalar import ScalarBelief, kalman_gain, settled_variance
+from reference.filters.scalar import ScalarBelief, kalman_gain, steady_state_variance
 
 Floats = NDArray[np.float64]
 
@@ -208,7 +208,7 @@ def summary(journey: Journey, values: Values) -> list[str]:
         f"La première correction ramène le doute de {decimal(journey.beliefs[1].sigma, 2)} m à "
         f"{decimal(first.sigma, 2)} m ; la dernière, à {decimal(last.sigma, 2)} m.",
     ]
-    settled = float(np.sqrt(settled_variance(step**2, noise**2)))
+    settled = float(np.sqrt(steady_state_variance(step**2, noise**2)))
     if values.flag("impose"):
         lost = last.sigma / min(settled, last.sigma) if settled > 0.0 else np.inf
         texts.append(

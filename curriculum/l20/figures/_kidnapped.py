@@ -6,12 +6,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from curriculum.l20.figures._plan import module_map
-from reference.localisation.mcl import Injection, MonteCarloLocalization, uniform_poses
+from reference.localisation.mcl import InjectionRule, MonteCarloLocalization, uniform_poses
 from reference.localisation.odometry_motion import OdometryNoise
 from reference.odometry import DifferentialDrive
 from reference.se2 import relative, wrap_angle
 from reference.sensors.beam import BeamModel, BeamSensor
-from reference.world.simulation import Lidar, Run, SimulationError, simulate, wander
+from reference.world.simulation import SimulatedLidar, SimulatedRun, SimulationError, random_walk, simulate
 
 Floats = NDArray[np.float64]
 
@@ -20,12 +20,12 @@ PARTICLES = 500
 LASTING = 3  # steps in a row near the truth
 INJECTIONS = {
     "sans injection": None,
-    "5 % au hasard": Injection(0, 0, 0.05, 1),
-    "5 % bien choisis": Injection(0, 0, 0.05, 40),
+    "5 % au hasard": InjectionRule(0, 0, 0.05, 1),
+    "5 % bien choisis": InjectionRule(0, 0, 0.05, 40),
 }
 
 
-def recovery(injection: Injection | None, seed: int) -> int | None:
+def recovery(injection: InjectionRule | None, seed: int) -> int | None:
     """The first of three steps in a row that the filter spends near its robot, from 1; None if there are none."""
     rng = np.random.default_rng(seed)
     run = _journey(rng)
@@ -52,13 +52,13 @@ def _is_near(pose: Floats, truth: Floats) -> bool:
     return bool(np.hypot(*away[:2]) < 0.8 and abs(wrap_angle(float(away[2]))) < 0.3)
 
 
-def _journey(rng: np.random.Generator) -> Run:
+def _journey(rng: np.random.Generator) -> SimulatedRun:
     """A walk of a robot through the module's map, from anywhere."""
-    drive, lidar = DifferentialDrive(0.6, 0.0, 0.03), Lidar.full_turn(36, 12.0, 0.1)
+    drive, lidar = DifferentialDrive(0.6, 0.0, 0.03), SimulatedLidar.full_turn(36, 12.0, 0.1)
     while True:
         start = uniform_poses(module_map(), 1, rng)[0]
         try:
-            motions = wander(module_map(), start, STEPS, 0.5, 0.5, rng)
+            motions = random_walk(module_map(), start, STEPS, 0.5, 0.5, rng)
             return simulate(module_map(), motions, start, drive, lidar, rng)
         except SimulationError:  # it led off the free cells: another start
             continue

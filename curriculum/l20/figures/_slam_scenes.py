@@ -14,10 +14,10 @@ from graders.plotting import Palette
 from reference.occupancy import OccupancyGrid
 from reference.odometry import DifferentialDrive
 from reference.pose_graph import PoseGraph, gauss_newton
-from reference.registration import Matching, match_scans
+from reference.registration import MatchingSettings, match_scans
 from reference.se2 import compose, relative
 from reference.world.grid_map import GridMap
-from reference.world.simulation import Lidar, Run, motions_through, simulate
+from reference.world.simulation import SimulatedLidar, SimulatedRun, motions_through, simulate
 
 Floats = NDArray[np.float64]
 
@@ -29,7 +29,7 @@ TOUR = (
 SEED = 7
 FINE = 0.2
 EVERY = 3
-MATCHING = Matching(max_distance=1.5, scale=0.2, near=0.3, sigma=0.05)
+MATCHING = MatchingSettings(max_distance=1.5, scale=0.2, near=0.3, sigma=0.05)
 STEP_INFORMATION = np.diag([250.0, 250.0, 500.0])
 CLOSURE_INFORMATION = np.diag([400.0, 400.0, 2500.0])
 
@@ -41,11 +41,13 @@ def world() -> GridMap:
 
 
 @cache
-def tour() -> Run:
+def tour() -> SimulatedRun:
     """Once around the building and back into the first room, by wheels that slip and a lidar of 120 beams."""
     motions = motions_through(START, TOUR, 0.5, 0.4)
     drive = DifferentialDrive(0.6, 0.0, 0.045)
-    return simulate(world(), motions, START, drive, Lidar.full_turn(120, 12.0, 0.05), np.random.default_rng(SEED))
+    return simulate(
+        world(), motions, START, drive, SimulatedLidar.full_turn(120, 12.0, 0.05), np.random.default_rng(SEED)
+    )
 
 
 def occupancy(poses: Floats, scans: range) -> OccupancyGrid:

@@ -13,14 +13,14 @@ from numpy.typing import NDArray
 from curriculum.l20.figures._plan import RANGE, draw_robot, draw_walls, french, module_map
 from graders.plotting import Palette
 from reference import se2
-from reference.filters.resampling import comb
+from reference.filters.resampling import comb_resampling
 from reference.localisation.grid_filter import GridFilter, GridWorld, sample_move
 from reference.localisation.mcl import MonteCarloLocalization, uniform_poses
 from reference.localisation.odometry_motion import OdometryNoise
 from reference.odometry import DifferentialDrive
 from reference.sensors.beam import BeamModel, BeamSensor
 from reference.world.grid_map import GridMap
-from reference.world.simulation import Lidar, Run, motions_through, simulate
+from reference.world.simulation import SimulatedLidar, SimulatedRun, motions_through, simulate
 
 Floats = NDArray[np.float64]
 
@@ -33,7 +33,7 @@ SIGMA = 1.5
 def grid_story() -> list[tuple[tuple[int, int], Floats]]:
     """Where the robot is, (y, x), and what it believes, after the first scan and after each of eight steps."""
     world, rng = GridWorld.of(module_map().free, RANGE), np.random.default_rng(2)
-    lidar = Lidar.full_turn(4, RANGE, SIGMA)
+    lidar = SimulatedLidar.full_turn(4, RANGE, SIGMA)
     cell, belief = (8, 9), GridFilter(world, SIGMA)
     story = []
     for step in range(len(COMMANDS) + 1):
@@ -80,7 +80,7 @@ def journey(grid_map: GridMap, way: tuple[tuple[float, float], ...], beams: int,
     rng = np.random.default_rng(seed)
     start = (*way[0], 0.0)
     motions = motions_through(start, way[1:], 1.0, np.pi / 4)
-    lidar = Lidar.full_turn(beams, sight, 0.1)
+    lidar = SimulatedLidar.full_turn(beams, sight, 0.1)
     return Journey(grid_map, simulate(grid_map, motions, start, DifferentialDrive(0.5, 0.0, 0.01), lidar, rng), rng)
 
 
@@ -89,7 +89,7 @@ class Journey:
     """A map, what a robot measured while it drove through it, and the random numbers that its filter draws."""
 
     grid_map: GridMap
-    run: Run
+    run: SimulatedRun
     rng: np.random.Generator
 
     def filter(self, count: int) -> MonteCarloLocalization:
@@ -106,14 +106,14 @@ class Journey:
             if step > 0:
                 localization.predict(se2.relative(self.run.odometry[step - 1], self.run.odometry[step]))
             localization.weigh(self.run.scan(step))
-            clouds.append(localization.states[comb(localization.weights, 0.5).ancestors])
+            clouds.append(localization.states[comb_resampling(localization.weights, 0.5).ancestors])
             if localization.degenerate:
                 localization.resample()
         return clouds
 
 
 @cache
-def mcl_story() -> tuple[Run, list[Floats]]:
+def mcl_story() -> tuple[SimulatedRun, list[Floats]]:
     """A journey on the module's map and the 500 particles that follow it from nothing."""
     story = journey(module_map(), MCL_WAY, 12, RANGE, MCL_SEED)
     return story.run, story.follow(story.filter(500), max(MCL_MOMENTS))
@@ -153,7 +153,7 @@ TWINS_STEPS = 8
 
 
 @cache
-def twins_story() -> tuple[Run, MonteCarloLocalization]:
+def twins_story() -> tuple[SimulatedRun, MonteCarloLocalization]:
     """A journey in a corridor that a half-turn leaves unchanged, and the filter that follows it from nothing."""
     story = journey(GridMap.from_text(TWINS), ((4.5, 4.4), (25.0, 4.4)), 16, 6.0, 9)
     localization = story.filter(2000)

@@ -27,7 +27,7 @@ from reference.se2 import compose, inverse, relative, transform, wrap_angle
 from reference.sensors.likelihood_field import LikelihoodField
 from reference.world.grid_map import GridMap
 from reference.world.scan import Scan
-from reference.world.simulation import Lidar
+from reference.world.simulation import SimulatedLidar
 
 Floats = NDArray[np.float64]
 
@@ -67,7 +67,7 @@ def two_clouds() -> tuple[Floats, Floats]:
     free = np.zeros((34, 84), dtype=bool)
     free[2:-2, 2:-2] = True
     hall, rng, truth = GridMap.from_free(free, 0.1), np.random.default_rng(1), np.array([2.2, 1.2, 0.3])
-    lidar = Lidar.full_turn(36, 12.0)
+    lidar = SimulatedLidar.full_turn(36, 12.0)
     scan = Scan(lidar.read(hall, truth[None], rng)[0], lidar.angles, 12.0)
     field = LikelihoodField(hall, sigma=0.15, max_range=12.0, power=0.15)
     states = likely_poses(hall, field, scan, 240, rng, 70)

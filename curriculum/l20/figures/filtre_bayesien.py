@@ -14,7 +14,7 @@ from curriculum.l20.figures._plan import french
 from graders.plotting import Palette
 from reference.filters.corridor import Corridor
 from reference.filters.histogram import HistogramFilter
-from reference.filters.unscented import SigmaPoints, Spread
+from reference.filters.unscented import SigmaPoints, UnscentedParameters
 
 Floats = NDArray[np.float64]
 
@@ -140,7 +140,7 @@ def _to_plane(polar: Floats) -> Floats:
 def unscented_moments() -> tuple[Floats, Floats, Floats]:
     """The images of the sigma points, their mean and their covariance."""
     variances = np.diag([RANGE_LAW[1] ** 2, BEARING_LAW[1] ** 2])
-    sigma = SigmaPoints.of(np.array([RANGE_LAW[0], BEARING_LAW[0]]), variances, Spread(1.0, 0.0, 1.0))
+    sigma = SigmaPoints.of(np.array([RANGE_LAW[0], BEARING_LAW[0]]), variances, UnscentedParameters(1.0, 0.0, 1.0))
     images = _to_plane(sigma.points)
     mean = sigma.for_mean @ images
     away = images - mean

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from curriculum.l20.figures._plan import draw_impacts, draw_robot, draw_walls, french, mark_axes, module_map, ray_ends
 from graders.plotting import Palette
-from reference.planning.dynamic_window import DynamicWindow, Limits, drive, navigate
+from reference.planning.dynamic_window import DynamicWindow, RobotLimits, navigate, predict_drive
 from reference.planning.grid_search import SearchGrid
 from reference.planning.inflation import inflate
 from reference.world.grid_map import GridMap
@@ -156,19 +156,19 @@ def draw_window(figure: Figure, palette: Palette) -> None:
     axes = figure.add_subplot()
     draw_walls(axes, palette, module_map())
     world = GridMap.from_free(_fine_free(), 1.0 / FINE)
-    limits = Limits(radius=0.25, max_v=2.0, max_w=2.2, max_dv=3.0, max_dw=8.0, period=0.25, horizon=1.6, samples=9)
+    limits = RobotLimits(radius=0.25, max_v=2.0, max_w=2.2, max_dv=3.0, max_dw=8.0, period=0.25, horizon=1.6, samples=9)
     goal = np.array([13.0, 2.0])
     journey = navigate(world, np.array([2.5, 8.0, 0.0]), goal, limits)
     window = DynamicWindow.towards(world, goal, limits)
     at = int(np.argmin(np.abs(journey.poses[:, 0] - 8.2)))
     pose, speed = journey.poses[at], journey.speeds[at - 1]
     choices = np.array([(v, w) for v in np.linspace(0.4, 2.0, 4) for w in np.linspace(-2.0, 2.0, 17)])
-    arcs = drive(pose, choices, limits, brake=False, duration=limits.horizon)
+    arcs = predict_drive(pose, choices, limits, brake=False, duration=limits.horizon)
     clear = window.clearance(arcs).min(axis=1) > limits.radius
     for path, free in zip(arcs, clear, strict=True):
         colour, width = (palette.faint, 1.2) if free else (palette.alert, 0.7)
         axes.plot(path[:, 0], path[:, 1], color=colour, lw=width, zorder=4 if free else 3)
-    chosen = drive(pose, window.choose(pose, speed)[None], limits, brake=False, duration=limits.horizon)[0]
+    chosen = predict_drive(pose, window.choose(pose, speed)[None], limits, brake=False, duration=limits.horizon)[0]
     axes.plot(journey.poses[:, 0], journey.poses[:, 1], color=palette.truth, lw=1.6, zorder=5)
     axes.plot(chosen[:, 0], chosen[:, 1], color=palette.estimate, lw=3.0, zorder=6)
     draw_robot(axes, pose, palette.estimate, palette)

@@ -21,7 +21,7 @@ from curriculum.l20.figures._plan import (
 from graders.plotting import Palette
 from reference.world.grid_map import GridMap
 from reference.world.scan import turn_angles
-from reference.world.simulation import Lidar
+from reference.world.simulation import SimulatedLidar
 
 Floats = NDArray[np.float64]
 
@@ -99,7 +99,7 @@ def passer_by_scan() -> tuple[Floats, NDArray[np.bool_]]:
     free[PASSER_BY] = False
     angles = turn_angles(36)
     seen, mapped = (world.cast_scans([TRUTH], angles, RANGE)[0] for world in (GridMap.from_free(free), module_map()))
-    read = Lidar.full_turn(36, RANGE, SIGMA).disturb(seen, np.random.default_rng(4))
+    read = SimulatedLidar.full_turn(36, RANGE, SIGMA).disturb(seen, np.random.default_rng(4))
     return read, seen < mapped - 1e-9
 
 

@@ -12,7 +12,7 @@ from reference.localisation.odometry_motion import OdometryNoise, sample_odometr
 from reference.se2 import relative
 from reference.sensors.likelihood_field import LikelihoodField
 from reference.world.grid_map import GridMap
-from reference.world.simulation import Lidar
+from reference.world.simulation import SimulatedLidar
 
 RAYS, REACH, SIGMA, FINE = 16, 8.0, 0.1, 4
 NOISE = OdometryNoise(0.15, 0.045, 0.15, 0.045)
@@ -37,7 +37,7 @@ def film(
     fine = fine_map(grid)
     field = LikelihoodField(fine, sigma=0.35, max_range=REACH, power=0.4)
     robot = MonteCarloLocalization(fine, field, particles, rng, motion=NOISE)
-    lidar, story, count = Lidar.full_turn(RAYS, REACH, SIGMA), Story(), len(particles)
+    lidar, story, count = SimulatedLidar.full_turn(RAYS, REACH, SIGMA), Story(), len(particles)
     story.sizes.append((BEFORE, count))
     story.show(0, BEFORE, begun, cloud(robot), Pose(path[0], "truth"))
     for step, truth in enumerate(path):

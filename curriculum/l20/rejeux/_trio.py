@@ -13,7 +13,7 @@ from reference.filters.gaussian import GaussianBelief
 from reference.filters.models import GaussianModel
 from reference.filters.particles import ParticleFilter
 from reference.filters.resampling import effective_sample_size
-from reference.filters.unscented import Spread, UnscentedKalmanFilter
+from reference.filters.unscented import UnscentedKalmanFilter, UnscentedParameters
 
 Floats = NDArray[np.float64]
 
@@ -21,7 +21,7 @@ ADVANCE = 10.0
 #: Moins de particules que cela comptent : le nuage ne dit plus rien de sa largeur.
 COLLAPSED = 5.0
 #: κ = 3 − n, pour n nombres incertains : trois et les deux bruits du mouvement, puis trois.
-PREDICTING, CORRECTING = Spread(beta=0.0, kappa=-2.0), Spread(beta=0.0)
+PREDICTING, CORRECTING = UnscentedParameters(beta=0.0, kappa=-2.0), UnscentedParameters(beta=0.0)
 
 
 @dataclass(frozen=True, eq=False)

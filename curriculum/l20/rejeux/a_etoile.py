@@ -27,7 +27,7 @@ from graders.scene.replay import (
     View,
     decimal,
 )
-from reference.planning import Inflated, Route, SearchGrid, UnreachableError, inflate
+from reference.planning import InflatedGrid, Route, SearchGrid, UnreachableError, inflate
 from reference.world.distance_map import distance_to
 from reference.world.grid_map import GridMap
 
@@ -158,7 +158,7 @@ def nearest(point: tuple[float, float], allowed: np.ndarray) -> tuple[int, int]:
     return int(rows[best]), int(columns[best])
 
 
-def search(space: Inflated, start: tuple[int, int], goal: tuple[int, int], method: str) -> Search:
+def search(space: InflatedGrid, start: tuple[int, int], goal: tuple[int, int], method: str) -> Search:
     grid = SearchGrid(space.free, space.costs)
     try:
         weight = WEIGHTS.get(method)
@@ -182,7 +182,7 @@ def pictures(result: Search) -> tuple[list[Frame], list[int], list[int]]:
     return [*frames, *(Frame(caption=text) for _ in steps)], [*waves, *(255 for _ in steps)], [*walked, *steps]
 
 
-def cost_cells(space: Inflated, price: float) -> np.ndarray:
+def cost_cells(space: InflatedGrid, price: float) -> np.ndarray:
     """Ce que coûte chaque case, de 0 à 1 ; 1 où le robot ne peut pas être."""
     costs = 0.7 * space.costs / max(price, 1e-9)
     return np.where(free(), np.where(space.free, costs, 1.0), 0.0)

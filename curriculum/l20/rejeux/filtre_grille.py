@@ -30,7 +30,7 @@ from graders.scene.replay import (
 )
 from reference.localisation.grid_filter import COMMANDS, Belief, Cell, GridWorld, correct, predict, sample_move
 from reference.world.grid_map import GridMap
-from reference.world.simulation import Lidar
+from reference.world.simulation import SimulatedLidar
 
 TITLE = "Le filtre bayésien sur une grille"
 ALT = (
@@ -155,7 +155,7 @@ def sense(
     journey: Journey, belief: Belief, cell: Cell, sigma: float, reach: float, rng: np.random.Generator, name: str
 ) -> Belief:
     """Un scan bruité, la croyance qu'il corrige, et leur image."""
-    scan = Lidar.full_turn(4, reach, sigma).disturb(journey.world.scans[cell], rng)
+    scan = SimulatedLidar.full_turn(4, reach, sigma).disturb(journey.world.scans[cell], rng)
     corrected = correct(journey.world, belief, scan, sigma)
     centre = np.array([cell[1] + 0.5, cell[0] + 0.5])
     ends = centre + scan[:, None] * np.array([[1, 0], [0, 1], [-1, 0], [0, -1]])

@@ -31,7 +31,7 @@ from reference.metrics import absolute_trajectory_error
 from reference.odometry import DifferentialDrive
 from reference.pose_graph import DCS, Huber, Kernel, PoseGraph, chi2, edge_chi2, gauss_newton, robust_gauss_newton
 from reference.se2 import relative, transform
-from reference.world.simulation import Lidar, Run, motions_through, simulate
+from reference.world.simulation import SimulatedLidar, SimulatedRun, motions_through, simulate
 
 TITLE = "Le graphe de poses se referme"
 ALT = (
@@ -69,7 +69,7 @@ ROUTE = (
     (11.5, 7.9), (3.5, 7.9), (3.5, 3.5), (7.0, 3.5),
 )  # fmt: skip
 STRIDE, TURN, TRACK = 1.0, 1.6, 0.5
-LIDAR = Lidar.full_turn(30, 6.0, 0.03)
+LIDAR = SimulatedLidar.full_turn(30, 6.0, 0.03)
 CLOSURE_SIGMAS = np.array([0.05, 0.05, 0.02])
 FLOOR = np.diag([1e-4, 1e-4, 1e-5])
 APART, NEAR = 20, 1.0
@@ -131,7 +131,7 @@ def compute(values: Values, rng: np.random.Generator) -> Replay:
     )
 
 
-def closures(run: Run, count: int) -> list[tuple[int, int]]:
+def closures(run: SimulatedRun, count: int) -> list[tuple[int, int]]:
     """Des paires de poses éloignées dans le temps et proches dans l'espace, réparties le long du trajet."""
     away = np.linalg.norm(run.truth[:, None, :2] - run.truth[None, :, :2], axis=2)
     late, early = np.nonzero(np.tril(away < NEAR, -APART))
@@ -143,7 +143,7 @@ def closures(run: Run, count: int) -> list[tuple[int, int]]:
     return [nearest[k] for k in chosen]
 
 
-def build(run: Run, pairs: list[tuple[int, int]], noise: np.ndarray, mistaken: bool) -> PoseGraph:
+def build(run: SimulatedRun, pairs: list[tuple[int, int]], noise: np.ndarray, mistaken: bool) -> PoseGraph:
     """L'odométrie d'une pose à la suivante, les fermetures, puis la fausse s'il y en a une."""
     edges = []
     for k, (left, right) in enumerate(run.wheels.tolist()):
@@ -158,7 +158,7 @@ def build(run: Run, pairs: list[tuple[int, int]], noise: np.ndarray, mistaken: b
     return PoseGraph.from_edges(len(run), edges)
 
 
-def optimise(graph: PoseGraph, run: Run, kernel: Kernel | None) -> list[State]:
+def optimise(graph: PoseGraph, run: SimulatedRun, kernel: Kernel | None) -> list[State]:
     """Gauss-Newton, une itération à la fois, depuis l'odométrie."""
     states = [judged(graph, run, run.odometry, kernel)]
     while len(states) <= MOST:
@@ -174,7 +174,7 @@ def optimise(graph: PoseGraph, run: Run, kernel: Kernel | None) -> list[State]:
     return states
 
 
-def judged(graph: PoseGraph, run: Run, poses: np.ndarray, kernel: Kernel | None) -> State:
+def judged(graph: PoseGraph, run: SimulatedRun, poses: np.ndarray, kernel: Kernel | None) -> State:
     error = absolute_trajectory_error(run.truth, poses, "first").rmse
     if kernel is None:
         return State(poses, chi2(graph, poses), np.ones(len(graph.i)), error)
@@ -183,7 +183,7 @@ def judged(graph: PoseGraph, run: Run, poses: np.ndarray, kernel: Kernel | None)
     return State(poses, cost, np.where(doubted, kernel.weight(each), 1.0), error)
 
 
-def pictures(run: Run, graph: PoseGraph, states: list[State], mistaken: bool) -> list[Frame]:
+def pictures(run: SimulatedRun, graph: PoseGraph, states: list[State], mistaken: bool) -> list[Frame]:
     scans = [run.scan(k).points() for k in range(len(run))]
     loops = np.flatnonzero(graph.closures)
     before = f"L'odométrie seule : un écart quadratique moyen de {en_cases(states[0].error)} avec le vrai trajet."

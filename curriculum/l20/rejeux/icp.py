@@ -28,9 +28,9 @@ from graders.scene.replay import (
     View,
     decimal,
 )
-from reference.registration import IcpResult, Pairing, icp
+from reference.registration import IcpResult, PairingRule, icp
 from reference.se2 import transform, wrap_angle
-from reference.world.simulation import Lidar
+from reference.world.simulation import SimulatedLidar
 
 TITLE = "ICP : recaler un scan sur un autre"
 ALT = (
@@ -84,10 +84,10 @@ class Course:
 
 
 def compute(values: Values, rng: np.random.Generator) -> Replay:
-    lidar = Lidar.full_turn(BEAMS, REACH, values.number("bruit"))
+    lidar = SimulatedLidar.full_turn(BEAMS, REACH, values.number("bruit"))
     q, p = scan_points(FIRST, lidar, rng), strange(scan_points(SECOND, lidar, rng), values.number("intrus"), rng)
     q = transform(FIRST, q)
-    pairing = Pairing(keep=KEPT if values.flag("elagage") else 1.0)
+    pairing = PairingRule(keep=KEPT if values.flag("elagage") else 1.0)
     shift = np.array([values.number("dx"), values.number("dy"), 0.0])
     rotation = values.number("rotation")
     course = follow(p, q, guess(rotation, shift), pairing)
@@ -127,7 +127,7 @@ def compute(values: Values, rng: np.random.Generator) -> Replay:
     )
 
 
-def scan_points(pose: np.ndarray, lidar: Lidar, rng: np.random.Generator) -> np.ndarray:
+def scan_points(pose: np.ndarray, lidar: SimulatedLidar, rng: np.random.Generator) -> np.ndarray:
     """Les points d'un scan, dans le repère du robot."""
     ranges = lidar.read(carte(), [pose], rng)[0]
     hit = ranges < REACH
@@ -147,7 +147,7 @@ def guess(rotation: float, shift: np.ndarray) -> np.ndarray:
     return SECOND + shift + np.array([0.0, 0.0, np.radians(rotation)])
 
 
-def follow(p: np.ndarray, q: np.ndarray, start: np.ndarray, pairing: Pairing) -> Course:
+def follow(p: np.ndarray, q: np.ndarray, start: np.ndarray, pairing: PairingRule) -> Course:
     """ICP un tour à la fois, jusqu'à ce que plus rien ne bouge."""
     state = icp(p, q, start, pairing=pairing, max_iterations=0)
     course = Course([state.T_q_p], [state.pairs], [state.weights], [mean_gap(state)], False)
@@ -163,7 +163,7 @@ def follow(p: np.ndarray, q: np.ndarray, start: np.ndarray, pairing: Pairing) ->
     return course
 
 
-def settled(p: np.ndarray, q: np.ndarray, start: np.ndarray, pairing: Pairing) -> np.ndarray:
+def settled(p: np.ndarray, q: np.ndarray, start: np.ndarray, pairing: PairingRule) -> np.ndarray:
     """Où finit `follow`, d'un seul trait."""
     return icp(p, q, start, pairing=pairing, max_iterations=MOST, tolerance=STILL).T_q_p
 

@@ -25,7 +25,7 @@ from graders.scene.replay import (
     decimal,
 )
 from reference.world.scan import turn_angles
-from reference.world.simulation import Lidar
+from reference.world.simulation import SimulatedLidar
 
 TITLE = "Ce que voit le lidar"
 ALT = (
@@ -62,7 +62,7 @@ def compute(values: Values, rng: np.random.Generator) -> Replay:
     x, y, theta = values.pose("pose")
     pose = np.array([*plus_proche_libre(x, y), theta])
     count, reach, sigma = values.whole("rayons"), float(values.whole("portee")), values.number("bruit")
-    lidar = Lidar.full_turn(count, reach, sigma)
+    lidar = SimulatedLidar.full_turn(count, reach, sigma)
     true = carte().cast_scans([pose], lidar.angles, reach)[0]
     read = lidar.disturb(true, rng)
     headings = pose[2] + lidar.angles

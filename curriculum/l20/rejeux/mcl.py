@@ -34,7 +34,7 @@ from reference.se2 import relative
 from reference.sensors.likelihood_field import LikelihoodField
 from reference.world.grid_map import GridMap
 from reference.world.scan import Scan
-from reference.world.simulation import Lidar, motions_through
+from reference.world.simulation import SimulatedLidar, motions_through
 
 TITLE = "La localisation de Monte-Carlo"
 ALT = (
@@ -115,7 +115,7 @@ def compute(values: Values, rng: np.random.Generator) -> Replay:
     count, taken = int(values.choice("particules")), values.event("enlevement")
     strength = values.number("bruit")
     noise = OdometryNoise(strength, 0.3 * strength, strength, 0.3 * strength)
-    lidar = Lidar.full_turn(values.whole("rayons"), REACH, LIDAR_SIGMA)
+    lidar = SimulatedLidar.full_turn(values.whole("rayons"), REACH, LIDAR_SIGMA)
     field_of_map = LikelihoodField(fine_map(), sigma=0.35, max_range=REACH, power=0.4)
     usual, elsewhere = routes()
     robot = MonteCarloLocalization(
@@ -163,7 +163,7 @@ def weigh_and_resample(
     robot: MonteCarloLocalization,
     step: int,
     truth: np.ndarray,
-    lidar: Lidar,
+    lidar: SimulatedLidar,
     injection: float,
     rng: np.random.Generator,
     grid: GridMap | None = None,

@@ -30,7 +30,7 @@ from graders.scene.replay import (
 from reference.occupancy import InverseSensorModel, OccupancyGrid, log_odds
 from reference.odometry import DifferentialDrive
 from reference.se2 import wrap_angle
-from reference.world.simulation import Lidar, Run, motions_through, simulate
+from reference.world.simulation import SimulatedLidar, SimulatedRun, motions_through, simulate
 
 TITLE = "La carte d'occupation, scan après scan"
 ALT = (
@@ -107,7 +107,7 @@ def inside() -> np.ndarray:
 def compute(values: Values, rng: np.random.Generator) -> Replay:
     drive = DifferentialDrive(TRACK, sigma_per_root_metre=values.number("derive") / 100.0)
     reach = float(values.whole("portee"))
-    lidar = Lidar.full_turn(values.whole("rayons"), reach, values.number("bruit"))
+    lidar = SimulatedLidar.full_turn(values.whole("rayons"), reach, values.number("bruit"))
     run = simulate(carte(), motions_through(START, ROUTE, STRIDE, TURN), START, drive, lidar, rng)
     confidence = float(log_odds(values.number("confiance")))
     model = InverseSensorModel(confidence, -confidence, once_a_scan=True)
@@ -146,7 +146,7 @@ def compute(values: Values, rng: np.random.Generator) -> Replay:
     )
 
 
-def draw(run: Run, mode: str, model: InverseSensorModel) -> tuple[list[Frame], list[Score]]:
+def draw(run: SimulatedRun, mode: str, model: InverseSensorModel) -> tuple[list[Frame], list[Score]]:
     """Les images, et la note à chaque scan de la carte dressée avec les poses choisies."""
     shape, corner = true_cells().shape, np.array([-MARGIN, -MARGIN, 0.0])
     believed, exact = (OccupancyGrid(np.zeros(shape), SIDE, corner, model) for _ in range(2))
@@ -191,7 +191,7 @@ def score(p: np.ndarray) -> Score:
     )
 
 
-def summary(run: Run, scores: list[Score], mode: str) -> list[str]:
+def summary(run: SimulatedRun, scores: list[Score], mode: str) -> list[str]:
     away = np.hypot(*(run.odometry - run.truth)[:, :2].T)
     turned = abs(np.degrees(wrap_angle(float(run.odometry[-1, 2] - run.truth[-1, 2]))))
     last = scores[-1]

@@ -17,7 +17,7 @@ from graders.core.contract.values import Arguments, Floats
 from graders.l19.matrices import drawn_covariance, is_covariance, matrix
 from reference.data_association import (
     AssociationError,
-    Expectations,
+    ExpectedSightings,
     joint_compatibility,
     joint_distance,
 )
@@ -54,7 +54,7 @@ def right_new(z: Floats, landmarks: Floats, S: Floats, level: float = LEVEL) -> 
 
 
 def right_joint(z: Floats, landmarks: Floats, C: Floats, R: Floats, level: float = LEVEL) -> list[int]:
-    chosen = joint_compatibility(Expectations(landmarks, C, R, NO_ANGLE), z, level).landmarks
+    chosen = joint_compatibility(ExpectedSightings(landmarks, C, R, NO_ANGLE), z, level).landmarks
     return [int(k) for k in chosen]
 
 
@@ -244,7 +244,7 @@ def decides(args: Arguments) -> bool:
         return False
     if not is_clear((z, landmarks, alone(C, R), level)):
         return False
-    expected = Expectations(landmarks, C, R, NO_ANGLE)
+    expected = ExpectedSightings(landmarks, C, R, NO_ANGLE)
     try:
         found = tuple(joint_compatibility(expected, z, level).pairs)
     except AssociationError:
@@ -266,7 +266,7 @@ def _is_clearly_best(found: Pairs, rivals: Sequence[tuple[Pairs, float, str]]) -
     return parts and best[0][1] == found
 
 
-def _rivals(expected: Expectations, z: Floats, level: float) -> Iterator[tuple[Pairs, float, str]]:
+def _rivals(expected: ExpectedSightings, z: Floats, level: float) -> Iterator[tuple[Pairs, float, str]]:
     """Every hypothesis of a pair or more: its pairs, its distance, and whether it is compatible: yes, no or near."""
     for chosen in product(range(-1, len(expected)), repeat=len(z)):
         pairs = tuple((i, k) for i, k in enumerate(chosen) if k >= 0)

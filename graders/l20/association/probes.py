@@ -19,7 +19,7 @@ from graders.l20.association.cases import (
     steady_scan,
     threshold,
 )
-from reference.data_association import Expectations, joint_distance
+from reference.data_association import ExpectedSightings, joint_distance
 
 #: Wrong answers of as many pairs that establish that distances do not decide.
 MIN_FARTHER = 2
@@ -64,7 +64,7 @@ def _is_farther_of_as_many(call: Arguments, got: ProbeAnswer, right: ProbeAnswer
     pairs = len(chosen)
     if pairs != np.sum(right >= 0) or len(set(chosen)) < pairs or np.any(got >= len(landmarks)) or np.any(got < -1):
         return False
-    expected = Expectations(landmarks, C, R, NO_ANGLE)
+    expected = ExpectedSightings(landmarks, C, R, NO_ANGLE)
     mine, least = (joint_distance(expected, z, [int(k) for k in answer]) for answer in (got, right))
     return least < mine <= threshold(call[4] if len(call) > 4 else LEVEL, pairs)
 

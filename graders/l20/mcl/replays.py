@@ -26,7 +26,7 @@ from graders.scene.replay import (
     View,
     decimal,
 )
-from reference.localisation.mcl import Injection, MonteCarloLocalization, uniform_poses
+from reference.localisation.mcl import InjectionRule, MonteCarloLocalization, uniform_poses
 from reference.sensors.likelihood_field import LikelihoodField
 from reference.world.grid_map import GridMap
 from reference.world.scan import Scan, turn_angles
@@ -67,7 +67,11 @@ class Reference:
         rng = np.random.default_rng(0)
         sensor = LikelihoodField(fine(grid), sigma=SIGMA, max_range=world.RANGE, power=POWER)
         robot = MonteCarloLocalization(
-            fine(grid), sensor, uniform_poses(grid, PARTICLES, rng), rng, injection=Injection(0.0, 0.0, 0.05, tries=20)
+            fine(grid),
+            sensor,
+            uniform_poses(grid, PARTICLES, rng),
+            rng,
+            injection=InjectionRule(0.0, 0.0, 0.05, tries=20),
         )
         robot.model = MeasuredMoves(sensor)
         told = cls()

@@ -20,7 +20,7 @@ from graders.core.contract.values import Arguments, Floats
 from graders.l20 import journeys, world
 from reference.se2 import compose
 from reference.world.grid_map import GridMap
-from reference.world.simulation import Lidar
+from reference.world.simulation import SimulatedLidar
 
 HALL = np.pad(np.ones((11, 32), dtype=bool), 1)
 HALL_RANGE = 4.0
@@ -60,7 +60,7 @@ def hall() -> GridMap:
 
 def scan_of(grid: GridMap, pose: Floats, reach: float, rng: np.random.Generator) -> Floats:
     """What the lidar reads from a pose: noisy, 36 rays."""
-    lidar = Lidar.full_turn(journeys.BEAMS, reach, journeys.SCAN_NOISE)
+    lidar = SimulatedLidar.full_turn(journeys.BEAMS, reach, journeys.SCAN_NOISE)
     return np.asarray(lidar.read(grid, [pose], rng)[0])
 
 

@@ -21,7 +21,7 @@ from graders.core.compare import words as render
 from graders.core.contract.findings import FigureData
 from graders.core.contract.values import Floats
 from graders.l20.reechantillonnage.harvest import FUNCTION, Counts, Harvest, Objection, Scenario
-from reference.filters.resampling import comb
+from reference.filters.resampling import comb_resampling
 
 TAIL = 1e-10
 SHOWN = 24
@@ -139,7 +139,7 @@ def is_comb(weights: Floats, copies: Counts) -> bool:
     """Are these the copies that a comb gives at some offset?"""
     breaks = np.unique(np.concatenate([[0.0, 1.0], np.mod(len(weights) * np.cumsum(weights), 1.0)]))
     middles = (breaks[1:] + breaks[:-1]) / 2
-    return any(np.array_equal(comb(weights, float(u)).copies, copies) for u in middles)
+    return any(np.array_equal(comb_resampling(weights, float(u)).copies, copies) for u in middles)
 
 
 def _bias_rejection(harvest: Harvest, total: Counts, i: int) -> Rejection:

@@ -14,7 +14,7 @@ import server
 from curriculum.l19.figures import kalman
 from reference.filters.extended import ExtendedKalmanFilter
 from reference.filters.range_bearing import RangeModel
-from reference.filters.scalar import ScalarBelief, kalman_gain, mean_nees_band, settled_variance
+from reference.filters.scalar import ScalarBelief, kalman_gain, mean_nees_band, steady_state_variance
 from tests.content.curriculum.measured.tables import Measure, tables
 
 Floats = NDArray[np.float64]
@@ -62,7 +62,7 @@ def test_a_turn_by_hand() -> None:
 
 
 def test_where_the_doubt_settles() -> None:
-    after = settled_variance(STEP, NOISE)
+    after = steady_state_variance(STEP, NOISE)
     before = after + STEP
     for value in (before, after / NOISE, after**0.5):
         assert states(SEANCE, value, 3)
@@ -126,7 +126,7 @@ def true_variance(step: float) -> tuple[float, float, float]:
 
     Its errors follow e <- (1 - K) (e + w) + K nu, with the true w and nu.
     """
-    announced = settled_variance(step, NOISE)
+    announced = steady_state_variance(step, NOISE)
     K = announced / NOISE
     return K, announced, ((1 - K) ** 2 * STEP + K**2 * NOISE) / (1 - (1 - K) ** 2)
 
@@ -143,7 +143,7 @@ def tunings() -> Iterator[list[float]]:
 @pytest.mark.parametrize("ratio", RATIOS[1:])
 def test_simulated_trolleys_err_as_the_table_of_tunings_says(ratio: float) -> None:
     rng = np.random.default_rng(5)
-    truth, belief = np.zeros(5000), ScalarBelief(np.zeros(5000), settled_variance(STEP * ratio**2, NOISE))
+    truth, belief = np.zeros(5000), ScalarBelief(np.zeros(5000), steady_state_variance(STEP * ratio**2, NOISE))
     for _ in range(60):
         truth = truth + np.sqrt(STEP) * rng.standard_normal(5000)
         read = truth + np.sqrt(NOISE) * rng.standard_normal(5000)
@@ -198,7 +198,7 @@ def test_the_gate_of_the_drawing_throws_away_what_passers_by_spoilt() -> None:
 
 
 def test_a_spoilt_reading_is_forgotten_in_some_ten_steps() -> None:
-    gain = settled_variance(0.05**2, 0.2**2) / 0.2**2
+    gain = steady_state_variance(0.05**2, 0.2**2) / 0.2**2
     assert 0.05 < (1 - gain) ** 10 < 0.15
 
 

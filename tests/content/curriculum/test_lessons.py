@@ -13,7 +13,7 @@ from curriculum.l20.figures import _slam_scenes as scenes
 from curriculum.l20.figures import defis, slam
 from curriculum.l20.figures._kidnapped import INJECTIONS, recovery
 from reference.occupancy import InverseSensorModel, probability
-from reference.pose_graph import NormalEquations, PoseGraph, gauge_vectors, gauss_newton
+from reference.pose_graph import NormalEquations, PoseGraph, gauge_null_vectors, gauss_newton
 from reference.registration import icp, icp_to_lines, normals_by_neighbours
 from reference.se2 import transform
 from tests.support.replays import scene
@@ -101,7 +101,7 @@ def test_the_kernel_of_a_ring_and_of_a_chain() -> None:
         values = np.linalg.eigvalsh(H)
         assert np.abs(values[:3]).max() < 1e-11
         assert states("defis/robuste", values[3], 1 if graph is ring else 2)
-        assert np.abs(H @ gauge_vectors(odometry)).max() < 1e-10
+        assert np.abs(H @ gauge_null_vectors(odometry)).max() < 1e-10
 
 
 def test_one_false_closure() -> None:

@@ -9,7 +9,7 @@ import pytest
 
 import server
 from reference import se2
-from reference.filters.resampling import comb, effective_sample_size
+from reference.filters.resampling import comb_resampling, effective_sample_size
 from reference.metrics import absolute_trajectory_error
 from reference.occupancy import log_odds, probability
 from reference.odometry import DifferentialDrive, LateralDrift
@@ -39,7 +39,7 @@ def test_odometry_and_its_drift() -> None:
     assert states("exercices-corriges", drift.turn_deviation * 1000, 2)
     assert states("exercices-corriges", drift.heading_deviation, 3)
     assert states("exercices-corriges", float(np.degrees(drift.heading_deviation)), 1)
-    assert states("exercices-corriges", drift.pessimistic, 1)
+    assert states("exercices-corriges", drift.worst_case_deviation, 1)
     assert states("exercices-corriges", drift.deviation, 3)
     turned_first = 0.115 * drift.turn_deviation * np.sqrt(1000 * 1001 * 2001 / 6)
     assert states("exercices-corriges", float(turned_first), 3)
@@ -73,7 +73,7 @@ def test_resampling() -> None:
     weights = np.array([0.05, 0.40, 0.10, 0.30, 0.15])
     assert states("exercices-corriges", effective_sample_size(weights), 2)
     assert states("formules", effective_sample_size([0.7, 0.1, 0.1, 0.1]), 2)
-    assert comb(weights, 0.12 * 5).ancestors.tolist() == [1, 1, 2, 3, 4]
+    assert comb_resampling(weights, 0.12 * 5).ancestors.tolist() == [1, 1, 2, 3, 4]
 
 
 def test_kabsch_by_hand() -> None:

@@ -9,7 +9,7 @@ from reference.filters.banana import Banana
 from reference.filters.extended import ExtendedKalmanFilter
 from reference.filters.models import GaussianModel
 from reference.filters.range_bearing import RangeBearingModel, RangeModel
-from reference.filters.unscented import Spread, UnscentedKalmanFilter
+from reference.filters.unscented import UnscentedKalmanFilter, UnscentedParameters
 
 WIDE = Banana(10.0, 0.3, np.radians(25.0))
 LANDMARKS = [[4.0, 8.5], [12.0, -3.0]]
@@ -57,7 +57,7 @@ def test_where_the_crescent_is_straight_the_filters_are_exact() -> None:
     start = np.zeros(3), np.diag([0.0, 0.0, s**2])
     for belief in (
         ExtendedKalmanFilter(RANGES, *start),
-        UnscentedKalmanFilter(RANGES, *start, Spread(beta=0.0, kappa=-2.0)),
+        UnscentedKalmanFilter(RANGES, *start, UnscentedParameters(beta=0.0, kappa=-2.0)),
     ):
         belief.predict([10.0, 0.0])
         belief.correct(z)

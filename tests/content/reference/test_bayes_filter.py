@@ -13,7 +13,7 @@ from reference.filters.extended import ExtendedKalmanFilter
 from reference.filters.histogram import HistogramFilter
 from reference.filters.kalman import KalmanFilter
 from reference.filters.particles import ParticleFilter
-from reference.filters.unscented import Spread, UnscentedKalmanFilter
+from reference.filters.unscented import UnscentedKalmanFilter, UnscentedParameters
 from reference.localisation.grid_filter import COMMANDS, GridFilter, GridWorld, landings
 
 CORRIDOR = Corridor()
@@ -75,8 +75,10 @@ def test_kalman_is_what_conditioning_the_whole_history_gives(seed: int) -> None:
 
 
 @pytest.mark.parametrize("seed", range(3))
-@pytest.mark.parametrize("spread", [None, Spread(alpha=0.3), Spread(kappa=1.0, beta=0.0)])
-def test_extended_and_unscented_are_kalman_where_the_problem_is_linear(seed: int, spread: Spread | None) -> None:
+@pytest.mark.parametrize("spread", [None, UnscentedParameters(alpha=0.3), UnscentedParameters(kappa=1.0, beta=0.0)])
+def test_extended_and_unscented_are_kalman_where_the_problem_is_linear(
+    seed: int, spread: UnscentedParameters | None
+) -> None:
     exact, model = kalman(), CORRIDOR.range_model()
     evidence = follow(exact, seed)
     extended = ExtendedKalmanFilter(model, [START], [[START_SIGMA**2]])
@@ -280,7 +282,7 @@ def test_resampling_waits_for_the_threshold() -> None:
         ("threshold", lambda m: ParticleFilter(m, [[0.0]], np.random.default_rng(0), threshold=2.0)),
         ("edges", lambda m: HistogramFilter(m, [0.0, 0.0])),
         ("belief", lambda m: HistogramFilter(m, [0.0, 1.0, 2.0], [0.0, 0.0])),
-        ("alpha", lambda m: Spread(alpha=0.0)),
+        ("alpha", lambda m: UnscentedParameters(alpha=0.0)),
         ("p_right", lambda m: Corridor(p_right=1.0)),
         ("length", lambda m: Corridor(length=-1.0)),
     ],

@@ -32,7 +32,7 @@ def test_the_constants_that_made_a_journey_are_found_again(left: float, right: f
     counts, motions = journey((left, right), max(track, 0.6 * (left + right)), seed)
     found = calibrate_wheels(counts, motions)
     assert (found.left_scale, found.right_scale) == pytest.approx((left, right), rel=1e-9)
-    assert found.turn_error < 1e-12
+    assert found.heading_residual < 1e-12
     again = integrate(found.drive, found.paths(counts))
     np.testing.assert_allclose(relative(again[:-1], again[1:]), motions, atol=1e-9)
 
@@ -45,7 +45,7 @@ def test_with_noise_no_other_constants_leave_less_of_the_turns() -> None:
     peer = least_squares(lambda c: wrap_angle(counts @ c - noisy[:, 2]), [-2.0, 2.0], xtol=1e-14, ftol=1e-14)
     np.testing.assert_allclose(np.array([-found.left_scale, found.right_scale]) / found.track, peer.x, atol=1e-6)
     assert (found.left_scale, found.right_scale, found.track) == pytest.approx((1.02, 0.97, 0.4), abs=0.01)
-    assert found.turn_error == pytest.approx(0.02, rel=0.15)
+    assert found.heading_residual == pytest.approx(0.02, rel=0.15)
 
 
 @given(st.floats(0.8, 1.2), st.floats(0.8, 1.2), st.floats(-0.1, 0.1), st.integers(0, 50))
@@ -69,7 +69,7 @@ def test_wrong_matches_are_left_out() -> None:
     real[:, 2] = wrap_angle(real[:, 2] + 0.05 * np.hypot(believed[:, 0], believed[:, 1]))
     real[[4, 40, 77], 2] += 2.0
     assert abs(calibrate_steps(believed, real).pull - 0.05) > 0.02
-    assert calibrate_steps(believed, real, discard=0.05).pull == pytest.approx(0.05, abs=0.003)
+    assert calibrate_steps(believed, real, worst_share=0.05).pull == pytest.approx(0.05, abs=0.003)
 
 
 def square(scales: tuple[float, float], track: float, believed: float, side: float, way: int) -> np.ndarray:
@@ -117,7 +117,7 @@ STRAIGHT = np.column_stack([np.linspace(0.1, 0.5, 6), np.zeros(6), np.zeros(6)])
         ("steps", lambda: calibrate_wheels([[0.1, 0.2]] * 6, STRAIGHT * np.nan)),
         ("odometry_steps", lambda: calibrate_steps(STRAIGHT, STRAIGHT)),
         ("odometry_steps", lambda: calibrate_steps(np.zeros((0, 3)), np.zeros((0, 3)))),
-        ("discard", lambda: calibrate_steps(STRAIGHT, STRAIGHT, discard=1.0)),
+        ("worst_share", lambda: calibrate_steps(STRAIGHT, STRAIGHT, worst_share=1.0)),
         ("clockwise", lambda: umbmark(np.zeros((0, 2)), [[0, 0]], 4.0, 0.3)),
         ("clockwise", lambda: umbmark([[20, 0]], [[0, 0]], 4.0, 0.3)),
         ("side", lambda: umbmark([[0, 0]], [[0, 0]], 0.0, 0.3)),

@@ -13,7 +13,7 @@ from scipy.stats import chi2
 
 from reference.data_association import (
     AssociationError,
-    Expectations,
+    ExpectedSightings,
     joint_compatibility,
     joint_distance,
     nearest_neighbours,
@@ -24,20 +24,20 @@ from reference.se2 import relative
 NOISE = np.diag([0.05**2, 0.02**2])
 
 
-def some_case(seed: int, landmarks: int, measurements: int) -> tuple[Expectations, np.ndarray]:
+def some_case(seed: int, landmarks: int, measurements: int) -> tuple[ExpectedSightings, np.ndarray]:
     """Landmarks that are expected with an error common to all, some measured with it, and some false measurements."""
     rng = np.random.default_rng(seed)
     means = np.column_stack([rng.uniform(1, 3, landmarks), rng.uniform(-1, 1, landmarks)])
     shared = np.tile(np.diag([0.2, 0.25]), (landmarks, 1))
     own = 0.03 * rng.normal(size=(2 * landmarks, 2))
-    expected = Expectations(means, shared @ shared.T + own @ own.T, NOISE)
+    expected = ExpectedSightings(means, shared @ shared.T + own @ own.T, NOISE)
     seen = rng.permutation(landmarks)[:measurements]
     z = means[seen] + rng.normal(0, [0.2, 0.25]) + rng.normal(0, [0.05, 0.02], (len(seen), 2))
     false = np.column_stack([rng.uniform(1, 3, measurements - len(seen)), rng.uniform(-1, 1, measurements - len(seen))])
     return expected, np.vstack([z, false])
 
 
-def every_hypothesis(expected: Expectations, z: np.ndarray, confidence: float) -> tuple[int, float]:
+def every_hypothesis(expected: ExpectedSightings, z: np.ndarray, confidence: float) -> tuple[int, float]:
     """How many pairs the best hypothesis has, and its distance, all being tried."""
     best = (0, 0.0)
     for choice in product(range(-1, len(expected)), repeat=len(z)):
@@ -52,7 +52,7 @@ def every_hypothesis(expected: Expectations, z: np.ndarray, confidence: float) -
     return best
 
 
-def all_growing(expected: Expectations, z: np.ndarray, choice: tuple[int, ...], confidence: float) -> bool:
+def all_growing(expected: ExpectedSightings, z: np.ndarray, choice: tuple[int, ...], confidence: float) -> bool:
     """Every pair passes its own gate, and the pairs of the first measurements pass theirs together (Neira's test)."""
     alone = expected.distances(z)
     if any(k >= 0 and alone[i, k] > chi2.ppf(confidence, 2) for i, k in enumerate(choice)):
@@ -76,12 +76,12 @@ def test_no_hypothesis_has_more_pairs_or_is_nearer(seed: int, landmarks: int, me
     assert joint_distance(expected, z, found.landmarks) == pytest.approx(found.distance, abs=1e-9)
 
 
-def a_row_of_posts(heading_error: float) -> tuple[Expectations, np.ndarray]:
+def a_row_of_posts(heading_error: float) -> tuple[ExpectedSightings, np.ndarray]:
     """Posts three metres ahead, 0.2 rad apart, and a heading that errs: each post appears nearer to its neighbour."""
     bearings = 0.2 * np.arange(-3, 4)
     means = np.column_stack([np.full(7, 3.0), bearings])
     common = np.tile([0.0, 1.0], 7)[:, None]
-    expected = Expectations(means, 0.15**2 * common @ common.T + 1e-6 * np.eye(14), NOISE)
+    expected = ExpectedSightings(means, 0.15**2 * common @ common.T + 1e-6 * np.eye(14), NOISE)
     return expected, means[1:5] + np.array([0.0, heading_error])
 
 
@@ -91,7 +91,7 @@ def test_joint_compatibility_sees_that_all_err_together() -> None:
     z = np.vstack([z, [2.0, 0.9]])
     means = expected.means.copy()
     means[[0, 3, 6], 0] = [3.4, 2.6, 3.4]
-    expected = Expectations(means, expected.covariance, expected.noise)
+    expected = ExpectedSightings(means, expected.covariance, expected.noise)
     z[2, 0] = 2.6
     nearest, joint = nearest_neighbours(expected, z, 0.9999), joint_compatibility(expected, z)
     assert joint.landmarks.tolist() == [1, 2, 3, 4, -1]
@@ -102,14 +102,14 @@ def test_joint_compatibility_sees_that_all_err_together() -> None:
 def test_without_a_common_error_both_agree() -> None:
     rng = np.random.default_rng(0)
     means = np.column_stack([rng.uniform(1, 9, 8), np.linspace(-2, 2, 8)])
-    expected = Expectations(means, 1e-6 * np.eye(16), NOISE)
+    expected = ExpectedSightings(means, 1e-6 * np.eye(16), NOISE)
     z = means[[6, 1, 4]] + rng.normal(0, [0.05, 0.02], (3, 2))
     for find in (nearest_neighbours, joint_compatibility):
         assert find(expected, z).landmarks.tolist() == [6, 1, 4]
 
 
 def test_a_bearing_goes_round() -> None:
-    expected = Expectations(np.array([[2.0, np.pi - 0.01], [2.0, 0.0]]), 1e-4 * np.eye(4), NOISE)
+    expected = ExpectedSightings(np.array([[2.0, np.pi - 0.01], [2.0, 0.0]]), 1e-4 * np.eye(4), NOISE)
     assert nearest_neighbours(expected, [[2.0, -np.pi + 0.01]]).landmarks.tolist() == [0]
 
 
@@ -118,11 +118,11 @@ def test_the_expectations_of_a_filter_are_those_that_it_corrects_with() -> None:
     for identity, z in ((7, [2.0, 0.3]), (3, [3.0, -0.5])):
         belief.observe(identity, z)
     belief.predict([0.4, 0.2])
-    expected, identities = Expectations.of(belief)
+    expected, identities = ExpectedSightings.from_slam(belief)
     assert identities == [3, 7]
     z = np.array([[2.6, -0.8], [1.7, 0.1]])
     for k, identity in enumerate(identities):
-        innovation = belief.compare(belief.slots[identity], z[k]).innovation
+        innovation = belief.predict_sighting(belief.slots[identity], z[k]).innovation
         assert expected.distances(z)[k, k] == pytest.approx(innovation.nis)
         assert joint_distance(expected, z, [k if j == k else -1 for j in range(2)]) == pytest.approx(innovation.nis)
     true = relative(belief.pose, [*belief.landmark(7), 0.0])
@@ -132,15 +132,15 @@ def test_the_expectations_of_a_filter_are_those_that_it_corrects_with() -> None:
 
 def test_a_gate_loses_as_many_true_pairs_as_it_says() -> None:
     rng = np.random.default_rng(1)
-    expected = Expectations(np.array([[2.0, 0.1]]), np.diag([0.01, 0.02]), NOISE)
+    expected = ExpectedSightings(np.array([[2.0, 0.1]]), np.diag([0.01, 0.02]), NOISE)
     z = expected.means + rng.multivariate_normal([0, 0], expected.covariance + NOISE, 20_000)
     lost = np.mean(expected.distances(z)[:, 0] > chi2.ppf(0.9, 2))
     assert lost == pytest.approx(0.1, abs=0.01)
 
 
 def test_without_landmarks_or_measurements_nothing_is_paired() -> None:
-    empty = Expectations(np.zeros((0, 2)), np.zeros((0, 0)), NOISE)
-    some = Expectations(np.array([[2.0, 0.0]]), np.eye(2), NOISE)
+    empty = ExpectedSightings(np.zeros((0, 2)), np.zeros((0, 0)), NOISE)
+    some = ExpectedSightings(np.array([[2.0, 0.0]]), np.eye(2), NOISE)
     for find in (nearest_neighbours, joint_compatibility):
         assert find(empty, [[1.0, 0.0]]).landmarks.tolist() == [-1]
         assert find(some, np.zeros((0, 2))).landmarks.tolist() == []
@@ -149,11 +149,14 @@ def test_without_landmarks_or_measurements_nothing_is_paired() -> None:
 @pytest.mark.parametrize(
     ("argument", "call"),
     [
-        ("covariance", lambda: Expectations(np.zeros((2, 2)), np.eye(3), NOISE)),
-        ("noise", lambda: Expectations(np.zeros((1, 2)), np.eye(2), [[1.0, 0.5], [0.0, 1.0]])),
-        ("means", lambda: Expectations(np.full((1, 2), np.nan), np.eye(2), NOISE)),
-        ("measurements", lambda: nearest_neighbours(Expectations(np.zeros((1, 2)), np.eye(2), NOISE), [[1.0]])),
-        ("confidence", lambda: joint_compatibility(Expectations(np.zeros((1, 2)), np.eye(2), NOISE), [[1, 0]], 1.0)),
+        ("covariance", lambda: ExpectedSightings(np.zeros((2, 2)), np.eye(3), NOISE)),
+        ("noise", lambda: ExpectedSightings(np.zeros((1, 2)), np.eye(2), [[1.0, 0.5], [0.0, 1.0]])),
+        ("means", lambda: ExpectedSightings(np.full((1, 2), np.nan), np.eye(2), NOISE)),
+        ("measurements", lambda: nearest_neighbours(ExpectedSightings(np.zeros((1, 2)), np.eye(2), NOISE), [[1.0]])),
+        (
+            "confidence",
+            lambda: joint_compatibility(ExpectedSightings(np.zeros((1, 2)), np.eye(2), NOISE), [[1, 0]], 1.0),
+        ),
     ],
 )
 def test_what_cannot_be_compared_is_named(argument: str, call: Any) -> None:

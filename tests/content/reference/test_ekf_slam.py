@@ -56,7 +56,7 @@ def test_one_update_of_any_covariance_is_the_textbook_one_and_in_place(landmarks
     robot = EkfSlam(NOISE)
     root = rng.normal(size=(size, size)) / math.sqrt(size)
     robot.covariance, robot.mean = np.asfortranarray(root @ root.T), rng.normal(size=size)
-    sighting = robot.compare(3 + 2 * (landmarks - 1), np.array([2.0, 0.3]))
+    sighting = robot.predict_sighting(3 + 2 * (landmarks - 1), np.array([2.0, 0.3]))
     expected = updated_covariance_textbook(robot.covariance.copy(order="F"), sighting, NOISE.sighting)
     updated = update_covariance_in_place(robot.covariance, sighting, NOISE.sighting)
     assert updated is robot.covariance or np.shares_memory(updated, robot.covariance)
@@ -71,13 +71,13 @@ def test_jacobians_are_finite_differences() -> None:
     drive(robot, 3, steps=5)
     robot.mean += rng.normal(0.0, 0.1, robot.mean.size)
     slot, z = robot.slots[2], np.array([5.0, 0.4])
-    H = full_jacobian(robot.compare(slot, z), robot.mean.size)
+    H = full_jacobian(robot.predict_sighting(slot, z), robot.mean.size)
     before, step = robot.mean.copy(), 1e-6
     for column in range(before.size):
         ends = []
         for sign in (1.0, -1.0):
             robot.mean = before + sign * step * np.eye(before.size)[column]
-            ends.append(-robot.compare(slot, z).innovation.difference)
+            ends.append(-robot.predict_sighting(slot, z).innovation.difference)
         assert np.allclose((ends[0] - ends[1]) / (2 * step), H[:, column], atol=1e-7)
 
 

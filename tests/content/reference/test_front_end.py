@@ -14,10 +14,10 @@ from hypothesis import strategies as st
 from numpy.typing import NDArray
 
 from reference.formats.carmen import LaserLog, parse_flaser
-from reference.front_end import FrontEndError, OdometryNoise, Settings, Slam, slam
+from reference.front_end import FrontEndError, FrontEndSettings, SlamResult, StepNoise, slam
 from reference.front_end import tracker as tracking
 from reference.front_end.mapper import Mapper
-from reference.front_end.tracker import Tracked, Tracker
+from reference.front_end.tracker import TrackedScan, Tracker
 from reference.metrics import absolute_trajectory_error
 from reference.occupancy import InverseSensorModel, build_map
 from reference.odometry import DifferentialDrive, integrate
@@ -26,33 +26,33 @@ from reference.se2 import compose, relative, wrap_angle
 from reference.world.distance_map import distance_to
 from reference.world.grid_map import GridMap
 from reference.world.scan import Scan
-from reference.world.scenes import ring
-from reference.world.simulation import Lidar, Run, motions_through, simulate
+from reference.world.scenes import random_ring
+from reference.world.simulation import SimulatedLidar, SimulatedRun, motions_through, simulate
 
 Floats = NDArray[np.float64]
 SEEDS = [0, *(pytest.param(seed, marks=pytest.mark.slow) for seed in (1, 2))]
 
 
 @cache
-def journey(seed: int) -> tuple[GridMap, Run]:
+def journey(seed: int) -> tuple[GridMap, SimulatedRun]:
     """A little more than once around a ring of corridors, by a robot that drifts by about a metre."""
     rng = np.random.default_rng(seed)
-    place = ring(rng, (120, 160), corridor=24)
+    place = random_ring(rng, (120, 160), corridor=24)
     height, width = place.shape
     corners = place.to_world([(24, 24), (width - 24, 24), (width - 24, height - 24), (24, height - 24), (24, 24)])
     waypoints = np.vstack([corners[1:], corners[1:2]])
     motions = motions_through([*corners[0], 0.0], waypoints, 0.15, 0.3)
     drive = DifferentialDrive(0.3, sigma_per_root_metre=0.015)
-    return place, simulate(place, motions, [*corners[0], 0.0], drive, Lidar.full_turn(120, 5.0, 0.01), rng)
+    return place, simulate(place, motions, [*corners[0], 0.0], drive, SimulatedLidar.full_turn(120, 5.0, 0.01), rng)
 
 
 @cache
-def finished(seed: int) -> Slam:
+def finished(seed: int) -> SlamResult:
     _, run = journey(seed)
     return slam(scans_of(run), run.odometry, start=run.truth[0], resolution=0.05)
 
 
-def scans_of(run: Run) -> list[Scan]:
+def scans_of(run: SimulatedRun) -> list[Scan]:
     return [run.scan(k) for k in range(len(run))]
 
 
@@ -77,8 +77,8 @@ def test_every_closure_that_counts_is_true(seed: int) -> None:
         gap = closure.match.T_a_b - truth
         assert np.abs(gap[:2]).max() < 0.1
         assert abs(wrap_angle(float(gap[2]))) < 0.03
-        assert not closure.refused
-    assert all(closure.refused for closure in found.refused)
+        assert not closure.refusal
+    assert all(closure.refusal for closure in found.refused)
     assert len(found.links) == len(found.keys) - 1
     assert len(found.graph.i) == len(found.links) + len(found.closures)
     assert found.chi2 < 3 * len(found.graph.i)
@@ -117,7 +117,7 @@ def test_half_a_turn_of_a_lidar_mounted_anywhere_is_enough(mount: Any) -> None:
     """From a lidar at `T_robot_laser` that looks over half a turn, ahead or behind, without a loop to help."""
     place, run = journey(0)
     count = 140
-    lidar = Lidar(np.deg2rad(np.arange(-90.0, 90.0, 2.0)), 5.0, 0.01)
+    lidar = SimulatedLidar(np.deg2rad(np.arange(-90.0, 90.0, 2.0)), 5.0, 0.01)
     truth = run.truth[:count]
     ranges = lidar.read(place, np.array([compose(pose, mount) for pose in truth]), np.random.default_rng(3))
     scans = [Scan(row, lidar.angles, lidar.max_range) for row in ranges]
@@ -149,7 +149,7 @@ def test_without_a_loop_the_scans_still_help() -> None:
 
 
 def test_key_poses_are_far_enough_apart() -> None:
-    found, rule = finished(0), Settings()
+    found, rule = finished(0), FrontEndSettings()
     steps = np.array([link.T_key_robot for link in found.links])
     far = np.hypot(steps[:, 0], steps[:, 1]) >= rule.key_distance
     assert np.all(far | (np.abs(steps[:, 2]) >= rule.key_turn))
@@ -165,13 +165,13 @@ def test_loops_outvote_odometry_that_is_too_sure_of_itself() -> None:
     steps = relative(truth[:-1], truth[1:])
     steps[20] += np.array([0.4, 0.1, 0.0])
     sure = np.diag(np.array([0.01, 0.01, 0.003]) ** -2.0)
-    mapper = Mapper(Settings(), truth[0], clouds[0])
+    mapper = Mapper(FrontEndSettings(), truth[0], clouds[0])
     for cloud, step in zip(clouds[1:], steps, strict=True):
-        mapper.add(cloud, Tracked(step, sure, None))
-    mapper.settle()
+        mapper.add(cloud, TrackedScan(step, sure, None))
+    mapper.settle_closures()
     assert len(mapper.closures) > 10
-    assert max(closure.disagreement for closure in mapper.closures) > Settings().gate
-    assert not any(closure.refused for closure in mapper.closures)
+    assert max(closure.disagreement for closure in mapper.closures) > FrontEndSettings().gate
+    assert not any(closure.refusal for closure in mapper.closures)
     assert absolute_trajectory_error(truth, np.array(mapper.T_map_keys)).rmse < 0.12
 
 
@@ -202,11 +202,11 @@ def test_a_match_needs_the_more_points_the_farther_it_leads_from_odometry(
     _, run = journey(0)
     cloud = LineCloud.of_scan(run.scan(0), np.zeros(3))
     right = match_clouds(cloud, cloud, np.zeros(3))
-    tracker = Tracker(Settings())
-    tracker.see([np.zeros(3)], [cloud])
+    tracker = Tracker(FrontEndSettings())
+    tracker.set_submap([np.zeros(3)], [cloud])
     answer = replace(right, T_a_b=np.array(gap), overlap=overlap)
     monkeypatch.setattr(tracking, "match_clouds", lambda *_, **__: answer)
-    assert (tracker.follow(cloud, np.zeros(3)).match is not None) == believed
+    assert (tracker.track(cloud, np.zeros(3)).match is not None) == believed
 
 
 @settings(deadline=None, max_examples=15)
@@ -237,7 +237,7 @@ def a_strange_scan(kind: str, rng: np.random.Generator) -> Scan:
 
 
 @cache
-def intel(dataset_text: bytes) -> tuple[LaserLog, Slam]:
+def intel(dataset_text: bytes) -> tuple[LaserLog, SlamResult]:
     log = parse_flaser(dataset_text, 40.0)
     return log, slam(log.scans[:120], log.wheel_poses()[:120], resolution=0.1)
 
@@ -272,13 +272,13 @@ SCAN = Scan.full_turn(np.ones(20), 5.0)
         ("T_odom_robot", lambda: slam([SCAN, SCAN], [[0, 0, 0], [np.nan, 0, 0]])),
         ("T_robot_laser", lambda: slam([SCAN, SCAN], np.zeros((2, 3)), T_robot_laser=(0, 0))),
         ("start", lambda: slam([SCAN, SCAN], np.zeros((2, 3)), start=(0, 0, np.inf))),
-        ("gate", lambda: Settings(gate=0.0)),
-        ("min_gap", lambda: Settings(min_gap=1)),
-        ("tries", lambda: Settings(tries=0)),
-        ("voters", lambda: Settings(voters=0)),
-        ("loop_overlap", lambda: Settings(loop_overlap=1.1)),
-        ("metres", lambda: OdometryNoise(metres=0.0)),
-        ("per_metre", lambda: OdometryNoise(per_metre=-0.1)),
+        ("gate", lambda: FrontEndSettings(gate=0.0)),
+        ("min_gap", lambda: FrontEndSettings(min_gap=1)),
+        ("tries", lambda: FrontEndSettings(tries=0)),
+        ("voters", lambda: FrontEndSettings(voters=0)),
+        ("loop_overlap", lambda: FrontEndSettings(loop_overlap=1.1)),
+        ("metres", lambda: StepNoise(metres=0.0)),
+        ("per_metre", lambda: StepNoise(per_metre=-0.1)),
     ],
 )
 def test_what_makes_no_journey_is_refused_by_name(argument: str, call: Any) -> None:

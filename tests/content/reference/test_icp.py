@@ -22,7 +22,7 @@ from reference.registration import (
     InvalidCloudError,
     Kernel,
     LeastSquares,
-    Pairing,
+    PairingRule,
     RigidAlignment,
     Tukey,
     icp,
@@ -31,7 +31,7 @@ from reference.registration import (
     normals_by_beams,
     normals_by_neighbours,
 )
-from reference.registration.fits import Weighed, weighted_fit
+from reference.registration.fits import WeightedPoints, fit_weighted_pairs
 from reference.registration.nearest import NearestPoints
 from reference.registration.observability import observability
 from reference.se2 import compose, inverse, rotation, wrap_angle
@@ -40,7 +40,7 @@ Floats = NDArray[np.float64]
 seeds = st.integers(0, 2**32 - 1)
 unhurried = settings(deadline=None, max_examples=50)
 KERNELS = (LeastSquares(), Huber(0.3), Cauchy(0.4), Tukey(1.5))
-PAIRINGS = [Pairing(kernel, reach, keep) for kernel in KERNELS for reach in (np.inf, 2.0) for keep in (1.0, 0.7)]
+PAIRINGS = [PairingRule(kernel, reach, keep) for kernel in KERNELS for reach in (np.inf, 2.0) for keep in (1.0, 0.7)]
 
 
 def room(n: int = 240) -> Floats:
@@ -176,9 +176,10 @@ def test_a_kernel_costs_the_integral_of_its_weight(kernel: Kernel, gap: float) -
 
 
 @pytest.mark.parametrize(
-    "pairing", [Pairing(Tukey(0.3)), Pairing(Cauchy(0.05)), Pairing(max_distance=0.3), Pairing(keep=0.8)]
+    "pairing",
+    [PairingRule(Tukey(0.3)), PairingRule(Cauchy(0.05)), PairingRule(max_distance=0.3), PairingRule(keep=0.8)],
 )
-def test_lies_are_rejected(pairing: Pairing) -> None:
+def test_lies_are_rejected(pairing: PairingRule) -> None:
     """One point in six stands where there is nothing; the plain fit is pulled aside, the others are not."""
     rng = np.random.default_rng(5)
     Q, T_q_p = room(), np.array([0.1, -0.08, 0.05])
@@ -198,8 +199,10 @@ def test_the_closed_form_is_kabsch_with_weights(seed: int, n: int) -> None:
     P, Q, copies = rng.normal(size=(n, 2)), rng.normal(size=(n, 2)), rng.integers(1, 4, n)
     wanted = kabsch(np.repeat(P, copies, axis=0), np.repeat(Q, copies, axis=0))
     p, q = P @ [1, 1j], Q @ [1, 1j]
-    assert_is(wanted, weighted_fit(Weighed.of(p, copies.astype(float)), q, copies.astype(float), np.zeros(3)))
-    assert_is(kabsch(P, Q), weighted_fit(Weighed.of(p), q, None, np.zeros(3)))
+    assert_is(
+        wanted, fit_weighted_pairs(WeightedPoints.of(p, copies.astype(float)), q, copies.astype(float), np.zeros(3))
+    )
+    assert_is(kabsch(P, Q), fit_weighted_pairs(WeightedPoints.of(p), q, None, np.zeros(3)))
 
 
 def assert_is(wanted: RigidAlignment, T: Floats) -> None:
@@ -233,7 +236,7 @@ def test_the_point_to_line_optimum_is_that_of_scipy() -> None:
 def test_one_pair_that_counts_moves_across_its_line_and_no_more(far: float) -> None:
     """Where all that counts is one point, it comes onto its line; no turn is made up, and nothing is divided by 0."""
     P, Q = [(0.0, 0.0), (far, 0.0)], [(0.533, 0.1), (0.633, 0.1)]
-    pairing = Pairing(Cauchy(0.05), 0.5)
+    pairing = PairingRule(Cauchy(0.05), 0.5)
     found = icp_to_lines(P, Q, [(0.0, 1.0)] * 2, (1 / 3, 0.1 + 0.02, 0.7), pairing=pairing)
     np.testing.assert_allclose(found.T_q_p, [1 / 3, 0.1, 0.7], atol=1e-9)
     assert found.converged
@@ -246,7 +249,7 @@ def test_unrelated_clouds_are_registered_or_refused_by_name(seed: int, n: int, m
     P, Q = size * rng.normal(size=(n, 2)), size * rng.normal(size=(m, 2)) + rng.normal(size=2)
     angles = rng.uniform(-np.pi, np.pi, m)
     normals = np.column_stack([np.cos(angles), np.sin(angles)])
-    pairing = Pairing(Cauchy(0.05), rng.choice([0.02, 0.5, np.inf]), rng.choice([0.1, 1.0]))
+    pairing = PairingRule(Cauchy(0.05), rng.choice([0.02, 0.5, np.inf]), rng.choice([0.1, 1.0]))
     refusal = None
     try:
         found = icp_to_lines(P, Q, normals, rng.normal(size=3), pairing=pairing)
@@ -350,11 +353,11 @@ SQUARE = [(0.0, 0.0), (1.0, 0.0), (1.0, 1.0)]
         ("Q", lambda: icp(SQUARE, np.zeros((3, 3)))),
         ("T_q_p", lambda: icp(SQUARE, SQUARE, (0, 0))),
         ("T_q_p", lambda: icp(SQUARE, SQUARE, (0, 0, np.inf))),
-        ("pairing", lambda: icp(SQUARE, SQUARE, (9, 9, 0), pairing=Pairing(max_distance=0.1))),
+        ("pairing", lambda: icp(SQUARE, SQUARE, (9, 9, 0), pairing=PairingRule(max_distance=0.1))),
         ("normals", lambda: icp_to_lines(SQUARE, SQUARE, np.zeros((3, 2)))),
         ("normals", lambda: icp_to_lines(SQUARE, SQUARE, np.ones((2, 2)))),
-        ("max_distance", lambda: Pairing(max_distance=0.0)),
-        ("keep", lambda: Pairing(keep=0.0)),
+        ("max_distance", lambda: PairingRule(max_distance=0.0)),
+        ("keep", lambda: PairingRule(keep=0.0)),
         ("scale", lambda: Huber(0.0)),
         ("points", lambda: normals_by_neighbours(SQUARE[:2])),
         ("neighbours", lambda: normals_by_neighbours(SQUARE, 2)),

@@ -18,15 +18,15 @@ def test_the_bound_is_half_a_quantile_of_chi_square(epsilon: float, delta: float
     kld = KldSampling(epsilon=epsilon, delta=delta, least=1, most=10**7)
     bins = np.arange(2, 2000)
     exact = chi2.ppf(1.0 - delta, bins - 1) / (2.0 * epsilon)
-    assert np.allclose(kld.needed(bins)[8:], exact[8:], rtol=2e-3, atol=1.0)
-    assert np.allclose(kld.needed(bins), exact, rtol=0.05, atol=1.0)
-    assert np.all(np.diff(kld.needed(bins)) >= 0)
+    assert np.allclose(kld.particles_needed(bins)[8:], exact[8:], rtol=2e-3, atol=1.0)
+    assert np.allclose(kld.particles_needed(bins), exact, rtol=0.05, atol=1.0)
+    assert np.all(np.diff(kld.particles_needed(bins)) >= 0)
 
 
 def test_the_bound_is_clamped() -> None:
     kld = KldSampling(least=50, most=900)
-    assert kld.needed(1) == 50
-    assert kld.needed(10_000) == 900
+    assert kld.particles_needed(1) == 50
+    assert kld.particles_needed(10_000) == 900
 
 
 def loop_of_fox(kld: KldSampling, poses: np.ndarray) -> int:
@@ -34,7 +34,7 @@ def loop_of_fox(kld: KldSampling, poses: np.ndarray) -> int:
     filled: set[tuple[int, ...]] = set()
     for m, pose in enumerate(poses, start=1):
         filled.add(tuple(kld.bins(pose[None, :])[0].tolist()))
-        if m >= kld.needed(len(filled)):
+        if m >= kld.particles_needed(len(filled)):
             return m
     return len(poses)
 
@@ -43,22 +43,22 @@ def loop_of_fox(kld: KldSampling, poses: np.ndarray) -> int:
 def test_counting_all_at_once_is_counting_one_by_one(seed: int, spread: float) -> None:
     kld = KldSampling(epsilon=0.3, delta=0.1, least=5, most=400)
     poses = np.random.default_rng(seed).normal(0.0, spread, (150, 3))
-    assert kld.enough(poses) == loop_of_fox(kld, poses)
+    assert kld.count_enough(poses) == loop_of_fox(kld, poses)
 
 
 def test_a_gathered_belief_needs_fewer_particles_than_a_scattered_one() -> None:
     rng, kld = np.random.default_rng(1), KldSampling()
-    counts = [kld.enough(rng.normal([0.25, 0.25, 0.09], spread, (5000, 3))) for spread in (0.01, 0.3, 3.0)]
+    counts = [kld.count_enough(rng.normal([0.25, 0.25, 0.09], spread, (5000, 3))) for spread in (0.01, 0.3, 3.0)]
     assert counts[0] == kld.least
     assert counts[0] < counts[1] < counts[2]
 
 
 def test_the_promise_is_kept() -> None:
-    """A histogram of `needed` draws is farther than epsilon from the truth in at most delta of the runs."""
+    """A histogram of `particles_needed` draws is farther than epsilon from the truth in at most delta of the runs."""
     rng, bins, delta, runs = np.random.default_rng(3), 40, 0.1, 2000
     kld = KldSampling(epsilon=0.01, delta=delta, least=1)
     truth = rng.dirichlet(np.full(bins, 4.0))
-    n = int(kld.needed(bins))
+    n = int(kld.particles_needed(bins))
     shares = rng.multinomial(n, truth, size=runs) / n
     divergence = np.sum(np.where(shares > 0, shares * np.log(np.maximum(shares, 1e-300) / truth), 0.0), axis=1)
     exceeded = np.mean(divergence > kld.epsilon)
@@ -79,8 +79,8 @@ def test_headings_across_the_cut_share_their_bin_with_themselves() -> None:
         ("delta", lambda: KldSampling(delta=1.0)),
         ("least", lambda: KldSampling(least=0)),
         ("least", lambda: KldSampling(least=20, most=10)),
-        ("poses", lambda: KldSampling().enough(np.empty((0, 3)))),
-        ("poses", lambda: KldSampling().enough([[0.0, math.nan, 0.0]])),
+        ("poses", lambda: KldSampling().count_enough(np.empty((0, 3)))),
+        ("poses", lambda: KldSampling().count_enough([[0.0, math.nan, 0.0]])),
         ("poses", lambda: KldSampling().bins([0.0, 0.0, 0.0])),
     ],
 )

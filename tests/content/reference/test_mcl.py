@@ -13,7 +13,13 @@ from reference.errors import InvalidArgumentError
 from reference.filters.bayes import BayesFilter, ImpossibleMeasurementError
 from reference.formats.map_server import read_map
 from reference.localisation.kld_sampling import KldSampling
-from reference.localisation.mcl import Averages, Injection, MonteCarloLocalization, likely_poses, uniform_poses
+from reference.localisation.mcl import (
+    InjectionRule,
+    LikelihoodAverages,
+    MonteCarloLocalization,
+    likely_poses,
+    uniform_poses,
+)
 from reference.localisation.odometry_motion import OdometryNoise
 from reference.localisation.pose_clusters import clusters
 from reference.odometry import DifferentialDrive
@@ -22,33 +28,37 @@ from reference.sensors.beam import BeamModel, BeamSensor
 from reference.sensors.likelihood_field import LikelihoodField
 from reference.world.grid_map import GridMap
 from reference.world.scan import Scan, turn_angles
-from reference.world.scenes import building
-from reference.world.simulation import Lidar, Run, SimulationError, simulate, wander
+from reference.world.scenes import random_building
+from reference.world.simulation import SimulatedLidar, SimulatedRun, SimulationError, random_walk, simulate
 
 DRIVE = DifferentialDrive(0.3, 0.002, 0.02)
-LIDAR = Lidar(Lidar.full_turn(30, 8.0).angles, 8.0, sigma=0.05, short=0.03, miss=0.03, stray=0.03)
+LIDAR = SimulatedLidar(SimulatedLidar.full_turn(30, 8.0).angles, 8.0, sigma=0.05, short=0.03, miss=0.03, stray=0.03)
 MOTION = OdometryNoise(0.2, 0.1, 0.15, 0.05)
-RECOVERY = Injection(slow=0.05, fast=0.5, tries=40)
+RECOVERY = InjectionRule(slow=0.05, fast=0.5, tries=40)
 
 
 def place(seed: int) -> tuple[GridMap, np.random.Generator]:
     """A building of six rooms, 8 m by 12 m."""
     rng = np.random.default_rng(seed)
-    return building(rng, (2, 3), resolution=0.2), rng
+    return random_building(rng, (2, 3), resolution=0.2), rng
 
 
-def journey(grid_map: GridMap, rng: np.random.Generator, steps: int) -> Run:
+def journey(grid_map: GridMap, rng: np.random.Generator, steps: int) -> SimulatedRun:
     """A robot that wanders from anywhere, three beams in thirty of its lidar being wrong."""
     while True:
         start = uniform_poses(grid_map, 1, rng)[0]
         try:
-            return simulate(grid_map, wander(grid_map, start, steps, 0.3, 0.5, rng), start, DRIVE, LIDAR, rng)
+            return simulate(grid_map, random_walk(grid_map, start, steps, 0.3, 0.5, rng), start, DRIVE, LIDAR, rng)
         except SimulationError:
             continue
 
 
 def lost(
-    grid_map: GridMap, rng: np.random.Generator, scan: Scan, injection: Injection | None, kld: KldSampling | None = None
+    grid_map: GridMap,
+    rng: np.random.Generator,
+    scan: Scan,
+    injection: InjectionRule | None,
+    kld: KldSampling | None = None,
 ) -> MonteCarloLocalization:
     """500 particles that know nothing but a first scan."""
     field = LikelihoodField(grid_map, sigma=0.2, max_range=8.0, power=0.3)
@@ -56,7 +66,7 @@ def lost(
     return MonteCarloLocalization(grid_map, field, start, rng, motion=MOTION, injection=injection, kld=kld)
 
 
-def found(robot: MonteCarloLocalization, run: Run) -> bool:
+def found(robot: MonteCarloLocalization, run: SimulatedRun) -> bool:
     """Follow the run; after each of its last three scans, is the heaviest cloud near the truth?"""
     near = []
     for i in range(len(run)):
@@ -75,7 +85,7 @@ def test_500_particles_find_a_lost_robot() -> None:
     for seed in range(8):
         grid_map, rng = place(seed)
         run = journey(grid_map, rng, 20)
-        robot = lost(grid_map, rng, run.scan(0), Injection(slow=0.05, fast=0.5, always=0.05, tries=40))
+        robot = lost(grid_map, rng, run.scan(0), InjectionRule(slow=0.05, fast=0.5, always=0.05, tries=40))
         successes += found(robot, run)
         assert len(robot.states) == 500
     assert successes >= 7
@@ -98,7 +108,7 @@ def test_a_kidnapped_robot_is_found_again_only_when_poses_are_drawn_anew() -> No
 def test_500_particles_find_a_robot_on_the_map_of_the_turtlebot(dataset: Callable[[str], bytes]) -> None:
     """Nine equal pillars in a hexagon, 20 square metres at 5 cm a cell, a lidar of 3.5 m: six seeds, 40 steps."""
     grid_map = read_map(dataset("mcl/turtlebot3_map.yaml").decode(), dataset("mcl/turtlebot3_map.pgm")).to_grid_map()
-    drive, lidar = DifferentialDrive(0.16, 0.002, 0.02), Lidar(turn_angles(36), 3.5, 0.02, 0.02, 0.02, 0.02)
+    drive, lidar = DifferentialDrive(0.16, 0.002, 0.02), SimulatedLidar(turn_angles(36), 3.5, 0.02, 0.02, 0.02, 0.02)
     field = LikelihoodField(grid_map, sigma=0.1, max_range=3.5, power=0.3)
     errors = []
     for seed in range(6):
@@ -107,10 +117,10 @@ def test_500_particles_find_a_robot_on_the_map_of_the_turtlebot(dataset: Callabl
         while run is None:
             start = uniform_poses(grid_map, 1, rng)[0]
             with suppress(SimulationError):
-                run = simulate(grid_map, wander(grid_map, start, 40, 0.15, 0.5, rng), start, drive, lidar, rng)
+                run = simulate(grid_map, random_walk(grid_map, start, 40, 0.15, 0.5, rng), start, drive, lidar, rng)
         start = likely_poses(grid_map, field, run.scan(0), 500, rng)
         robot = MonteCarloLocalization(
-            grid_map, field, start, rng, motion=MOTION, injection=Injection(0.05, 0.5, 0.05, tries=40)
+            grid_map, field, start, rng, motion=MOTION, injection=InjectionRule(0.05, 0.5, 0.05, tries=40)
         )
         found(robot, run)
         errors.append(math.hypot(*(robot.clusters()[0].mean - run.truth[-1])[:2]))
@@ -127,7 +137,7 @@ def hall() -> GridMap:
 def test_a_symmetrical_hall_leaves_two_clouds() -> None:
     grid_map, rng = hall(), np.random.default_rng(1)
     truth = np.array([2.2, 1.2, 0.3])
-    lidar = Lidar.full_turn(36, 12.0)
+    lidar = SimulatedLidar.full_turn(36, 12.0)
     scan = Scan(lidar.read(grid_map, truth[None, :], rng)[0], lidar.angles, 12.0)
     field = LikelihoodField(grid_map, sigma=0.15, max_range=12.0, power=0.5)
     robot = MonteCarloLocalization(grid_map, field, likely_poses(grid_map, field, scan, 1000, rng), rng)
@@ -172,11 +182,11 @@ def test_a_tracked_robot_stays_tracked_with_the_beam_model() -> None:
 
 def test_the_share_to_inject_follows_the_two_averages() -> None:
     """Equation (1) by hand: slow 0.1, fast 0.5, likelihoods 1, 1, then 0.2."""
-    averages, rule = Averages(), Injection(slow=0.1, fast=0.5, always=0.02)
-    assert averages.share(1.0, rule) == averages.share(1.0, rule) == 0.02
-    assert averages.share(0.2, rule) == pytest.approx(1.0 - 0.6 / 0.92)
-    assert averages.share(0.2, Injection(0.0, 0.0, 0.02)) == pytest.approx(1.0 - 0.6 / 0.92)
-    assert Averages(0.0, 0.0).share(0.0, rule) == 0.02
+    averages, rule = LikelihoodAverages(), InjectionRule(slow=0.1, fast=0.5, always=0.02)
+    assert averages.update_and_share(1.0, rule) == averages.update_and_share(1.0, rule) == 0.02
+    assert averages.update_and_share(0.2, rule) == pytest.approx(1.0 - 0.6 / 0.92)
+    assert averages.update_and_share(0.2, InjectionRule(0.0, 0.0, 0.02)) == pytest.approx(1.0 - 0.6 / 0.92)
+    assert LikelihoodAverages(0.0, 0.0).update_and_share(0.0, rule) == 0.02
 
 
 def test_poses_are_drawn_evenly_on_the_free_cells() -> None:
@@ -231,9 +241,9 @@ def test_input_without_meaning_is_named() -> None:
         ("control", lambda: robot.predict(np.array([0.0, math.nan, 0.0]))),
         ("scan", lambda: robot.correct(Scan.full_turn([], 8.0))),
         ("grid_map", lambda: uniform_poses(walls, 3, rng)),
-        ("slow", lambda: Injection(slow=0.6, fast=0.5)),
-        ("always", lambda: Injection(always=1.0)),
-        ("tries", lambda: Injection(tries=0)),
+        ("slow", lambda: InjectionRule(slow=0.6, fast=0.5)),
+        ("always", lambda: InjectionRule(always=1.0)),
+        ("tries", lambda: InjectionRule(tries=0)),
         ("poses", lambda: clusters(np.empty((0, 3)), [])),
         ("weights", lambda: clusters(np.zeros((2, 3)), [0.0, 0.0])),
         ("cell", lambda: clusters(np.zeros((2, 3)), [0.5, 0.5], cell=0.0)),

@@ -10,7 +10,7 @@ from scipy.optimize import minimize
 
 from reference.errors import InvalidArgumentError
 from reference.sensors.beam import BeamModel, plain_densities, plain_log_likelihood
-from reference.sensors.plain_beam_learning import plain_responsibilities, plain_round
+from reference.sensors.plain_beam_learning import plain_em_round, plain_responsibilities
 
 TRUTH = BeamModel(max_range=12.0, hit=0.6, short=0.2, beyond=0.08, random=0.12, sigma=0.3, rate=0.8)
 START = BeamModel(12.0, 0.25, 0.25, 0.25, 0.25, 1.0, 1.0)
@@ -37,7 +37,7 @@ def test_em_ends_where_an_optimiser_does() -> None:
     z, expected = drawn(1)
     model = START
     for _ in range(200):
-        model = plain_round(model, z, expected)
+        model = plain_em_round(model, z, expected)
     found = minimize(lambda point: -told(of(point), z, expected), np.zeros(5), method="BFGS")
     assert told(model, z, expected) == pytest.approx(-found.fun, abs=1e-4)
     other = of(found.x)
@@ -54,17 +54,17 @@ def test_a_round_never_lowers_the_likelihood_and_causes_sum_to_one(seed: int) ->
     model = BeamModel(12.0, hit, short, beyond, random, *np.exp(rng.uniform(-2.0, 1.0, 2)).tolist())
     for _ in range(4):
         np.testing.assert_allclose(plain_responsibilities(model, z, expected).sum(axis=0), 1.0, rtol=1e-12)
-        better = plain_round(model, z, expected)
+        better = plain_em_round(model, z, expected)
         assert told(better, z, expected) >= told(model, z, expected) - 1e-9
         model = better
 
 
 def test_a_share_that_is_nothing_stays_so_and_what_witnesses_nothing_is_kept() -> None:
     z, expected = drawn(2)
-    sure = plain_round(replace(START, short=0.0, random=0.5), z, expected)
+    sure = plain_em_round(replace(START, short=0.0, random=0.5), z, expected)
     assert sure.short == 0.0
     assert sure.rate == START.rate
-    alone = plain_round(START, [12.0, 12.0], [12.0, 12.0])
+    alone = plain_em_round(START, [12.0, 12.0], [12.0, 12.0])
     assert alone.sigma == pytest.approx(1e-3), "a spike is held"
 
 
@@ -79,6 +79,6 @@ def test_the_causes_are_those_of_the_formula() -> None:
 def test_ranges_that_cannot_be_are_refused() -> None:
     sure = replace(START, hit=1.0, short=0.0, beyond=0.0, random=0.0, sigma=0.01)
     with pytest.raises(InvalidArgumentError):
-        plain_round(sure, [1.0], [9.0])
+        plain_em_round(sure, [1.0], [9.0])
     with pytest.raises(InvalidArgumentError):
-        plain_round(START, [1.0, 2.0], [9.0])
+        plain_em_round(START, [1.0, 2.0], [9.0])

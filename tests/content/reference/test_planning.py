@@ -19,8 +19,8 @@ from scipy.sparse import csgraph
 from reference.errors import InvalidArgumentError
 from reference.planning import (
     DynamicWindow,
-    Limits,
     PlanningError,
+    RobotLimits,
     SearchGrid,
     UnreachableError,
     inflate,
@@ -28,7 +28,7 @@ from reference.planning import (
     parse_map,
     parse_scenarios,
 )
-from reference.planning.dynamic_window import arc, drive
+from reference.planning.dynamic_window import arc, predict_drive
 from reference.world.grid_map import GridMap
 from tests.support.quick import one_in, some
 
@@ -192,7 +192,7 @@ def scene(seed: int) -> GridMap:
 @pytest.mark.parametrize("seed", OPEN_SCENES)
 def test_the_robot_arrives_and_touches_nothing(seed: int) -> None:
     """Walls are looked for along the way as driven, with exact arcs, on all points of the rim."""
-    world, limits = scene(seed), Limits()
+    world, limits = scene(seed), RobotLimits()
     start, goal = world.poses_to_world([7.0, 7.0, np.pi]), world.to_world([93.0, 73.0])
     found = navigate(world, start, goal, limits)
     assert found.reached
@@ -241,7 +241,7 @@ def some_journey(seed: int) -> tuple[GridMap, np.ndarray, np.ndarray]:
     while True:
         (ay, ax), (by, bx) = rng.choice(cells, 2, replace=False)
         goal = np.asarray(world.to_world([bx + rng.random(), by + rng.random()]))
-        if np.isfinite(DynamicWindow.towards(world, goal, Limits()).ways[ay, ax]):
+        if np.isfinite(DynamicWindow.towards(world, goal, RobotLimits()).ways[ay, ax]):
             start = world.poses_to_world([ax + rng.random(), ay + rng.random(), rng.uniform(-3.14, 3.14)])
             return world, np.asarray(start), goal
 
@@ -251,12 +251,12 @@ def some_journey(seed: int) -> tuple[GridMap, np.ndarray, np.ndarray]:
 def test_among_obstacles_a_goal_to_which_a_way_leads_is_reached(seed: int, patience: float) -> None:
     """By the window and its rule against stalls; and by that rule alone, all the way."""
     world, start, goal = some_journey(seed)
-    found = navigate(world, start, goal, Limits(patience=patience), max_time=400.0)
+    found = navigate(world, start, goal, RobotLimits(patience=patience), max_time=400.0)
     assert found.reached
     assert found.clearance > 0
     assert np.all(found.speeds[:, 0] >= 0)
     steps = np.abs(np.diff(np.vstack([np.zeros((1, 2)), found.speeds]), axis=0))
-    limits = Limits()
+    limits = RobotLimits()
     assert np.all(steps <= np.array([limits.max_dv, limits.max_dw]) * limits.period + 1e-9)
     assert np.all(np.abs(found.speeds) <= [limits.max_v + 1e-9, limits.max_w + 1e-9])
 
@@ -266,13 +266,13 @@ def test_among_obstacles_a_goal_to_which_a_way_leads_is_reached(seed: int, patie
 def test_from_rest_no_wish_leads_into_a_wall(seed: int) -> None:
     """The safe choices stay safe when something else than the score picks among them: here, at random."""
     rng = np.random.default_rng(seed)
-    world, limits = scene(seed % 1000), Limits(max_v=1.5, max_dv=0.5)
+    world, limits = scene(seed % 1000), RobotLimits(max_v=1.5, max_dv=0.5)
     window = DynamicWindow.towards(world, world.to_world([93.0, 73.0]), limits)
     object.__setattr__(window, "remaining", rng.uniform(0, 9, window.remaining.shape))
     pose, speed = np.array(world.poses_to_world([7.0, 7.0, 0.0])), np.zeros(2)
     for _ in range(40):
         speed = window.choose(pose, speed)
-        passed = drive(pose, speed[None], limits, brake=False, duration=limits.period)[0]
+        passed = predict_drive(pose, speed[None], limits, brake=False, duration=limits.period)[0]
         assert window.clearance(passed).min() > limits.radius
         pose = passed[-1]
 
@@ -314,8 +314,8 @@ ROOM = GridMap.from_free(np.ones((30, 30), bool), 0.1)
         ("text", lambda: parse_map("type octile\nheight two")),
         ("text", lambda: parse_map(MAP.replace("TS.", "TS"))),
         ("text", lambda: parse_scenarios("version 1\n1 2 3")),
-        ("max_v", lambda: Limits(max_v=0.0)),
-        ("samples", lambda: Limits(samples=1)),
+        ("max_v", lambda: RobotLimits(max_v=0.0)),
+        ("samples", lambda: RobotLimits(samples=1)),
         ("goal", lambda: navigate(ROOM, [1.5, 1.5, 0.0], [0.0, 0.0])),
         ("goal", lambda: navigate(ROOM, [1.5, 1.5, 0.0], [np.nan, 0.0])),
         ("start", lambda: navigate(ROOM, [0.0, 1.5, 0.0], [1.5, 1.5])),

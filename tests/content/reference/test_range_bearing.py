@@ -16,7 +16,7 @@ from reference.filters.models import log_normal
 from reference.filters.moments import difference, weighted_covariance, weighted_mean
 from reference.filters.particles import ParticleFilter
 from reference.filters.range_bearing import RangeBearingModel
-from reference.filters.unscented import SigmaPoints, Spread, UnscentedKalmanFilter
+from reference.filters.unscented import SigmaPoints, UnscentedKalmanFilter, UnscentedParameters
 
 LANDMARKS = np.array([[4.0, 1.0], [-2.0, 5.0], [1.0, -4.0]])
 MODEL = RangeBearingModel(LANDMARKS, advance_sigma=0.05, turn_sigma=0.03, range_sigma=0.15, bearing_sigma=0.04)
@@ -124,7 +124,7 @@ def test_the_unscented_transform_is_exact_for_quadratics() -> None:
     """Mean of x^T A x is mu^T A mu + trace(A P), which linearisation misses."""
     rng = np.random.default_rng(0)
     mean, root, A = rng.normal(size=4), rng.normal(size=(4, 4)), rng.normal(size=(4, 4))
-    sigma = SigmaPoints.of(mean, root @ root.T, Spread(alpha=0.7, kappa=0.5))
+    sigma = SigmaPoints.of(mean, root @ root.T, UnscentedParameters(alpha=0.7, kappa=0.5))
     values = np.einsum("ni,ij,nj->n", sigma.points, A, sigma.points)
     assert sigma.for_mean @ values == pytest.approx(mean @ A @ mean + np.trace(A @ root @ root.T))
     away = sigma.points - mean
@@ -181,7 +181,7 @@ def test_input_without_meaning_is_named() -> None:
         ("range_sigma", lambda: RangeBearingModel(LANDMARKS, **{**sigmas, "range_sigma": 0.0})),
         ("state", lambda: MODEL.observe_jacobian(np.array([*LANDMARKS[0], 0.0]))),
         ("measurement_noise", lambda: ExtendedKalmanFilter(singular, START, np.zeros((3, 3))).correct(np.ones(6))),
-        ("kappa", lambda: SigmaPoints.of(np.zeros(2), np.eye(2), Spread(kappa=-2.0))),
+        ("kappa", lambda: SigmaPoints.of(np.zeros(2), np.eye(2), UnscentedParameters(kappa=-2.0))),
         ("covariance", lambda: log_normal(np.zeros(2), np.zeros((2, 2)))),
     ):
         with pytest.raises(InvalidArgumentError) as refusal:

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from scipy.ndimage import label
 
 from reference.world import ray_caster
-from reference.world.clear_cones import MOST, cones, leaps
+from reference.world.clear_cones import MOST, clear_cone_lengths, clear_leap_lengths
 from reference.world.ray_caster import RayCaster
 from reference.world.raycast import RaycastError, cast_rays, cast_scans
 
@@ -211,7 +211,7 @@ def test_cones_are_empty_and_as_long_as_they_say(seed: int, sectors: int) -> Non
     rng = np.random.default_rng(seed)
     wall = rng.random((2, rng.integers(1, 9), rng.integers(1, 9))) < 0.12
     for k in range(sectors):
-        found = cones(wall, k, sectors)
+        found = clear_cone_lengths(wall, k, sectors)
         for m, i, r in np.ndindex(*wall.shape):
             assert found[m, i, r] == empty_columns(wall[m], i, r, Fraction(k, sectors), Fraction(k + 1, sectors))
 
@@ -231,7 +231,7 @@ def empty_columns(wall: np.ndarray, i: int, r: int, least: Fraction, greatest: F
 def test_leaps_are_of_rays_that_stay_in_a_row_and_of_rays_that_leave_it(seed: int) -> None:
     rng = np.random.default_rng(seed)
     wall = np.pad(rng.random((1, 5, 6)) < 0.15, ((0, 0), (1, 1), (1, 1)), constant_values=True)
-    found = leaps(wall, 2)[0]
+    found = clear_leap_lengths(wall, 2)[0]
     for k, i, r, rises in np.ndindex(2, 6, 7, 2):
         stopped = wall[0, i, r] or (rises and wall[0, i, r + 1])
         further = empty_columns(wall[0], i + 1, r + rises, Fraction(k, 2), Fraction(k + 1, 2))
@@ -240,7 +240,7 @@ def test_leaps_are_of_rays_that_stay_in_a_row_and_of_rays_that_leave_it(seed: in
 
 def test_counts_stop_where_a_byte_does() -> None:
     for sectors in (1, 2, 3):
-        found = leaps(
+        found = clear_leap_lengths(
             np.pad(np.zeros((1, 700, 700), dtype=bool), ((0, 0), (1, 1), (1, 1)), constant_values=True), sectors
         )
         assert MOST - sectors <= found.max() <= MOST

@@ -14,7 +14,7 @@ from reference.filters.resampling import (
     InvalidOffsetError,
     InvalidWeightsError,
     Scheme,
-    comb,
+    comb_resampling,
     effective_sample_size,
     multinomial_resampling,
     residual_resampling,
@@ -42,7 +42,7 @@ def test_copies_are_those_of_the_definition(weights: list[int], k: int) -> None:
     # A sum that is a power of two keeps the floats exact, teeth on boundaries included.
     padded = [*weights, (1 << sum(weights).bit_length()) - sum(weights)]
     padded += [0] * ((1 << len(padded).bit_length()) - len(padded))
-    assert comb(padded, k / 16).copies.tolist() == exact_copies(padded, Fraction(k, 16))
+    assert comb_resampling(padded, k / 16).copies.tolist() == exact_copies(padded, Fraction(k, 16))
 
 
 @given(weight_lists, st.floats(1e-6, 1.0 - 1e-6))
@@ -51,7 +51,7 @@ def test_ancestors_are_those_that_a_search_finds(weights: list[int], offset: flo
     ends = np.cumsum(weights) / np.sum(weights)
     teeth = (np.arange(n) + offset) / n
     if np.min(np.abs(teeth[:, None] - ends[None, :])) > 1e-12:
-        assert comb(weights, offset).ancestors.tolist() == np.searchsorted(ends, teeth).tolist()
+        assert comb_resampling(weights, offset).ancestors.tolist() == np.searchsorted(ends, teeth).tolist()
 
 
 @given(
@@ -62,7 +62,7 @@ def test_ancestors_are_those_that_a_search_finds(weights: list[int], offset: flo
 @example([0.1] * 10, LAST_OFFSET)
 @example([0.1] * 10, 0.0)
 def test_every_particle_has_the_floor_or_the_ceil_of_its_share(weights: list[float], offset: float) -> None:
-    found = comb(weights, offset)
+    found = comb_resampling(weights, offset)
     shares = len(weights) * np.array(weights) / sum(weights)
     assert found.copies.sum() == found.ancestors.size == len(weights)
     assert np.all(np.diff(found.ancestors) >= 0)
@@ -78,13 +78,13 @@ def test_copies_average_to_the_share_over_all_offsets(weights: list[int]) -> Non
     steps = sorted({Fraction(n * sum(weights[:i]), total) % 1 for i in range(n)} | {Fraction(0), Fraction(1)})
     mean = np.zeros(n)
     for low, high in pairwise(steps):
-        mean += float(high - low) * comb(weights, float((low + high) / 2)).copies
+        mean += float(high - low) * comb_resampling(weights, float((low + high) / 2)).copies
     assert np.allclose(mean, n * np.array(weights) / total, atol=1e-9)
 
 
 @given(st.integers(1, 400), st.floats(1e-9, 1.0 - 1e-9))
 def test_equal_weights_keep_every_particle(n: int, offset: float) -> None:
-    assert comb(np.full(n, 1.0 / n), offset).copies.tolist() == [1] * n
+    assert comb_resampling(np.full(n, 1.0 / n), offset).copies.tolist() == [1] * n
 
 
 def test_a_million_particles_whose_sum_falls_short_of_one() -> None:
@@ -92,7 +92,7 @@ def test_a_million_particles_whose_sum_falls_short_of_one() -> None:
     weights[-1] = 0.0
     assert np.cumsum(weights)[-1] < 1.0
     for offset in (0.0, 0.5, LAST_OFFSET):
-        found = comb(weights, offset)
+        found = comb_resampling(weights, offset)
         assert found.ancestors.size == found.copies.sum() == 1_000_000
         assert found.ancestors[-1] == 999_998
 
@@ -100,19 +100,21 @@ def test_a_million_particles_whose_sum_falls_short_of_one() -> None:
 def test_one_draw_decides_everything() -> None:
     weights = np.array([0.1, 0.2, 0.3, 0.4])
     ours, theirs = np.random.default_rng(5), np.random.default_rng(5)
-    assert np.array_equal(systematic_resampling(weights, ours).ancestors, comb(weights, theirs.random()).ancestors)
+    assert np.array_equal(
+        systematic_resampling(weights, ours).ancestors, comb_resampling(weights, theirs.random()).ancestors
+    )
     assert ours.random() == theirs.random()
 
 
 @pytest.mark.parametrize("scale", [5e-324, 1e-300, 1e300])
 def test_weights_of_any_size(scale: float) -> None:
-    assert comb(np.array([2.0, 1.0, 1.0, 0.0]) * scale, 0.4).copies.tolist() == [2, 1, 1, 0]
+    assert comb_resampling(np.array([2.0, 1.0, 1.0, 0.0]) * scale, 0.4).copies.tolist() == [2, 1, 1, 0]
     assert effective_sample_size(np.array([2.0, 2.0, 0.0]) * scale) == pytest.approx(2.0)
 
 
 def test_the_weights_are_left_alone() -> None:
     weights = np.array([0.5, 0.25, 0.25])
-    comb(weights, 0.3)
+    comb_resampling(weights, 0.3)
     effective_sample_size(weights)
     assert weights.tolist() == [0.5, 0.25, 0.25]
 
@@ -139,7 +141,7 @@ def test_effective_sample_size_against_exact_fractions(weights: list[int]) -> No
     ],
 )
 def test_weights_that_mean_nothing_are_refused_by_name(weights: object) -> None:
-    for function in (effective_sample_size, lambda w: comb(w, 0.5)):
+    for function in (effective_sample_size, lambda w: comb_resampling(w, 0.5)):
         with np.errstate(over="ignore"), pytest.raises(InvalidWeightsError) as refusal:
             function(weights)
         assert refusal.value.argument == "weights"
@@ -148,7 +150,7 @@ def test_weights_that_mean_nothing_are_refused_by_name(weights: object) -> None:
 @pytest.mark.parametrize("offset", [-1e-9, 1.0, math.nan])
 def test_offsets_outside_of_a_tooth_are_refused_by_name(offset: float) -> None:
     with pytest.raises(InvalidOffsetError) as refusal:
-        comb([1.0, 1.0], offset)
+        comb_resampling([1.0, 1.0], offset)
     assert refusal.value.argument == "offset"
 
 
@@ -242,7 +244,7 @@ def test_large_sets_are_the_same_as_one_search() -> None:
         ends = np.cumsum(weights) / weights.sum() * weights.size
         teeth = np.arange(weights.size) + 0.37
         expected = np.searchsorted(ends, teeth)
-        found = comb(weights, 0.37).ancestors
+        found = comb_resampling(weights, 0.37).ancestors
         moved = np.flatnonzero(found != expected)
         assert all(np.min(np.abs(ends - teeth[m])) < 1e-6 for m in moved)
         assert moved.size < 5
@@ -254,7 +256,10 @@ def test_large_sets_keep_the_teeth_that_fall_on_boundaries(k: int) -> None:
     n = 2**18
     weights = np.random.default_rng(k).permutation(np.repeat([0, 1, 3, 4], n // 4))
     ends = np.cumsum(weights) / 2
-    assert comb(weights, k / 16).ancestors.tolist() == np.searchsorted(ends, np.arange(n) + k / 16, "right").tolist()
+    assert (
+        comb_resampling(weights, k / 16).ancestors.tolist()
+        == np.searchsorted(ends, np.arange(n) + k / 16, "right").tolist()
+    )
 
 
 @pytest.mark.parametrize("scheme", SCHEMES)

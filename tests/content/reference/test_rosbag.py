@@ -10,21 +10,23 @@ from reference.formats.rosbag import RosbagError, export_rosbag
 from reference.odometry import DifferentialDrive, Motion, dead_reckoning
 from reference.se2 import compose
 from reference.world.grid_map import GridMap
-from reference.world.simulation import Lidar, Run, simulate
+from reference.world.simulation import SimulatedLidar, SimulatedRun, simulate
 
 START = 1_700_000_000_000_000_000
 
 
-def a_run(lidar: Lidar | None = None, steps: int = 12) -> Run:
+def a_run(lidar: SimulatedLidar | None = None, steps: int = 12) -> SimulatedRun:
     rng = np.random.default_rng(4)
     place = GridMap.from_free(np.pad(np.ones((38, 58), dtype=bool), 1), 0.1, (-1.0, 2.0, 0.3))
     start = place.poses_to_world([20.0, 20.0, 0.5])
     drive = DifferentialDrive(0.3, sigma=0.002)
-    return simulate(place, [Motion(0.05, 0.1)] * steps, start, drive, lidar or Lidar.full_turn(36, 2.0, 0.01), rng, 0.2)
+    return simulate(
+        place, [Motion(0.05, 0.1)] * steps, start, drive, lidar or SimulatedLidar.full_turn(36, 2.0, 0.01), rng, 0.2
+    )
 
 
 @pytest.fixture(scope="module")
-def recorded(tmp_path_factory: pytest.TempPathFactory) -> tuple[Run, dict[str, list[tuple[int, Any]]]]:
+def recorded(tmp_path_factory: pytest.TempPathFactory) -> tuple[SimulatedRun, dict[str, list[tuple[int, Any]]]]:
     """The run, and the messages of each topic of its bag with their times."""
     rosbag2 = pytest.importorskip("rosbags.rosbag2")
     from rosbags.typesys import Stores, get_typestore
@@ -115,8 +117,8 @@ def test_the_second_reader_agrees() -> None:
 
 def test_what_ros_cannot_say_is_named() -> None:
     for argument, call in (
-        ("run", lambda: export_rosbag(a_run(Lidar(np.array([0.0, 0.1, 0.3]), 2.0)))),
-        ("run", lambda: export_rosbag(a_run(Lidar(np.array([]), 2.0)))),
+        ("run", lambda: export_rosbag(a_run(SimulatedLidar(np.array([0.0, 0.1, 0.3]), 2.0)))),
+        ("run", lambda: export_rosbag(a_run(SimulatedLidar(np.array([]), 2.0)))),
         ("start_ns", lambda: export_rosbag(a_run(), 0)),
     ):
         with pytest.raises(RosbagError) as error:

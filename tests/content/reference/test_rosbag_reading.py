@@ -16,7 +16,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from reference.formats.rosbag import export_rosbag
-from reference.formats.rosbag_reading import BagReadingError, Recording, read_rosbag, replay
+from reference.formats.rosbag_reading import BagReadingError, Recording, read_recording, read_rosbag
 
 from .test_rosbag import START, a_run
 
@@ -63,7 +63,7 @@ def assert_is_the_run(found: Recording) -> None:
 
 
 def test_a_run_that_we_record_is_read_back() -> None:
-    assert_is_the_run(replay({"run.mcap": mcap(), "metadata.yaml": b"anything"}))
+    assert_is_the_run(read_recording({"run.mcap": mcap(), "metadata.yaml": b"anything"}))
     counts = Counter(message.topic for message in read_rosbag({"run.mcap": mcap()}))
     assert counts == export_rosbag(RUN, START).messages
     assert {m.topic for m in read_rosbag({"run.mcap": mcap()}, ["/odom", "/missing"])} == {"/odom"}
@@ -73,15 +73,15 @@ def test_a_run_that_we_record_is_read_back() -> None:
 def test_bags_of_another_writer_are_read(tmp_path: Path, plugin: str) -> None:
     files = rewritten(tmp_path, plugin)
     assert any(name.endswith(".db3" if plugin == "SQLITE3" else ".mcap") for name in files)
-    assert_is_the_run(replay(files))
+    assert_is_the_run(read_recording(files))
 
 
 def test_odometry_stands_in_for_frames_that_are_not_recorded(tmp_path: Path) -> None:
     """Nobody says then where the lidar is: the scan has to be in the robot's own frame."""
     files = rewritten(tmp_path, "SQLITE3", lambda topic: topic != "/tf")
     with pytest.raises(BagReadingError, match="'laser' was never published"):
-        replay(files)
-    assert_is_the_run(replay(with_frame(files, b"laser\0", b"base_link\0")))
+        read_recording(files)
+    assert_is_the_run(read_recording(with_frame(files, b"laser\0", b"base_link\0")))
 
 
 def with_frame(files: dict[str, bytes], old: bytes, new: bytes) -> dict[str, bytes]:
@@ -119,7 +119,7 @@ def test_files_of_a_split_bag_are_merged_by_date(tmp_path: Path) -> None:
             base.execute(f"DELETE FROM messages WHERE timestamp {rest} ?", (START + round(1e9 * RUN.times[6]),))
             base.commit()
             parts[part] = base.serialize()
-    assert_is_the_run(replay(parts))
+    assert_is_the_run(read_recording(parts))
 
 
 def test_a_scan_between_two_transforms_is_placed_between_them_and_one_beyond_is_left_out(tmp_path: Path) -> None:
@@ -133,7 +133,7 @@ def test_a_scan_between_two_transforms_is_placed_between_them_and_one_beyond_is_
         )
         return data[:4] + seconds.to_bytes(4, "little") + nanoseconds.to_bytes(4, "little") + data[12:]
 
-    found = replay(edited(files, "/scan", later))
+    found = read_recording(edited(files, "/scan", later))
     assert len(found) == len(RUN) - 1
     assert len(found.left_out) == 1
     assert "after the last" in found.left_out[0]
@@ -157,10 +157,10 @@ def test_dates_frames_and_angles_that_do_not_fit_are_named(tmp_path: Path) -> No
         ("scan_topic", "no topic", edited_type(files, name)),
     ):
         with pytest.raises(BagReadingError, match=match) as caught:
-            replay(given_files)
+            read_recording(given_files)
         assert caught.value.argument == argument, match
     with pytest.raises(BagReadingError, match="/scan") as caught:
-        replay(files, "/scan_filtered")
+        read_recording(files, "/scan_filtered")
     assert caught.value.argument == "scan_topic"
 
 
@@ -182,4 +182,4 @@ def test_a_damaged_bag_is_refused_or_read_and_nothing_else(data: Any) -> None:
         for _ in range(3):
             content[data.draw(st.integers(0, len(content) - 1))] = data.draw(st.integers(0, 255))
     with suppress(BagReadingError):
-        replay({"run.mcap": bytes(content)})
+        read_recording({"run.mcap": bytes(content)})

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from reference.errors import InvalidArgumentError
 from reference.filters.kalman import KalmanFilter
 from reference.filters.models import LinearGaussian
-from reference.filters.scalar import ScalarBelief, kalman_gain, mean_nees_band, settled_variance
+from reference.filters.scalar import ScalarBelief, kalman_gain, mean_nees_band, steady_state_variance
 
 variances = st.floats(0.01, 10.0)
 places = st.floats(-5.0, 5.0)
@@ -58,12 +58,12 @@ def test_any_gain_tells_the_variance_of_its_errors(gain: float) -> None:
 
 @given(variances, variances)
 def test_where_it_settles_a_step_changes_nothing(q: float, r: float) -> None:
-    settled = ScalarBelief(np.zeros(1), settled_variance(q, r))
+    settled = ScalarBelief(np.zeros(1), steady_state_variance(q, r))
     assert settled.predict(0.0, q).correct([0.0], r).variance == pytest.approx(settled.variance)
 
 
 def test_without_noise_in_the_motion_doubt_vanishes() -> None:
-    assert settled_variance(0.0, 1.0) == 0.0
+    assert steady_state_variance(0.0, 1.0) == 0.0
 
 
 @pytest.mark.parametrize(("runs", "dimension"), [(50, 1), (10, 2), (1, 3)])
@@ -80,7 +80,7 @@ def test_what_is_no_filter_is_refused() -> None:
         lambda: ScalarBelief(np.zeros(1), -1.0),
         lambda: ScalarBelief(np.zeros(1), 1.0).predict(0.0, float("nan")),
         lambda: kalman_gain(0.0, 0.0),
-        lambda: settled_variance(0.1, 0.0),
+        lambda: steady_state_variance(0.1, 0.0),
         lambda: mean_nees_band(0),
         lambda: mean_nees_band(5, level=1.0),
     ):

@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from reference.sensors.rays import thinned
+from reference.sensors.rays import thin_scan
 from reference.world.scan import Scan, ScanError, turn_angles
 
 
@@ -63,7 +63,7 @@ def test_every_reading_is_one_event_and_stays_so_in_parts(readings: Any, least: 
 def test_what_was_not_measured_stays_so_in_parts_of_a_scan() -> None:
     scan = Scan.from_sensor([1.0, math.nan, 3.0, math.nan, 2.0, math.inf], turn_angles(6), 5.0)
     assert scan.every(3).measured.tolist() == [True, False]
-    assert thinned(scan, 3).measured.tolist() == [True, True, True]
+    assert thin_scan(scan, 3).measured.tolist() == [True, True, True]
     assert scan.take([1, 2]).measured.tolist() == [False, True]
     with pytest.raises(ValueError, match="read-only"):
         scan.measured[1] = True

@@ -11,16 +11,16 @@ from hypothesis import strategies as st
 from numpy.typing import NDArray
 
 from reference.errors import InvalidArgumentError
-from reference.registration import LineCloud, Matching, Window, correlate, match_clouds, match_scans
+from reference.registration import LineCloud, MatchingSettings, SearchWindow, correlate, match_clouds, match_scans
 from reference.registration.correlation import build_lattice
 from reference.se2 import relative, wrap_angle
 from reference.world.grid_map import GridMap
 from reference.world.scan import Scan, turn_angles
-from reference.world.scenes import building
+from reference.world.scenes import random_building
 
 Floats = NDArray[np.float64]
 seeds = st.integers(0, 2**32 - 1)
-WORLD = building(np.random.default_rng(3), (2, 2), room=50)
+WORLD = random_building(np.random.default_rng(3), (2, 2), room=50)
 ANGLES = turn_angles(180)
 
 
@@ -47,7 +47,7 @@ def open_poses(world: GridMap, rng: np.random.Generator, apart: float) -> tuple[
 def test_the_best_pose_of_the_lattice_is_that_of_brute_force(seed: int, sigma: float) -> None:
     rng = np.random.default_rng(seed)
     P, Q = rng.uniform(-1, 1, (9, 2)), rng.uniform(-1, 1, (12, 2))
-    guess, window = rng.uniform(-0.3, 0.3, 3), Window(rng.uniform(0.1, 0.7), 0.4, 0.1, sigma, 2 * sigma)
+    guess, window = rng.uniform(-0.3, 0.3, 3), SearchWindow(rng.uniform(0.1, 0.7), 0.4, 0.1, sigma, 2 * sigma)
     found = correlate(P, Q, guess, window)
     shift = int(np.ceil(window.reach / 0.1))
     count = int(np.ceil(0.4 * np.linalg.norm(P, axis=1).max() / 0.1))
@@ -65,7 +65,7 @@ def test_the_best_pose_of_the_lattice_is_that_of_brute_force(seed: int, sigma: f
 
 def test_bounds_bound() -> None:
     rng = np.random.default_rng(2)
-    clouds, window = rng.uniform(-2, 2, (2, 7, 2)), Window(sigma=0.3)
+    clouds, window = rng.uniform(-2, 2, (2, 7, 2)), SearchWindow(sigma=0.3)
     lattice = build_lattice(*clouds, np.zeros(3), np.zeros(1), window, 3)
     for h in (1, 2, 3):
         for dy, dx in rng.integers(-30, 30, (20, 2)):
@@ -93,7 +93,7 @@ def test_and_with_no_guess_of_the_heading(seed: int) -> None:
     rng = np.random.default_rng(seed)
     first, second = open_poses(WORLD, rng, 0.6)
     truth = relative(first, second)
-    found = match_scans(look(WORLD, first, rng), look(WORLD, second, rng), np.zeros(3), window=Window(0.8))
+    found = match_scans(look(WORLD, first, rng), look(WORLD, second, rng), np.zeros(3), window=SearchWindow(0.8))
     error = found.T_a_b - truth
     assert np.abs(error[:2]).max() < 0.04
     assert abs(wrap_angle(float(error[2]))) < 0.02
@@ -175,7 +175,7 @@ def test_unrelated_clouds_match_with_semidefinite_information_or_are_refused(see
     scans = [Scan(rng.uniform(0.1, 7.9, k), rng.uniform(-3, 3, k), 8.0) for k in (n, m)]
     refusal = None
     try:
-        found = match_scans(*scans, rng.normal(size=3), window=Window(0.5, 0.3) if seed % 2 else None)
+        found = match_scans(*scans, rng.normal(size=3), window=SearchWindow(0.5, 0.3) if seed % 2 else None)
     except InvalidArgumentError as error:
         refusal = error
     if refusal is None:
@@ -188,9 +188,9 @@ def test_two_places_that_differ_do_not_overlap() -> None:
     rng = np.random.default_rng(7)
     scans = []
     for seed in (11, 12):
-        world = building(np.random.default_rng(seed), (2, 2), room=50)
+        world = random_building(np.random.default_rng(seed), (2, 2), room=50)
         scans.append(look(world, open_poses(world, np.random.default_rng(seed), 0.1)[0], rng))
-    assert match_scans(*scans, np.zeros(3), window=Window(1.0)).overlap < 0.6
+    assert match_scans(*scans, np.zeros(3), window=SearchWindow(1.0)).overlap < 0.6
 
 
 SCAN = Scan(np.ones(60), turn_angles(60), 5.0)
@@ -202,12 +202,12 @@ SCAN = Scan(np.ones(60), turn_angles(60), 5.0)
         ("a", lambda: match_scans(Scan([], [], 5.0), SCAN, np.zeros(3))),
         ("b", lambda: match_scans(SCAN, Scan([1.0] * 9, range(9), 5.0), np.zeros(3))),
         ("pairing", lambda: match_scans(SCAN, SCAN, [50.0, 0, 0])),
-        ("T_q_p", lambda: correlate([(0, 0)], [(0, 0)], [0, 0], Window())),
-        ("P", lambda: correlate([], [(0, 0)], [0, 0, 0], Window())),
-        ("reach", lambda: Window(0.0)),
-        ("sigma", lambda: Window(sigma=0.0)),
-        ("patch", lambda: Matching(patch=-1.0)),
-        ("sigma", lambda: Matching(sigma=0.0)),
+        ("T_q_p", lambda: correlate([(0, 0)], [(0, 0)], [0, 0], SearchWindow())),
+        ("P", lambda: correlate([], [(0, 0)], [0, 0, 0], SearchWindow())),
+        ("reach", lambda: SearchWindow(0.0)),
+        ("sigma", lambda: SearchWindow(sigma=0.0)),
+        ("patch", lambda: MatchingSettings(patch=-1.0)),
+        ("sigma", lambda: MatchingSettings(sigma=0.0)),
     ],
 )
 def test_what_cannot_be_matched_is_refused_by_name(argument: str, call: Any) -> None:

@@ -13,9 +13,9 @@ from scipy.stats import kstest, truncexpon, truncnorm
 from reference.errors import InvalidArgumentError
 from reference.se2 import compose
 from reference.sensors.beam import BeamModel, BeamSensor, plain_densities
-from reference.sensors.beam_learning import learn, responsibilities
+from reference.sensors.beam_learning import learn_beam_model, responsibilities
 from reference.sensors.likelihood_field import LikelihoodField
-from reference.sensors.rays import thinned
+from reference.sensors.rays import thin_scan
 from reference.world.grid_map import GridMap
 from reference.world.raycast import cast_scans
 from reference.world.scan import Scan
@@ -72,7 +72,7 @@ def test_em_finds_the_mixture_that_the_ranges_were_drawn_from() -> None:
     rng = np.random.default_rng(11)
     expected = rng.uniform(0.5, 8.0, 10_000)
     ranges = MODEL.sample(expected, rng)
-    fit = learn(ranges, expected, BeamModel(max_range=8.0, sigma=1.0, rate=2.0))
+    fit = learn_beam_model(ranges, expected, BeamModel(max_range=8.0, sigma=1.0, rate=2.0))
     assert fit.converged
     assert np.allclose(fit.model.shares, MODEL.shares, atol=0.015)
     assert fit.model.sigma == pytest.approx(0.3, rel=0.03)
@@ -88,7 +88,7 @@ def test_em_never_lowers_the_likelihood(seed: int) -> None:
     rng = np.random.default_rng(seed)
     truth = replace(MODEL, **dict(zip(("hit", "short", "beyond", "random"), rng.dirichlet(np.ones(4)), strict=True)))
     expected = np.minimum(rng.uniform(0.2, 9.0, 200), 8.0)
-    fit = learn(truth.sample(expected, rng), expected, BeamModel(max_range=8.0, sigma=0.8), rounds=15)
+    fit = learn_beam_model(truth.sample(expected, rng), expected, BeamModel(max_range=8.0, sigma=0.8), rounds=15)
     assert np.all(np.diff(fit.log_likelihoods) >= -1e-8)
     assert fit.model.shares.sum() == pytest.approx(1.0)
 
@@ -225,7 +225,7 @@ def test_a_scan_that_hit_nothing_says_nothing_to_a_field() -> None:
 @given(st.integers(1, 400), st.integers(1, 60))
 def test_thinned_scans_keep_beams_evenly(beams: int, count: int) -> None:
     scan = Scan.full_turn(np.linspace(0.0, 1.0, beams), 1.0)
-    kept = thinned(scan, count)
+    kept = thin_scan(scan, count)
     assert len(kept) == min(beams, count)
     steps = np.diff(np.rint(kept.angles * beams / (2 * np.pi)))
     assert steps.size == 0 or steps.max() - steps.min() <= 1
@@ -241,9 +241,9 @@ def test_input_without_meaning_is_named() -> None:
         ("ranges", lambda: MODEL.log_density([9.0], [1.0])),
         ("expected", lambda: MODEL.log_density([1.0], [math.nan])),
         ("ranges", lambda: plain_densities(MODEL, [math.nan], [1.0])),
-        ("ranges", lambda: learn([], [], MODEL)),
-        ("ranges", lambda: learn([1.0], [1.0, 2.0], MODEL)),
-        ("start", lambda: learn([1.0], [8.0], replace(MODEL, hit=1.0, short=0.0, beyond=0.0, random=0.0))),
+        ("ranges", lambda: learn_beam_model([], [], MODEL)),
+        ("ranges", lambda: learn_beam_model([1.0], [1.0, 2.0], MODEL)),
+        ("start", lambda: learn_beam_model([1.0], [8.0], replace(MODEL, hit=1.0, short=0.0, beyond=0.0, random=0.0))),
         ("scan", lambda: LikelihoodField(grid_map).log_likelihood(pose, empty)),
         ("scan", lambda: BeamSensor(grid_map, MODEL).log_likelihood(pose, empty)),
         ("poses_world", lambda: LikelihoodField(grid_map).log_likelihood(pose * math.nan, scan)),
@@ -251,7 +251,7 @@ def test_input_without_meaning_is_named() -> None:
         ("power", lambda: BeamSensor(grid_map, MODEL, power=2.0)),
         ("sigma", lambda: LikelihoodField(grid_map, sigma=-1.0)),
         ("hit, random", lambda: LikelihoodField(grid_map, random=0.0)),
-        ("count", lambda: thinned(scan, 0)),
+        ("count", lambda: thin_scan(scan, 0)),
     ):
         with pytest.raises(InvalidArgumentError) as refusal:
             call()

@@ -10,7 +10,7 @@ import pytest
 
 from curriculum.l20.manipulations.faisceau import scene
 from reference.sensors.beam import BeamModel, plain_log_likelihood
-from reference.sensors.plain_beam_learning import plain_responsibilities, plain_round
+from reference.sensors.plain_beam_learning import plain_em_round, plain_responsibilities
 from tests.content.replays.hand_scripts import FOLDER, Script, start
 
 MODELS = [
@@ -42,7 +42,7 @@ def test_likelihood_causes_and_a_round_are_those_of_the_reference(model: BeamMod
     found, causes, after = script().value("[logLikelihood(z, 5, m), causes(z, 5, m), round(z, 5, m)]", **given)
     assert found == pytest.approx(told(model), rel=1e-10)
     np.testing.assert_allclose(np.array(causes).T, plain_responsibilities(model, z, expected), atol=1e-12)
-    other = plain_round(model, z, expected)
+    other = plain_em_round(model, z, expected)
     np.testing.assert_allclose([*after["shares"], after["sigma"], after["rate"]],
                                [*other.shares, other.sigma, other.rate], rtol=1e-9)  # fmt: skip
 

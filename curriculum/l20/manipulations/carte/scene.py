@@ -11,7 +11,7 @@ from graders.scene.replay import Choice, Draw, Key, Replay, Values, View
 from reference.localisation.mcl import uniform_poses
 from reference.odometry import DifferentialDrive, integrate
 from reference.world.grid_map import GridMap
-from reference.world.simulation import wander
+from reference.world.simulation import random_walk
 
 TITLE = "Votre carte, et un robot qui s'y perd"
 ALT = (
@@ -52,7 +52,7 @@ def compute(values: Values, rng: np.random.Generator) -> Start | Replay:
     grid = drawn_map(PARAMETERS["cases"].cells(values.choice("cases")))
     start = np.array(values.pose("robot"))
     start[:2] = nearest_free(grid, start[:2])
-    motions = wander(grid, start, STEPS, STRIDE, TURN, rng)
+    motions = random_walk(grid, start, STEPS, STRIDE, TURN, rng)
     drive = DifferentialDrive(0.5)
     path = integrate(drive, [drive.wheels(motion) for motion in motions], start)
     count = int(values.choice("particules"))

@@ -8,7 +8,7 @@ from matplotlib.figure import Figure
 from curriculum.l20.manipulations.faisceau import scene
 from graders.plotting import Palette
 from reference.sensors.beam import BeamModel, plain_densities
-from reference.sensors.plain_beam_learning import plain_round
+from reference.sensors.plain_beam_learning import plain_em_round
 
 ROUNDS = 30
 
@@ -18,7 +18,7 @@ def draw(figure: Figure, palette: Palette) -> None:
     read, expected = scene.readings(), np.full(scene.COUNT, scene.EXPECTED)
     model = BeamModel(scene.REACH, 0.25, 0.25, 0.25, 0.25, 1.0, 1.0)
     for _ in range(ROUNDS):
-        model = plain_round(model, read, expected)
+        model = plain_em_round(model, read, expected)
     axes = figure.subplots()
     z = np.linspace(0.0, scene.REACH, 600, endpoint=False)
     foreseen = scene.COUNT * scene.BIN * (model.shares @ plain_densities(model, z, np.full(z.shape, scene.EXPECTED)))

@@ -9,7 +9,7 @@ from matplotlib.patches import Circle
 from curriculum.l20.figures._plan import draw_robot, draw_walls, module_map
 from curriculum.l20.manipulations.passant import scene
 from graders.plotting import Palette
-from reference.world.simulation import Lidar
+from reference.world.simulation import SimulatedLidar
 
 
 def draw(figure: Figure, palette: Palette) -> None:
@@ -17,7 +17,7 @@ def draw(figure: Figure, palette: Palette) -> None:
     axes = figure.subplots()
     draw_walls(axes, palette, module_map())
     axes.add_patch(Circle(scene.WALKER, scene.RADIUS, color=palette.alert, alpha=0.8, zorder=6))
-    angles = Lidar.full_turn(scene.BEAMS, scene.REACH).angles
+    angles = SimulatedLidar.full_turn(scene.BEAMS, scene.REACH).angles
     x, y, theta = scene.TRUE
     for angle, far in zip(angles, module_map().cast_scans([scene.TRUE], angles, scene.REACH)[0], strict=True):
         way = np.array([np.cos(theta + angle), np.sin(theta + angle)])

@@ -7,7 +7,7 @@ import numpy as np
 from curriculum.l20.rejeux._carte import carte, murs
 from graders.scene.hands import Start
 from graders.scene.replay import Key, Slider, Values, View
-from reference.world.simulation import Lidar
+from reference.world.simulation import SimulatedLidar
 
 TITLE = "Un passant devant le lidar"
 ALT = (
@@ -27,7 +27,7 @@ SEED = 3
 
 
 def compute(values: Values, rng: np.random.Generator) -> Start:
-    lidar = Lidar.full_turn(BEAMS, REACH)
+    lidar = SimulatedLidar.full_turn(BEAMS, REACH)
     expected = np.minimum(carte().cast_scans([TRUE, FALSE], lidar.angles, REACH), REACH)
     noise = np.random.default_rng(SEED).normal(0.0, NOISE, BEAMS)
     read = np.where(expected[0] < REACH, np.clip(expected[0] + noise, 0.0, REACH), REACH)

@@ -13,10 +13,10 @@ from curriculum.l20.fichiers import parcours
 from reference.metrics import absolute_trajectory_error
 from reference.pose_graph import PoseGraph, gauss_newton
 from reference.registration import icp
-from reference.registration.icp import Pairing
+from reference.registration.icp import PairingRule
 from reference.se2 import compose, relative, transform, wrap_angle
 from reference.world.scan import turn_angles
-from reference.world.simulation import Run
+from reference.world.simulation import SimulatedRun
 
 Floats = NDArray[np.float64]
 
@@ -24,7 +24,7 @@ RANGE, NEAR = 8.0, 0.1
 
 
 @cache
-def journey() -> Run:
+def journey() -> SimulatedRun:
     return parcours.journey()
 
 
@@ -69,7 +69,7 @@ def keys() -> tuple[int, ...]:
 
 
 def match(a: int, b: int, guess: Floats) -> Match:
-    found = icp(points(b), points(a), guess, pairing=Pairing(max_distance=0.3), max_iterations=30)
+    found = icp(points(b), points(a), guess, pairing=PairingRule(max_distance=0.3), max_iterations=30)
     moved = transform(found.T_q_p, points(b))
     away = np.min(np.hypot(*(moved[:, None] - points(a)[None]).transpose(2, 0, 1)), axis=1)
     return Match(found.T_q_p, float(np.mean(away < NEAR)))

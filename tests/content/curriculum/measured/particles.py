@@ -10,13 +10,13 @@ from numpy.typing import NDArray
 from curriculum.l20.figures._kidnapped import STEPS, recovery
 from curriculum.l20.figures._plan import module_map
 from reference.filters.resampling import Scheme, multinomial_resampling, systematic_resampling
-from reference.localisation.mcl import Injection, MonteCarloLocalization, uniform_poses
+from reference.localisation.mcl import InjectionRule, MonteCarloLocalization, uniform_poses
 from reference.localisation.odometry_motion import OdometryNoise
 from reference.odometry import DifferentialDrive
 from reference.se2 import relative, wrap_angle
 from reference.sensors.beam import BeamModel, BeamSensor
 from reference.world.grid_map import GridMap
-from reference.world.simulation import Lidar, Run, SimulationError, simulate, wander
+from reference.world.simulation import SimulatedLidar, SimulatedRun, SimulationError, random_walk, simulate
 from tests.content.curriculum.measured.tables import Cell
 
 Floats = NDArray[np.float64]
@@ -27,19 +27,19 @@ NOISE = OdometryNoise(0.2, 0.1, 0.15, 0.05)
 SEEDS = 30
 INJECTED = {
     "none": None,
-    "even": Injection(0.0, 0.0, 0.05, 1),
-    "augmented": Injection(0.05, 0.5, 0.0, 1),
-    "chosen": Injection(0.0, 0.0, 0.05, 40),
+    "even": InjectionRule(0.0, 0.0, 0.05, 1),
+    "augmented": InjectionRule(0.05, 0.5, 0.0, 1),
+    "chosen": InjectionRule(0.0, 0.0, 0.05, 40),
 }
 
 
-def journey(grid_map: GridMap, steps: int, beams: int, rng: np.random.Generator) -> Run:
+def journey(grid_map: GridMap, steps: int, beams: int, rng: np.random.Generator) -> SimulatedRun:
     """A walk of half a cell a step, from anywhere: the wheels slip a little, the lidar errs by 0.1 cell."""
-    drive, lidar = DifferentialDrive(0.6, 0.0, 0.03), Lidar.full_turn(beams, 12.0, 0.1)
+    drive, lidar = DifferentialDrive(0.6, 0.0, 0.03), SimulatedLidar.full_turn(beams, 12.0, 0.1)
     while True:
         start = uniform_poses(grid_map, 1, rng)[0]
         try:
-            return simulate(grid_map, wander(grid_map, start, steps, 0.5, 0.5, rng), start, drive, lidar, rng)
+            return simulate(grid_map, random_walk(grid_map, start, steps, 0.5, 0.5, rng), start, drive, lidar, rng)
         except SimulationError:  # it led off the free cells: another start
             continue
 
@@ -48,7 +48,7 @@ def beam_sensor(grid_map: GridMap, power: float = 0.3) -> BeamSensor:
     return BeamSensor(grid_map, BeamModel(12.0, sigma=0.5), power)
 
 
-def localised(count: int, injection: Injection | None, seed: int) -> bool:
+def localised(count: int, injection: InjectionRule | None, seed: int) -> bool:
     """From nothing, does the heaviest cloud keep within a cell of the robot for the last five steps?"""
     rng, grid_map = np.random.default_rng(seed), module_map()
     run = journey(grid_map, LENGTH, BEAMS, rng)
@@ -63,7 +63,7 @@ def localised(count: int, injection: Injection | None, seed: int) -> bool:
     return True
 
 
-def successes(count: int, injection: Injection | None) -> int:
+def successes(count: int, injection: InjectionRule | None) -> int:
     return sum(localised(count, injection, seed) for seed in range(JOURNEYS))
 
 
@@ -74,7 +74,7 @@ def how_many() -> Iterator[list[Cell]]:
 
 def guided() -> float:
     """Out of 40, with 500 particles of which 5 % are drawn anew at each step, each the pick of twenty."""
-    return float(successes(500, Injection(0.0, 0.0, 0.05, 20)))
+    return float(successes(500, InjectionRule(0.0, 0.0, 0.05, 20)))
 
 
 def kidnapped() -> Iterator[list[Cell]]:
@@ -124,9 +124,9 @@ def mirrored(poses: Floats) -> Floats:
 def ambiguous(scheme: Scheme, threshold: float, seed: int) -> tuple[int | None, bool]:
     """When one of the two clouds died out, None if both live; and whether it was the true one."""
     rng = np.random.default_rng(seed)
-    drive, lidar = DifferentialDrive(0.6, 0.0, 0.03), Lidar.full_turn(36, 12.0, 0.1)
+    drive, lidar = DifferentialDrive(0.6, 0.0, 0.03), SimulatedLidar.full_turn(36, 12.0, 0.1)
     start = np.array([1.5, 1.6, 0.0])
-    motions = wander(HALL, start, PACES, 0.25, 0.5, rng)
+    motions = random_walk(HALL, start, PACES, 0.25, 0.5, rng)
     run = simulate(HALL, motions, start, drive, lidar, rng)
     near = start + rng.normal(0, [0.1, 0.1, 0.05], (HALF, 3))
     robot = MonteCarloLocalization(

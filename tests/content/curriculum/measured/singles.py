@@ -8,15 +8,15 @@ from scipy.ndimage import distance_transform_cdt, distance_transform_edt
 
 from curriculum.l20.figures import slam
 from curriculum.l20.figures._plan import module_map
-from reference.localisation.mcl import Injection, MonteCarloLocalization, uniform_poses
+from reference.localisation.mcl import InjectionRule, MonteCarloLocalization, uniform_poses
 from reference.registration import icp
-from reference.registration.icp import Pairing
+from reference.registration.icp import PairingRule
 from reference.se2 import relative
 from reference.sensors.beam import BeamModel, BeamSensor
 from reference.sensors.likelihood_field import LikelihoodField
 from reference.world.grid_map import GridMap
 from reference.world.scan import Scan
-from reference.world.simulation import Lidar
+from reference.world.simulation import SimulatedLidar
 from tests.content.curriculum.measured.graphs import best, repeated
 from tests.content.curriculum.measured.particles import BEAMS, LENGTH, NOISE, journey
 
@@ -69,7 +69,7 @@ def intruders() -> tuple[float, float, float]:
     person = np.array([1.5, 1.0]) + 0.3 * np.column_stack([np.cos(angle), np.sin(angle)])
     crowd = np.vstack([P, person])
     ends = [
-        icp(cloud, Q, max_iterations=120, pairing=Pairing(keep=keep)).T_q_p
+        icp(cloud, Q, max_iterations=120, pairing=PairingRule(keep=keep)).T_q_p
         for cloud, keep in ((P, 1.0), (crowd, 1.0), (crowd, 0.8))
     ]
     plain, disturbed, trimmed = (float(np.hypot(*(end - slam.MOVE)[:2])) for end in ends)
@@ -79,7 +79,7 @@ def intruders() -> tuple[float, float, float]:
 def faster_by_field() -> float:
     """How many times faster 500 particles are weighed by 30 rays in a map of 240 by 160 cells, than by casting them."""
     fine = GridMap.from_free(np.kron(module_map().free, np.ones((10, 10), dtype=bool)), 0.1)
-    rng, lidar = np.random.default_rng(0), Lidar.full_turn(30, RANGE, 0.1)
+    rng, lidar = np.random.default_rng(0), SimulatedLidar.full_turn(30, RANGE, 0.1)
     cloud, robot = uniform_poses(fine, 500, rng), uniform_poses(fine, 1, rng)
     scan = Scan(lidar.read(fine, robot, rng)[0], lidar.angles, RANGE)
     field, beams = LikelihoodField(fine, max_range=RANGE), BeamSensor(fine, BeamModel(RANGE))
@@ -97,7 +97,7 @@ def by_field(fineness: int, seeds: int = 20) -> tuple[int, float]:
         sensor = LikelihoodField(fine, sigma=0.5, max_range=RANGE, power=0.3)
         start = uniform_poses(grid_map, 500, rng)
         robot = MonteCarloLocalization(
-            grid_map, sensor, start, rng, motion=NOISE, injection=Injection(0.0, 0.0, 0.05, 20)
+            grid_map, sensor, start, rng, motion=NOISE, injection=InjectionRule(0.0, 0.0, 0.05, 20)
         )
         for k in range(len(run)):
             if k:

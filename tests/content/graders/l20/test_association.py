@@ -12,7 +12,7 @@ from graders.core.contract.values import Arguments
 from graders.l20.association import cases
 from graders.l20.association.judge import SameAssociation
 from graders.plotting import counterexample
-from reference.data_association import Expectations, nearest_neighbours
+from reference.data_association import ExpectedSightings, nearest_neighbours
 from tests.support.quick import THEMES
 from tests.support.shipped import CODE
 from tests.support.verdicts import checked, failed, model_with, named, verdict_of
@@ -30,7 +30,7 @@ NOISE = "M = C[np.ix_(lignes, lignes)] + np.kron(np.eye(len(paires)), R)"
 def test_what_is_right_is_what_the_reference_finds() -> None:
     for shape in cases.JOINTS:
         z, landmarks, C, R, level = cases.joint_scan(*shape)
-        expected, S = Expectations(landmarks, C, R, cases.NO_ANGLE), cases.alone(C, R)
+        expected, S = ExpectedSightings(landmarks, C, R, cases.NO_ANGLE), cases.alone(C, R)
         assert cases.right_distances(z, landmarks, S) == pytest.approx(expected.distances(z))
         assert cases.right_nearest(z, landmarks, S, level) == nearest_neighbours(expected, z, level).landmarks.tolist()
 

@@ -22,7 +22,7 @@ from graders.l20.reechantillonnage import trials
 from graders.l20.reechantillonnage.harvest import harvest
 from graders.l20.reechantillonnage.judge import TAIL, is_comb, plausible
 from graders.plotting import counterexample
-from reference.filters.resampling import comb, systematic_resampling
+from reference.filters.resampling import comb_resampling, systematic_resampling
 from tests.support.quick import THEMES, some
 from tests.support.shipped import CODE
 from tests.support.verdicts import verdict_of
@@ -349,7 +349,7 @@ def test_copies_of_a_comb_are_recognised() -> None:
         weights = trials.uneven_weights(rng, n)
         assert is_comb(weights, systematic_resampling(weights, rng).copies)
     assert not is_comb(np.array([0.3, 0.3, 0.4]), np.array([3, 0, 0]))
-    assert is_comb(np.array([0.5, 0.25, 0.25, 0.0]), comb([2, 1, 1, 0], 0.3).copies)
+    assert is_comb(np.array([0.5, 0.25, 0.25, 0.0]), comb_resampling([2, 1, 1, 0], 0.3).copies)
 
 
 @pytest.mark.parametrize(("n", "d"), [(2, 1), (5, 4), (60, 3), (500, 1), (500, 4)])

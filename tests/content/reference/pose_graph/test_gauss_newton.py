@@ -17,8 +17,8 @@ from reference.pose_graph import (
     NonFiniteError,
     NormalEquations,
     PoseGraph,
-    Reason,
     ShapeError,
+    StopReason,
     chi2,
     edge_chi2,
     edge_residuals,
@@ -131,7 +131,7 @@ def test_the_solution_says_how_it_came_about() -> None:
     np.testing.assert_array_equal(found.poses[0], start[0])
     cut = gauss_newton(graph, start, max_iterations=1)
     assert not cut.converged
-    assert cut.reason is Reason.ITERATIONS
+    assert cut.reason is StopReason.ITERATIONS
     assert cut.gauge.fixed == (0,)
     assert cut.gauge.rank == cut.gauge.unknowns == 21
     assert cut.iterations == 1

@@ -12,14 +12,14 @@ from reference.pose_graph import (
     NormalEquations,
     ParameterError,
     PoseGraph,
-    Reason,
     ShapeError,
     Sightings,
     SingularSystemError,
+    StopReason,
     chi2,
     chordal_start,
     edge_residuals,
-    gauge_vectors,
+    gauge_null_vectors,
     gauss_newton,
     landmark_jacobians,
     landmark_residuals,
@@ -113,7 +113,7 @@ def test_without_a_fixed_pose_three_directions_are_free_and_no_other(n_landmarks
     equations = NormalEquations(content.graph, free_gauge=True)
     upper = equations.upper(equations.state(content.poses, content.landmarks)).toarray()
     H = upper + np.triu(upper, 1).T
-    V = gauge_vectors(content.poses, content.landmarks)
+    V = gauge_null_vectors(content.poses, content.landmarks)
     np.testing.assert_allclose(H @ V, 0, atol=1e-10)
     assert np.linalg.matrix_rank(V) == 3
     values = np.linalg.eigvalsh(H)
@@ -155,7 +155,7 @@ def test_several_fixed_poses_stay_where_they_are() -> None:
     assert found.converged
     np.testing.assert_allclose(found.poses[[0, 5]], held[[0, 5]], atol=1e-15)
     every = loop(4, fixed=tuple(range(8)))
-    assert gauss_newton(every.graph, every.poses).reason is Reason.NOTHING_FREE
+    assert gauss_newton(every.graph, every.poses).reason is StopReason.NOTHING_FREE
 
 
 def test_damped_steps_never_increase_chi2_where_plain_ones_do() -> None:

@@ -93,7 +93,7 @@ def test_a_corridor_keeps_its_good_direction(solver: str) -> None:
 
 def test_what_no_edge_tells_is_refused_and_not_invented(solver: str) -> None:
     graph = PoseGraph.from_edges(3, [(0, 1, (1, 0, 0), EYE), (1, 2, (1, 0, 0), ALONG_X)])
-    assert not graph.fully_informed
+    assert not graph.is_fully_informed
     for solve in (
         lambda: gauss_newton(graph, np.zeros((3, 3))),
         lambda: graduated_non_convexity(graph, np.zeros((3, 3))),
@@ -131,5 +131,5 @@ def test_of_partial_information_nothing_is_certified() -> None:
 @pytest.mark.parametrize("omega", [np.zeros((3, 3)), ALONG_X, np.ones((3, 3))])
 def test_semidefinite_matrices_are_information(omega: Any) -> None:
     graph = PoseGraph.from_edges(2, [(0, 1, (1, 0, 0), EYE), (0, 1, (9, 9, 1), omega)])
-    assert not graph.fully_informed
-    assert PoseGraph.from_edges(2, [(0, 1, (1, 0, 0), EYE)]).fully_informed
+    assert not graph.is_fully_informed
+    assert PoseGraph.from_edges(2, [(0, 1, (1, 0, 0), EYE)]).is_fully_informed

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from reference.metrics import absolute_trajectory_error
-from reference.pose_graph import Reason, certify, chi2, chordal_start, gauss_newton, levenberg_marquardt
+from reference.pose_graph import StopReason, certify, chi2, chordal_start, gauss_newton, levenberg_marquardt
 from reference.pose_graph.residuals import edge_chi2
 
 from .loops import odometry
@@ -110,5 +110,5 @@ def test_the_ring_has_its_published_cost_with_unit_information(published) -> Non
 def test_a_step_that_promises_nothing_ends_the_search(published) -> None:
     content = published("INTEL", "difference")
     found = gauss_newton(content.graph, content.poses)
-    assert found.reason in (Reason.SMALL_STEP, Reason.SMALL_DECREASE)
+    assert found.reason in (StopReason.SMALL_STEP, StopReason.SMALL_DECREASE)
     assert edge_chi2(content.graph, found.poses).sum() == pytest.approx(214.17086, rel=1e-6)

@@ -15,13 +15,13 @@ from reference.pose_graph import (
     ParameterError,
     ShapeError,
     Switchable,
+    add_false_closures,
     chordal_start,
     edge_chi2,
     edge_residuals,
     gauss_newton,
     graduated_non_convexity,
     robust_gauss_newton,
-    with_false_closures,
 )
 
 from .loops import loop, odometry
@@ -50,7 +50,7 @@ def test_the_eliminated_switch_is_the_best_one(u: float) -> None:
 def test_switches_searched_for_jointly_give_the_same_poses() -> None:
     """The 3n + m unknowns of Sünderhauf and Protzel by SciPy, against the m switches eliminated."""
     content = loop(2, noise=0.02)
-    graph, _ = with_false_closures(content.graph, 1, np.random.default_rng(0))
+    graph, _ = add_false_closures(content.graph, 1, np.random.default_rng(0))
     roots = np.linalg.cholesky(graph.information).transpose(0, 2, 1)
     doubted = np.flatnonzero(graph.closures)
     found = robust_gauss_newton(graph, content.poses, Switchable(1.0), tolerance=1e-10, chi2_tolerance=0.0)
@@ -104,7 +104,7 @@ def test_one_false_closure_bends_the_map_and_robust_costs_undo_it(seed: int) -> 
     content = loop(seed, n=30, noise=0.02)
     fitting = replace(content.graph, information=100 * content.graph.information)
     truth = gauss_newton(fitting, content.poses).poses
-    graph, false = with_false_closures(fitting, 1, np.random.default_rng(seed))
+    graph, false = add_false_closures(fitting, 1, np.random.default_rng(seed))
 
     def away(poses: np.ndarray) -> float:
         return float(np.abs(poses - truth)[:, :2].max())
@@ -123,7 +123,7 @@ def test_one_false_closure_bends_the_map_and_robust_costs_undo_it(seed: int) -> 
 def test_manhattan_among_false_closures(published, count: int) -> None:
     """From odometry DCS (phi = 1) and GNC find exactly the false ones, hence the published optimum; Huber does not."""
     content = published("M3500")
-    graph, false = with_false_closures(content.graph, count, np.random.default_rng(1))
+    graph, false = add_false_closures(content.graph, count, np.random.default_rng(1))
     start = odometry(graph, content.poses[0])
     optimum = gauss_newton(content.graph, content.poses).poses
     for found in (
@@ -156,7 +156,7 @@ def test_settings_out_of_range_are_refused() -> None:
         (lambda: DCS(np.nan), "phi"),
         (lambda: Switchable(-1.0), "prior"),
         (lambda: graduated_non_convexity(graph, poses, bound=0.0), "bound"),
-        (lambda: with_false_closures(graph, -1, np.random.default_rng(0)), "count"),
+        (lambda: add_false_closures(graph, -1, np.random.default_rng(0)), "count"),
     ):
         with pytest.raises(ParameterError) as caught:
             make()
