@@ -126,10 +126,8 @@ class Prober:
                 mistakes += [SHARED] if SHARED not in mistakes else []
                 certain = False
         certain = certain and bool(mistakes)
-        return RecognisedMistakes(
-            tuple(mistakes), tuple(fallback), tuple(consequences), certain, tuple(silent),
-            ruled=tuple(ruled), alike=frozenset(alike),
-        )  # fmt: skip
+        found = RecognisedMistakes(tuple(mistakes), tuple(fallback), tuple(consequences), certain, tuple(silent))
+        return found._replace(ruled=tuple(ruled), alike=frozenset(alike))
 
     def _name_borne_out(
         self, index: int, sequence: AnswerSequence, blamed: Collection[str], named: Mapping[str, AbstractSet[str]]
@@ -225,7 +223,8 @@ class Prober:
         if right is not None:
             shown = ProbeResults(probes.calls, sequence.answers, right, probes.same)
             for each in ruled_names(probes, index, shown, names):
-                if not self._mutants.matching(index, self._mutants.mutants_making(index, [each.mistake]), sequence):
+                mutants = self._mutants.mutants_making(index, [each.mistake])
+                if probes.compared == 0 or not self._mutants.matching(index, mutants, sequence):
                     yield each
 
     def _fallback_names(self, index: int, sequence: AnswerSequence) -> Sequence[str]:
