@@ -109,7 +109,7 @@ class CodeGrader:
         kit = self.kit(stream(seed, "kit"))
         runner = Runner(programs, source, kit, budget=self.budget)
         try:
-            findings = self._findings(runner, kit, seed, source)
+            findings = self._findings(runner, kit, seed, source, self.checks)
             checked = time.perf_counter()
             told = tell_once(tell_signatures(findings, self.solution))
             if all(finding.cause not in DIAGNOSED for finding in findings):
@@ -136,26 +136,25 @@ class CodeGrader:
         films = {check: film for check, data in runner.films.items() if (film := film_to_json(data)) is not None}
         return Judgement(verdict, figures, films)
 
-    def _findings(self, runner: Runner, kit: KitSettings, seed: int, source: bytes) -> Sequence[Finding]:
+    def _findings(
+        self, runner: Runner, kit: KitSettings, seed: int, source: bytes, checks: Sequence[Check]
+    ) -> Sequence[Finding]:
         """Run the checks. Probes go to the same process, of a stateless program, else to one announced at a failure."""
         prober = self.prober
         if prober is None:
-            return run_checks(self.checks, runner, kit, seed)
+            return run_checks(checks, runner, kit, seed)
         steady = cache(lambda: prober.may_probe_without_relaunch(source, kit))
         findings = run_checks(
-            self.checks, runner, kit, seed,
+            checks, runner, kit, seed,
             launches_if_failed=lambda: 0 if steady() else 1,
             calls_if_failed=lambda failed: prober.planned_calls(*self._asked_of(failed)) if steady() else (),
         )  # fmt: skip
-        return hold_stale_answers(self.checks, findings, runner, prober.probes, self.contracts)
+        return hold_stale_answers(checks, findings, runner, prober.probes, self.contracts)
 
     def first_failed(
         self, source: bytes, programs: Programs, *, seed: int, checks: Sequence[Check] | None = None
     ) -> str | None:
-        """Return the id of the first of these checks (all by default) that a file fails, None where all pass.
-
-        Nothing is simplified or named.
-        """
+        """Return the id of the first of these checks (all by default) that a file fails; None. It is not simplified."""
         kit = self.kit(stream(seed, "kit"))
         runner = Runner(programs, source, kit, budget=NO_SHRINKING)
         chosen = self.checks if checks is None else checks
@@ -192,23 +191,24 @@ class CodeGrader:
         )
 
     def name_mistakes(
-        self, source: str, programs: Programs, seed: int, spent: Callable[[], bool] | None = None
-    ) -> NamedMistakes:
-        """Return the checks that a program fails and the mistakes named in it, without simplifying anything.
+        self, source: str, programs: Programs, seed: int, spent: Callable[[], bool] | None = None,
+        among: Collection[str] | None = None,
+    ) -> NamedMistakes:  # fmt: skip
+        """Return the checks that a program fails, `among` some, and the mistakes named in it, without simplifying.
 
         Every pair of mistakes of a function is tried until the time is `spent`, if given.
         """
+        checks = self.checks if among is None else [check for check in self.checks if check.id in among]
         kit = self.kit(stream(seed, "kit"))
         runner = Runner(programs, source.encode(), kit, budget=NO_SHRINKING)
         try:
-            findings = self._findings(runner, kit, seed, source.encode())
+            findings = self._findings(runner, kit, seed, source.encode(), checks)
             pairs = self._failed_pairs(findings)
             search = None if spent is None else PairSearch(spent, partial(self._explainer.holds, runner, seed))
             named = self._named_mistakes(pairs, runner, seed, source.encode(), search) if pairs else NamedMistakes()
         finally:
             runner.close()
-        failed = (finding.result for finding in findings if not finding.passed)
-        return replace(named, failed=frozenset(result.id for result in failed if not result.neutral))
+        return replace(named, failed=frozenset(it.result.id for it in findings if not (it.passed or it.result.neutral)))
 
     def describe_mistakes(self, named: NamedMistakes) -> Diagnosis:
         """Return the diagnosis of named mistakes, without what it leaves unexplained."""
@@ -220,7 +220,8 @@ class CodeGrader:
 
     def _failed_pairs(self, findings: Sequence[Finding]) -> list[tuple[Check, Finding]]:
         """Return the failed checks with their findings; none where none has a cause that a mistake may explain."""
-        pairs = [(check, finding) for check, finding in zip(self.checks, findings, strict=True) if not finding.passed]
+        checks = {check.id: check for check in self.checks}
+        pairs = [(checks[finding.result.id], finding) for finding in findings if not finding.passed]
         return [] if all(finding.cause not in DIAGNOSED for _, finding in pairs) else pairs
 
     def _named_mistakes(

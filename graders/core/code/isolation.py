@@ -114,8 +114,8 @@ def isolate_functions(
         if spent():
             return None
         others = [name for name in grader.functions if name != function]
-        named = grader.name_mistakes(source + replacing_suffix(grader, source, others), programs, seed, spent)
-        own[function] = replace(named, failed=named.failed & whole.failed)
+        beside = source + replacing_suffix(grader, source, others)
+        own[function] = grader.name_mistakes(beside, programs, seed, spent, whole.failed)
     dependent = {
         function for name in own for function in find_callers(source.encode(), [name]) if function in grader.functions
     }
