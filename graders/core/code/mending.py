@@ -100,19 +100,21 @@ class MendingSearch:
         self._screen = ProbeScreen(grader, programs, self._caller, spent, seed)
         self.tried = 0
 
-    def search(self, source: str, functions: Collection[str] = (), helpers: Collection[str] = ()) -> Mending | None:
+    def search(
+        self, source: str, functions: Collection[str] = (), helpers: Collection[str] = (), failed: Collection[str] = ()
+    ) -> Mending | None:
         """Return the changes that mend checks of a failed program, in some functions if given; None without any.
 
         The changes are of these functions and of those that they call, but of the `helpers` only where some are given.
-        Where some check still fails, a doubtful change proves nothing: it may only pass by the mistake.
+        Where some check still fails, a doubtful change proves nothing: it may only pass by the mistake. `failed`: the
+        checks that it fails on the seed of this search, by their ids, where these are known.
         """
         if parse_or_none(source) is None:
             return None
         try:
-            failed = self.failed_checks(source)
-            if not failed or (len(failed) == len(self._grader.checks) and not self._loads(source)):
+            left = frozenset(failed) or frozenset(check.id for check in self.failed_checks(source))
+            if not left or (len(left) == len(self._grader.checks) and not self._loads(source)):
                 return None
-            left = frozenset(check.id for check in failed)
             steps = self._steps(source, left, MAX_STEPS, functions, helpers)
         except OutOfTimeError:
             return None

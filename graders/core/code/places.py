@@ -160,15 +160,17 @@ def _search(
     In a program with mistakes in several functions, a change of a right line may make up for the mistake of another.
     What several functions share comes first: one change there may mend them all.
     """
+    failed = {check.id for check in verdict.checks if not check.passed}
     if isolated is None or not isolated.guilty():
-        mending = MendingSearch(grader, programs, verdict.seed, spent).search(source, functions)
+        mending = MendingSearch(grader, programs, verdict.seed, spent).search(source, functions, failed=failed)
         return [] if mending is None else [mending]
 
     def beside_right_ones(chosen: Collection[str], helpers: Collection[str] = ()) -> Mending | None:
         others = frozenset(isolated.guilty()).difference(chosen)
         suffix = replacing_suffix(grader, source, others) if others else ""
         apart = isolated.own.keys() - set(chosen)
-        return MendingSearch(grader, programs, verdict.seed, spent, suffix, apart).search(source, chosen, helpers)
+        search, known = MendingSearch(grader, programs, verdict.seed, spent, suffix, apart), () if suffix else failed
+        return search.search(source, chosen, helpers, known)
 
     guilty = [name for name in functions if isolated.own[name].failed]
     if helpers := find_shared_helpers(source.encode(), guilty, grader.functions):
