@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import difflib
 import itertools
+import re
 import time
 from collections.abc import Callable, Collection, Iterator, Sequence
 from contextlib import suppress
@@ -26,12 +27,13 @@ from graders.core.code.pair_search import OutOfTimeError
 from graders.core.code.runner import Runner
 from graders.core.code.running import run_check
 from graders.core.code.screening import ProbeScreen
+from graders.core.code.stateless import may_change_state
 from graders.core.code.variants import VariantCaller
 from graders.core.contract.outcomes import Outcome
 from graders.core.contract.program import Programs, Reply, StudentFault
 from graders.core.contract.streams import stream
 from graders.core.contract.values import Arguments
-from graders.core.contract.verdict import Diagnosis
+from graders.core.contract.verdict import Diagnosis, Verdict
 from graders.core.syntax_trees import parse_or_none
 
 #: Changes run through the checks; changes of one program in all.
@@ -46,6 +48,8 @@ REORDERING = ("ordre des lignes", "indentation")
 COPY = "copie"
 #: Other seeds on whose inputs a mended check must pass too.
 MAX_SEEDS = 4
+#: What a program writes that draws from a generator of its own, not from the one that it is given.
+_OWN_DRAWS = re.compile(r"\b(?:import|from) random\b|\b(?:np|numpy)\.random\b|\bdefault_rng\b")
 #: Copies that are tried where a function modifies its arguments.
 MAX_COPIES = 4
 
@@ -289,6 +293,16 @@ def _unscreened_copies(changes: Sequence[ProgramChange], screened: Sequence[Prog
     """Return the first copies that change no answer of a function: its only fault may be to modify its arguments."""
     copies = [change for change in changes if change.operator == COPY and change not in screened]
     return copies[:MAX_COPIES]
+
+
+def known_failures(source: str, verdict: Verdict) -> list[str]:
+    """Return the checks that the program as it is fails each time; none where it may draw, or remember.
+
+    A verdict may hold a check against a function that remembers, which a run of that check alone does not fail.
+    """
+    if _OWN_DRAWS.search(source) or may_change_state(source.encode()):
+        return []
+    return [check.id for check in verdict.checks if not check.passed]
 
 
 def in_lines_of(source: str, steps: Sequence[MendingStep]) -> Iterator[MendingStep]:

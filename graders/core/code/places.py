@@ -24,7 +24,7 @@ from graders.core.code.isolation import (
     replacing_suffix,
     tell_shares,
 )
-from graders.core.code.mending import Mending, MendingSearch
+from graders.core.code.mending import Mending, MendingSearch, known_failures
 from graders.core.code.place_words import LOOK, PLACE, describe_place, places_of
 from graders.core.code.probes import explains_itself
 from graders.core.code.related_lines import NOT_JUDGED, JudgedFunctions
@@ -160,7 +160,7 @@ def _search(
     In a program with mistakes in several functions, a change of a right line may make up for the mistake of another.
     What several functions share comes first: one change there may mend them all.
     """
-    failed = {check.id for check in verdict.checks if not check.passed}
+    failed = known_failures(source, verdict)
     if isolated is None or not isolated.guilty():
         mending = MendingSearch(grader, programs, verdict.seed, spent).search(source, functions, failed=failed)
         return [] if mending is None else [mending]

@@ -72,7 +72,7 @@ def hold_stale_answers(
     names = {contract.function: tuple(contract.takes) for contract in contracts}
     for function, stale in found.items():
         places = [k for k, check in enumerate(checks) if function in check.functions]
-        if all(held[k].passed for k in places):
+        if places and all(held[k].passed for k in places):
             place = max(places, key=lambda k: (not checks[k].requires_other_check, k))
             held[place] = failed_finding(checks[place], _rejection(stale, names.get(function, ())))
     return held
