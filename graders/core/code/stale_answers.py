@@ -30,7 +30,7 @@ from graders.core.contract.values import Arguments, Value, same_value
 #: Seconds for all calls of one launch.
 MAX_SECONDS = 2.0
 #: Probes of a function whose arguments are changed, and the changes of each argument.
-MAX_BASES, MAX_CHANGES = 2, 3
+MAX_BASES, MAX_CHANGES = 3, 4
 
 
 @dataclass(frozen=True)
@@ -112,15 +112,16 @@ def _rejection(answer: StaleAnswer, known: Sequence[str]) -> Rejection:
 
 
 def changed_calls(calls: Sequence[Arguments]) -> list[ChangedCall]:
-    """Return some of these calls, of those with the most arguments, each followed by itself with one changed."""
+    """Return some of the calls with the most arguments, first to last, each followed by itself with one changed."""
     most = max(map(len, calls), default=0)
     series: list[ChangedCall] = []
-    for args in [args for args in calls if len(args) == most][:MAX_BASES]:
+    longest = [args for args in calls if len(args) == most]
+    for args in longest[:: max(1, (len(longest) - 1) // (MAX_BASES - 1))][:MAX_BASES]:
         base = len(series)
         series.append(ChangedCall(args, base))
         for index in range(most):
             others = _other_values(args[index], [call[index] for call in calls if index < len(call)])
-            for value in itertools.islice(others, MAX_CHANGES):
+            for value in reversed(list(itertools.islice(others, MAX_CHANGES))):  # the first one is asked afresh
                 series.append(ChangedCall((*args[:index], value, *args[index + 1 :]), base, index))
     return series
 
@@ -145,9 +146,11 @@ def _stale_answer(
 ) -> StaleAnswer | None:
     for changed, now, fresh in zip(series, answers, again, strict=True):
         old = answers[changed.base]
-        if not isinstance(old, Reply) or not isinstance(now, Reply) or not isinstance(fresh, Reply):
+        if not isinstance(old, Reply) or not isinstance(now, Reply) or not _is_same(now.value, old.value):
             continue
-        if _is_same(now.value, old.value) and not _is_same(fresh.value, old.value):
+        if isinstance(fresh, StudentFault):
+            return StaleAnswer(function, changed.args, changed.index, f"une exception ({fresh.exception})", now.value)
+        if not _is_same(fresh.value, old.value):
             return StaleAnswer(function, changed.args, changed.index, fresh.value, now.value)
     return None
 
@@ -166,7 +169,7 @@ def _changed(value: Any) -> Iterator[Any]:
     if isinstance(value, bool | str) or value is None:
         return
     if isinstance(value, int | np.integer):
-        yield from (value + 1, value - 1)
+        yield from (value + 1, value - 1, -value)
     elif isinstance(value, float | np.floating):
         yield from (1.25 * value + 0.125, 0.5 * value)
     elif isinstance(value, np.ndarray) and value.size and value.dtype.kind == "b":
@@ -177,6 +180,7 @@ def _changed(value: Any) -> Iterator[Any]:
         yield ~value
     elif isinstance(value, np.ndarray) and value.size and value.dtype.kind == "f":
         yield 1.25 * value if value.any() else value + 0.5
+        yield 1.02 * value + 0.01
         moved = value.copy()
         moved.flat[-1] += 0.5
         yield moved

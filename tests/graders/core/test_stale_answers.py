@@ -27,6 +27,8 @@ GAPS = (
     ("l19/predire_corriger", "predire", "m, v, u, q", "m, v, u"),
     ("l20/fermeture", "covariance_jointe", "H, i, j", "H, i"),
     ("l20/odometrie", "sigma_dtheta", "sigma_g, sigma_d, L", "sigma_g, sigma_d"),
+    ("l20/predire2d", "predire2d", "bel, du, dv", "bel, du"),
+    ("l20/tf_date", "a_la_date", "dates, poses, date", "poses, date"),
     ("l20/lidar", "lancer_rayon", "libres, x, y, angle, portee_max", "x, y, angle, portee_max"),
 )
 
