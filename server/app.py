@@ -21,7 +21,7 @@ from server.base.app_services import add_services, check_services
 from server.base.concurrency import Gate, SingleFlight, run_periodically
 from server.base.helpers import Helper
 from server.base.routing import FilteringRouter
-from server.base.security_headers import SecurityHeaders
+from server.base.security_headers import SecurityHeadersMiddleware
 from server.base.settings import Settings
 from server.behaviour import fingerprints
 from server.behaviour import repository as behaviour
@@ -29,13 +29,13 @@ from server.board.live import LiveBoards
 from server.cells.supervisor import CellRunner
 from server.classes.presence import PresenceRecorder
 from server.classes.service import ClassService
-from server.course import Course, load
+from server.course import Course, load_course
 from server.database import Database, is_unavailable, utc_now
 from server.desk.lesson.mail import start_mails
 from server.federation import outbox_task
 from server.federation import repository as federation
 from server.federation.service import Federation
-from server.figures.pictures import Pictures
+from server.figures.pictures import PictureRenderer
 from server.figures.program import helper_program
 from server.figures.service import Figures
 from server.figures.store import PictureStore
@@ -49,7 +49,7 @@ from server.hunts.service import HuntService
 from server.identity import service as accounts
 from server.identity.devices import DEVICE_DAYS
 from server.mails import service as mails
-from server.offline.service import Archives
+from server.offline.service import OfflineArchives
 from server.personal.accounts import make_account_service
 from server.personal.service import PersonalData
 from server.queue.engine import create_nats_engine
@@ -60,8 +60,8 @@ from server.queue.wakeups import WakeupDispatcher
 from server.queue.watchdog import StallWatchdog
 from server.reading.downloads import Downloads
 from server.regrades.service import RegradeService
-from server.replays.routes import Desk
-from server.replays.service import Replays
+from server.replays.routes import ReplayQueue
+from server.replays.service import ReplayLibrary
 from server.routers import ROUTERS, UNNAMED_ROUTERS
 from server.steps.service import StepService
 from server.studio import repository as authored_exercises
@@ -158,7 +158,7 @@ class Services:
     @cached_property
     def figures(self) -> Figures:
         kept = PictureStore(self.settings.data_dir / "figures")
-        return Figures(self.course, self.database, Pictures(Helper(helper_program()), kept))
+        return Figures(self.course, self.database, PictureRenderer(Helper(helper_program()), kept))
 
     @cached_property
     def federation(self) -> Federation:
@@ -169,8 +169,8 @@ class Services:
         return Downloads(self.course)
 
     @cached_property
-    def archives(self) -> Archives:
-        return Archives(self.course, self.figures, self.downloads, self.settings.data_dir / "archives")
+    def archives(self) -> OfflineArchives:
+        return OfflineArchives(self.course, self.figures, self.downloads, self.settings.data_dir / "archives")
 
     @cached_property
     def give_ups(self) -> Mapping[str, GiveUpHandler]:
@@ -269,7 +269,7 @@ def create_app(
 
     No student's code runs before `walls` is open; without it, they are known to stand.
     """
-    course = course or load(render=False, check=True)
+    course = course or load_course(render=False, check=True)
     services = Services(settings, course, tuple(worker_command), walls or Gate(opened=True))
 
     @asynccontextmanager
@@ -312,7 +312,9 @@ def _share(app: FastAPI, services: Services) -> None:
         app, Readiness(services.database, services.supervisor, services.walls, services.settings.data_dir, carrier)
     )
     add_services(app, PrometheusMetrics(services.database, services.supervisor, services.settings.data_dir))
-    add_services(app, services.boards, services.figures, services.supervisor, services.downloads, Desk(Replays()))
+    add_services(
+        app, services.boards, services.figures, services.supervisor, services.downloads, ReplayQueue(ReplayLibrary())
+    )
     add_services(
         app,
         services.archives,
@@ -324,21 +326,21 @@ def _share(app: FastAPI, services: Services) -> None:
 
 
 def _protect(app: FastAPI, settings: Settings) -> None:
-    app.add_middleware(middleware.Refusals, refuse=errors.error_response)
-    app.add_middleware(middleware.LargeForms)
-    app.add_middleware(turns.FairTurns, refuse=errors.error_response)
-    app.add_middleware(middleware.BoundedBody, most=settings.body_bytes)
-    app.add_middleware(middleware.SameOrigin)
+    app.add_middleware(middleware.RefusalMiddleware, refuse=errors.error_response)
+    app.add_middleware(middleware.LargeFormMiddleware)
+    app.add_middleware(turns.FairTurnsMiddleware, refuse=errors.error_response)
+    app.add_middleware(middleware.BodyLimitMiddleware, most=settings.body_bytes)
+    app.add_middleware(middleware.SameOriginMiddleware)
     app.add_middleware(
-        middleware.SessionCookie,
+        middleware.SessionCookieMiddleware,
         max_age=settings.session_days * DAY,
         device_max_age=DEVICE_DAYS * DAY,
         path=settings.root_path or "/",
     )
-    app.add_middleware(SecurityHeaders)
+    app.add_middleware(SecurityHeadersMiddleware)
     app.add_middleware(GZipMiddleware, minimum_size=1024, compresslevel=GZIP_LEVEL)
-    app.add_middleware(middleware.AcceptEncoding)
-    app.add_middleware(middleware.HeadAsGet)
-    app.add_middleware(middleware.RequestLog, proxied=bool(settings.trusted_proxies))
+    app.add_middleware(middleware.AcceptEncodingMiddleware)
+    app.add_middleware(middleware.HeadAsGetMiddleware)
+    app.add_middleware(middleware.RequestLogMiddleware, proxied=bool(settings.trusted_proxies))
     if settings.root_path:
         app.add_middleware(root_path.RootPathMiddleware, root=settings.root_path)

@@ -12,7 +12,7 @@ from starlette.concurrency import run_in_threadpool
 from server.api.documentation import content, problems
 from server.api.exercises import find
 from server.api.schemas import Strict, StrictBody
-from server.base.bulk import BulkResponse
+from server.base.bulk import OneAtATimeStream
 from server.base.errors import Forbidden, NotFound
 from server.base.http import client_address
 from server.course.dependencies import CourseOf
@@ -55,7 +55,7 @@ class LastFile(Strict):
 )
 def export(account: ApiAccount, personal: PersonalDataOf) -> StreamingResponse:
     """All that is kept of this person: the account in JSON, every attempt as it was sent, every verdict."""
-    return BulkResponse(personal.export(account), headers=archive_headers(utc_now()), media_type="application/zip")
+    return OneAtATimeStream(personal.export(account), headers=archive_headers(utc_now()), media_type="application/zip")
 
 
 @router.get("/me/exercises/{module}/{slug}/last", responses=problems(401, 404))

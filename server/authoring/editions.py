@@ -8,7 +8,7 @@ from pathlib import Path
 
 from graders import courses
 from server.authoring.new import NameRefused
-from server.course.editions import MODULE_SLUG, edition_of, following
+from server.course.editions import MODULE_SLUG, edition_of, next_edition_slug
 
 IGNORED_FOLDERS = {"__pycache__"}
 
@@ -35,7 +35,9 @@ def _next_edition(module: str) -> str:
     """The edition after the last that any course has."""
     family = edition_of(module).family
     there = {path.name for room in courses.room_folders(courses.CURRICULUM) for path in room.iterdir()}
-    return following(max((slug for slug in there | {module} if edition_of(slug).family == family), key=edition_of))
+    return next_edition_slug(
+        max((slug for slug in there | {module} if edition_of(slug).family == family), key=edition_of)
+    )
 
 
 def _files(folder: Path) -> Iterator[Path]:

@@ -12,7 +12,7 @@ from server.base.version import VERSION
 from server.course import toml_file
 from server.course.editions import MODULE_SLUG
 from server.course.kinds import KINDS as LESSONS
-from server.course.library import front_matter
+from server.course.library import read_front_matter
 from server.course.models import CourseFault
 from server.course.schemas import ExerciseFile
 from server.course.service import EXERCISE_SLUG
@@ -124,7 +124,7 @@ def _existing_orders(kind: str, name: SkeletonName, home: Path) -> Iterator[int]
     pages = kind == "page"
     for path in home.glob(f"{name.folder}/*.md" if pages else "exercices/*/exercise.toml"):
         try:
-            yield front_matter(path).order if pages else toml_file.read(path, ExerciseFile).order
+            yield read_front_matter(path).order if pages else toml_file.read_toml(path, ExerciseFile).order
         except CourseFault:
             continue
 

@@ -142,6 +142,6 @@ def faults(course: Course) -> Iterator[Problem]:
 
 def _validate_file(path: Path, model: type[BaseModel]) -> Iterator[Problem]:
     try:
-        toml_file.read(path, model)
+        toml_file.read_toml(path, model)
     except CourseFault as fault:
         yield fault.problem

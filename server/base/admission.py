@@ -31,7 +31,7 @@ MAX_WAITING = 1000
 _TOKEN = re.compile(rb"\b%s=([\w-]+)|\nauthorization: *bearer +([\w-]+)" % SESSION_COOKIE.encode(), re.IGNORECASE)
 
 
-class Applicant(Protocol):
+class WaitingConnection(Protocol):
     """A connection that has received the whole head of a request."""
 
     @property
@@ -46,7 +46,7 @@ class Applicant(Protocol):
     def refuse(self) -> None: ...
 
 
-class Admission:
+class RequestAdmission:
     """What waits to be taken up by one event loop."""
 
     def __init__(
@@ -54,14 +54,14 @@ class Admission:
         now: Callable[[], float] = time.monotonic,
     ) -> None:  # fmt: skip
         self._call_later, self._now = call_later or _call_later, now
-        self._in_progress: dict[Applicant, float] = {}
+        self._in_progress: dict[WaitingConnection, float] = {}
         self._strangers_at = self._members_at = -math.inf
-        self._members: OrderedDict[str, deque[Applicant]] = OrderedDict()
-        self._strangers: OrderedDict[str, deque[Applicant]] = OrderedDict()
+        self._members: OrderedDict[str, deque[WaitingConnection]] = OrderedDict()
+        self._strangers: OrderedDict[str, deque[WaitingConnection]] = OrderedDict()
         self._strangers_waiting = self._taken_up = self._strangers_taken_up = 0
         self._is_scheduled = False
 
-    def may_pass(self, head: bytes, applicant: Applicant) -> bool:
+    def may_pass(self, head: bytes, applicant: WaitingConnection) -> bool:
         """Whether a request is taken up at once; else its `take_up` or `refuse` is called later."""
         if not self._is_scheduled:
             self._is_scheduled = True
@@ -88,11 +88,11 @@ class Admission:
         while self._taken_up < PER_PASS and (applicant := self._next()) is not None:
             applicant.take_up()
 
-    def end(self, applicant: Applicant) -> None:
+    def end(self, applicant: WaitingConnection) -> None:
         """Note that a request is answered, or its sender gone."""
         self._in_progress.pop(applicant, None)
 
-    def _take_up(self, applicant: Applicant, *, is_member: bool) -> None:
+    def _take_up(self, applicant: WaitingConnection, *, is_member: bool) -> None:
         self._taken_up += 1
         if is_member:
             self._members_at = self._now()
@@ -110,7 +110,7 @@ class Admission:
             del self._in_progress[applicant]
         return not self._strangers_taken_up and (not self._in_progress or now >= self._strangers_at + INTERVAL)
 
-    def _next(self) -> Applicant | None:
+    def _next(self) -> WaitingConnection | None:
         """Return the next one, which is counted as taken up; None where no other is to be now."""
         for queues in (self._members, self._strangers):
             while queues and (queues is self._members or self._takes_strangers()):

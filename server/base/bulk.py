@@ -20,7 +20,7 @@ MAX_PAUSE = 0.05
 _limiter: RunVar[CapacityLimiter] = RunVar("bulk")
 
 
-class BulkResponse(StreamingResponse):
+class OneAtATimeStream(StreamingResponse):
     """Streams pieces, each of which a thread computes while no other download's is."""
 
     def __init__(self, pieces: Iterator[bytes] | Iterator[str], headers: Mapping[str, str], media_type: str) -> None:

@@ -18,7 +18,7 @@ import uvicorn
 from starlette.types import ASGIApp
 from uvicorn.protocols.http.h11_impl import H11Protocol
 
-from server.base.admission import Admission
+from server.base.admission import RequestAdmission
 from server.base.http import visitor_key
 from server.base.turns import CROWDED
 
@@ -53,11 +53,15 @@ class BoundedProtocol(H11Protocol):
     """One connection."""
 
     def __init__(
-        self, *arguments: Any, admission: Admission | None = None, proxies: Collection[Network] = (), **options: Any
+        self,
+        *arguments: Any,
+        admission: RequestAdmission | None = None,
+        proxies: Collection[Network] = (),
+        **options: Any,
     ) -> None:
         super().__init__(*arguments, **options)
         self._proxies, self._address = proxies, ""
-        self._admission, self._is_admitted, self._is_waiting = admission or Admission(), False, False
+        self._admission, self._is_admitted, self._is_waiting = admission or RequestAdmission(), False, False
         self._unread, self._searched = bytearray(), 0
         self._body_left: int | None = 0
         self._arrivals = self._chunked_bytes = self._chunked_lines = 0
@@ -244,7 +248,7 @@ def uvicorn_config(app: ASGIApp, *, grace: int, proxies: Sequence[str] = ()) -> 
         loop="asyncio",
         http=cast(
             type[asyncio.Protocol],
-            partial(BoundedProtocol, admission=Admission(), proxies=[ip_network(proxy) for proxy in proxies]),
+            partial(BoundedProtocol, admission=RequestAdmission(), proxies=[ip_network(proxy) for proxy in proxies]),
         ),
         backlog=ACCEPTED_AT_ONCE,
         h11_max_incomplete_event_size=MAX_HEAD_BYTES,

@@ -39,13 +39,13 @@ UNKNOWN_LENGTH = (
     "(« Transfer-Encoding: chunked »)."
 )
 CUT_OFF = "Cette demande s’est interrompue avant sa fin : rien n’en a été pris en compte."
-#: Where a scope holds the error by which a middleware refuses its request, for `Refusals`.
+#: Where a scope holds the error by which a middleware refuses its request, for `RefusalMiddleware`.
 REFUSAL = "balise.refusal"
 REQUEST_ID = "X-Request-ID"
 Refuse = Callable[[Request, ServiceError], Response]
 
 
-class RequestLog:
+class RequestLogMiddleware:
     """Gives each request a name, which goes with what it has done later, and tells in the logs what came of it.
 
     A trusted proxy may have named it already. Its route is told, and not its address: addresses hold one-time links.
@@ -95,7 +95,7 @@ def _visitor(scope: Scope) -> bytes:
     return str((scope.get("client") or ("",))[0]).encode()
 
 
-class AcceptEncoding:
+class AcceptEncodingMiddleware:
     """Takes out of `Accept-Encoding` what it refuses (`gzip;q=0`): who compresses looks for a name there."""
 
     def __init__(self, app: ASGIApp) -> None:
@@ -116,7 +116,7 @@ def _taken(name: bytes, value: bytes) -> bytes:
     return ", ".join(accepted_encodings(value.decode("latin-1"))).encode("latin-1") if weighed else value
 
 
-class HeadAsGet:
+class HeadAsGetMiddleware:
     """Answers HEAD as GET, without the body (RFC 9110, 9.3.2).
 
     What the answer says of its length stays. A stream is told that its reader has left.
@@ -146,7 +146,7 @@ class HeadAsGet:
             await send({"type": "http.response.body", "body": b""})
 
 
-class SessionCookie:
+class SessionCookieMiddleware:
     """Sets the cookies that a dependency asked for: of the session, and of a browser that is known from then on.
 
     `max_age` and `device_max_age` are in seconds. An empty token deletes its cookie. The session of a frame has a
@@ -188,7 +188,7 @@ class SessionCookie:
         return f"{cookie}{lax}; Secure" if name == SESSION_COOKIE else f"{cookie}; Secure{lax}"
 
 
-class SameOrigin:
+class SameOriginMiddleware:
     """Refuses unsafe requests that another site has a browser send with our cookie.
 
     Browsers say where a request comes from (Sec-Fetch-Site, else Origin); a request that says neither is no browser's.
@@ -215,7 +215,7 @@ def _is_forged(scope: Scope) -> bool:
     return origin is not None and split_address(origin).netloc != headers.get("host")
 
 
-class BoundedBody:
+class BodyLimitMiddleware:
     """Refuses a body of more than `most` bytes before anything reads it whole, and one whose length is not announced.
 
     A body in chunks may have pieces of one byte: each is parsed in Python on the loop that serves everybody. The
@@ -267,7 +267,7 @@ class BoundedBody:
         return TooLarge(f"Cette demande dépasse {format_size(self._most)}.")
 
 
-class LargeForms:
+class LargeFormMiddleware:
     """Decodes large forms, whose bodies are whole, in their turn."""
 
     def __init__(self, app: ASGIApp) -> None:
@@ -284,7 +284,7 @@ class LargeForms:
         await self._app(scope, receive, send)
 
 
-class Refusals:
+class RefusalMiddleware:
     """Answers what was refused before it had a turn: the page that says so takes as long to make as any other."""
 
     def __init__(self, app: ASGIApp, refuse: Refuse) -> None:

@@ -41,7 +41,7 @@ _SECURITY = [(name.lower().encode(), value.encode()) for name, value in SECURITY
 _POLICY = b"content-security-policy"
 
 
-class SecurityHeaders:
+class SecurityHeadersMiddleware:
     def __init__(self, app: ASGIApp) -> None:
         self._app = app
 

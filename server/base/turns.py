@@ -53,7 +53,7 @@ CROWDED = "Beaucoup de demandes arrivent en ce moment : réessayez dans quelques
 
 
 @dataclass(frozen=True)
-class Flow:
+class RequestFlow:
     """Whose a request is: the name of an account or of an address's visitors; and the crowd that it is one of, if any.
 
     The crowd are all visitors and guests of an address.
@@ -89,7 +89,7 @@ class ProcessorClock:
         self._last = now
 
 
-class Usage:
+class ProcessorUsage:
     """Seconds of processor that each flow has used lately."""
 
     def __init__(self, now: Callable[[], float] = time.monotonic) -> None:
@@ -104,11 +104,11 @@ class Usage:
         self._used.put(name, (self.of(name) + seconds, self._now()))
 
 
-class Turns:
+class RequestTurns:
     """The turns of one web process. For one event loop at a time."""
 
-    def __init__(self, clock: ProcessorClock | None = None, usage: Usage | None = None) -> None:
-        self._clock, self._usage = clock or ProcessorClock(), usage or Usage()
+    def __init__(self, clock: ProcessorClock | None = None, usage: ProcessorUsage | None = None) -> None:
+        self._clock, self._usage = clock or ProcessorClock(), usage or ProcessorUsage()
         self._limiter = FairLimiter(1, MAX_WAITING)
         self._in_progress: Counter[str] = Counter()
         self._quiet, self._no_quiet = 0, asyncio.Event()
@@ -118,7 +118,7 @@ class Turns:
     def waiting(self) -> int:
         return self._limiter.waiting
 
-    async def begin(self, flow: Flow) -> Callable[[], None]:
+    async def begin(self, flow: RequestFlow) -> Callable[[], None]:
         """Wait for the turn of a request, and return what ends it, however often that is called. Raises Overloaded."""
         rank = self._rank(flow)
         names = tuple(filter(None, (flow.name, flow.crowd)))
@@ -155,7 +155,7 @@ class Turns:
         timer = asyncio.get_running_loop().call_later(TURN_SECONDS, end)
         return end
 
-    def _rank(self, flow: Flow) -> int:
+    def _rank(self, flow: RequestFlow) -> int:
         doublings = self._doublings(flow.name)
         if doublings is not None:
             return BUSY + doublings
@@ -190,7 +190,7 @@ _senders: LRUCache[bytes, tuple[str, bool]] = LRUCache(MAX_SENDERS)
 class RequestTurn:
     """The turn of one request, which ends while the request waits for something, and for good as its answer begins."""
 
-    def __init__(self, turns: Turns, flow: Flow) -> None:
+    def __init__(self, turns: RequestTurns, flow: RequestFlow) -> None:
         self._turns, self._flow = turns, flow
         self._end: Callable[[], None] = lambda: None
         self._is_over = False
@@ -241,13 +241,13 @@ async def out_of_turn() -> AsyncIterator[None]:
     await turn.begin()
 
 
-def flow_of(scope: Scope) -> Flow:
+def flow_of(scope: Scope) -> RequestFlow:
     """Return whose a request is, as far as it is known before anything is read."""
     connection = HTTPConnection(scope)
     address = client_address(connection)
     token = session_token(connection) or bearer_token(connection)
     account, is_guest = (_senders.get(_key(token)) if token else None) or ("", True)
-    return Flow(account or f"visitors of {address}", f"crowd of {address}" if is_guest else "")
+    return RequestFlow(account or f"visitors of {address}", f"crowd of {address}" if is_guest else "")
 
 
 def _key(token: str) -> bytes:
@@ -266,12 +266,12 @@ async def _has_left(scope: Scope, receive: Receive) -> bool:
     return await request.is_disconnected() or await request.is_disconnected()  # the first message is the empty body
 
 
-class FairTurns:
+class FairTurnsMiddleware:
     """Has each request wait for its turn, which ends as its answer begins."""
 
     def __init__(self, app: ASGIApp, refuse: Callable[[Request, ServiceError], Response]) -> None:
         self._app, self._refuse = app, refuse
-        self._turns, self._refusals = Turns(), CapacityLimiter(1)
+        self._turns, self._refusals = RequestTurns(), CapacityLimiter(1)
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         if scope["type"] != "http" or scope["path"] in MONITORING_PATHS:

@@ -91,7 +91,7 @@ class RequestBody(BaseModel):
 
 
 @dataclass(frozen=True)
-class CutAt:
+class TruncateTo:
     """In the annotation of a text parameter: characters beyond the first `max_length` are ignored."""
 
     max_length: int

@@ -153,7 +153,7 @@ class FingerprintTask:
 
     def run(self, request: FingerprintRequest) -> Observation:
         exercise = self._course.exercises[request.exercise]
-        library = reuse.shelves(self._course, request.exercise, request.own, request.tested)
+        library = reuse.build_library(self._course, request.exercise, request.own, request.tested)
         behaviour = self._observer(request.exercise).observe(
             request.source, self._start(tighten_limits(exercise.policy), library)
         )

@@ -7,9 +7,9 @@ from server.base.helper_line import connect_to_service
 
 def main(line: int, parent: int) -> None:
     service = connect_to_service("cells", line, parent)
-    from server.cells.process import serve
+    from server.cells.process import serve_cells
 
-    serve(service)
+    serve_cells(service)
 
 
 if __name__ == "__main__":

@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator
 
-from server.cells.run import POLICY, run
+from server.cells.run import POLICY, run_cell
 from server.cells.schemas import RunOut
 from server.course import Course, Problem
 from server.course.models import Cell
@@ -16,7 +16,7 @@ def faults(course: Course) -> Iterator[Problem]:
             for lesson in module.lessons:
                 path = lesson.text.source.path
                 for cell in lesson.cells:
-                    shown = run(sandbox, module.slug, cell.code.encode())
+                    shown = run_cell(sandbox, module.slug, cell.code.encode())
                     if message := _fault_message(shown):
                         yield Problem(path, _line(cell, shown), f"cellule « {cell.name} » : {message}")
 

@@ -19,20 +19,20 @@ _FILTERS = 5
 _HEADER = struct.Struct(">IIBBBBB")
 
 
-class Malformed(ValueError):
+class MalformedPng(ValueError):
     """These bytes are not a picture that we take."""
 
 
-def rebuilt(data: bytes) -> bytes:
+def rebuild_png(data: bytes) -> bytes:
     """A PNG of the same pixels, made by us. Raises Malformed, and nothing else, for anything out of the ordinary."""
     header, packed = _read(data)
     width, height, samples = _parse_header(header)
     rows = _inflate(packed, height * (1 + width * samples))
     if max(rows[:: 1 + width * samples]) >= _FILTERS:
-        raise Malformed("unknown filter")
+        raise MalformedPng("unknown filter")
     made = b"".join((SIGNATURE, _chunk(b"IHDR", header), _chunk(b"IDAT", zlib.compress(rows)), _chunk(b"IEND", b"")))
     if len(made) > MAX_BYTES:
-        raise Malformed("too many bytes")
+        raise MalformedPng("too many bytes")
     return made
 
 
@@ -41,49 +41,49 @@ def _read(data: bytes) -> tuple[bytes, bytes]:
     chunks = _chunks(data)
     kind, header = next(chunks, (b"", b""))
     if kind != b"IHDR":
-        raise Malformed("no header")
+        raise MalformedPng("no header")
     pieces, over = [], False
     for kind, content in chunks:
         if kind == b"IDAT":
             if over:
-                raise Malformed("data in two places")
+                raise MalformedPng("data in two places")
             pieces.append(content)
         elif kind[0] & 0x20 == 0 and kind != b"IEND":  # a capital letter: not to be left out, and we know no such thing
-            raise Malformed("unknown critical chunk")
+            raise MalformedPng("unknown critical chunk")
         over = bool(pieces) and kind != b"IDAT"
     if kind != b"IEND" or content:
-        raise Malformed("no end")
+        raise MalformedPng("no end")
     return header, b"".join(pieces)
 
 
 def _chunks(data: bytes) -> Iterator[tuple[bytes, bytes]]:
     """Kind and content of each chunk up to IEND, which must be the last thing there is."""
     if not data.startswith(SIGNATURE):
-        raise Malformed("no signature")
+        raise MalformedPng("no signature")
     at, kind = len(SIGNATURE), b""
     while kind != b"IEND":
         length, kind = struct.unpack_from(">I4s", data, at) if at + 12 <= len(data) else (len(data), b"")
         end = at + 8 + length
         if end + 4 > len(data) or not kind.isalpha():
-            raise Malformed("cut short")
+            raise MalformedPng("cut short")
         content = data[at + 8 : end]
         if struct.unpack_from(">I", data, end)[0] != zlib.crc32(content, zlib.crc32(kind)):
-            raise Malformed("wrong checksum")
+            raise MalformedPng("wrong checksum")
         at = end + 4
         yield kind, content
     if at != len(data):
-        raise Malformed("bytes left over")
+        raise MalformedPng("bytes left over")
 
 
 def _parse_header(header: bytes) -> tuple[int, int, int]:
     """Width, height and samples of a pixel."""
     if len(header) != _HEADER.size:
-        raise Malformed("header of another length")
+        raise MalformedPng("header of another length")
     width, height, depth, colour, *methods = _HEADER.unpack(header)
     if not (0 < width <= MAX_SIDE and 0 < height <= MAX_SIDE and width * height <= MAX_PIXELS):
-        raise Malformed("too large, or empty")
+        raise MalformedPng("too large, or empty")
     if depth != 8 or colour not in _SAMPLES or any(methods):
-        raise Malformed("another kind of picture")
+        raise MalformedPng("another kind of picture")
     return width, height, _SAMPLES[colour]
 
 
@@ -93,9 +93,9 @@ def _inflate(packed: bytes, size: int) -> bytes:
     try:
         rows = stream.decompress(packed, size + 1)
     except zlib.error as error:
-        raise Malformed("data that do not inflate") from error
+        raise MalformedPng("data that do not inflate") from error
     if len(rows) != size or not stream.eof or stream.unused_data or stream.unconsumed_tail:
-        raise Malformed("data of another length")
+        raise MalformedPng("data of another length")
     return rows
 
 

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 
 from server.base import helper_line
 from server.base.helper_line import ServiceLine
-from server.cells.run import POLICY, run
+from server.cells.run import POLICY, run_cell
 from server.sandbox import Sandbox, SandboxFault
 from server.sandbox.install import DRAWING
 
@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 log = logging.getLogger(__name__)
 
 
-def serve(line: ServiceLine) -> None:
+def serve_cells(line: ServiceLine) -> None:
     """Until the line is closed."""
     questions = line.questions()
     _, opening = next(questions)
@@ -64,7 +64,7 @@ def _answer_of(sandbox: Sandbox, question: dict[str, str], asked: bytes) -> byte
 
 
 def _run_cell(sandbox: Sandbox, question: dict[str, str]) -> bytes:
-    return run(sandbox, question["module"], question["code"].encode()).model_dump_json().encode()
+    return run_cell(sandbox, question["module"], question["code"].encode()).model_dump_json().encode()
 
 
 def _trace(sandbox: Sandbox, asked: bytes) -> bytes:

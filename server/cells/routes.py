@@ -37,7 +37,9 @@ async def run(
     if module not in course.modules:
         raise NotFound("Ce module n’existe pas.")
     code, address = body.code.replace("\r\n", "\n"), client_address(request)
-    running = asyncio.ensure_future(service.run(cells, database, settings, account, module, code, address=address))
+    running = asyncio.ensure_future(
+        service.run_reader_cell(cells, database, settings, account, module, code, address=address)
+    )
     leaving = asyncio.ensure_future(_wait_disconnect(request))
     await asyncio.wait((running, leaving), return_when=asyncio.FIRST_COMPLETED)
     leaving.cancel()

@@ -13,7 +13,7 @@ from server.cells import png
 from server.cells.schemas import FaultOut, RunOut
 from server.sandbox import FaultKind, Frame, Kit, Policy, ProgramFault, Sandbox, SandboxFault, Session
 from server.sandbox.install import import_set_of
-from server.text.plain import visible
+from server.text.plain import show_invisible_characters
 
 KIB, MIB = 1 << 10, 1 << 20
 FILENAME = "cellule.py"
@@ -46,14 +46,14 @@ class _CellOutput:
     fault: ProgramFault | None = None
 
 
-def run(sandbox: Sandbox, kit: str, source: bytes) -> RunOut:
+def run_cell(sandbox: Sandbox, kit: str, source: bytes) -> RunOut:
     """Raises SandboxFault when the fault is ours, and nothing else. The time told is without a template's start."""
     with suppress(SandboxFault):  # opening a session tries again, and tells
         sandbox.warm(import_set_of(source, drawing=True))
     start = time.monotonic()
     shown = _execute(sandbox, kit, source)
     return RunOut(
-        stdout=visible(shown.stdout),
+        stdout=show_invisible_characters(shown.stdout),
         truncated=shown.truncated,
         fault=_fault_out(shown.fault) if shown.fault else None,
         figures=["data:image/png;base64," + base64.b64encode(picture).decode() for picture in shown.figures],
@@ -76,10 +76,10 @@ def _figures(session: Session) -> tuple[tuple[bytes, ...], ProgramFault | None]:
     try:
         with session:
             given = session.figures()
-        return tuple(png.rebuilt(file) for file in given), None
+        return tuple(png.rebuild_png(file) for file in given), None
     except ProgramFault as fault:
         return (), fault
-    except png.Malformed:
+    except png.MalformedPng:
         return (), ProgramFault(FaultKind.INVALID_OUTPUT, UNREADABLE)
 
 

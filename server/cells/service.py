@@ -16,7 +16,7 @@ from server.submissions.queue_senders import queue_sender
 TOO_FAST = "Vous avez exécuté beaucoup de cellules en peu de temps : la prochaine est possible dans {seconds} s."
 
 
-async def run(
+async def run_reader_cell(
     cells: CellRunner, database: Database, settings: Settings, account: Account, module: str, code: str, *, address: str
 ) -> bytes:
     """What the page gets, as JSON text. Raises Invalid, TooLarge, TooMany, Crowded or Failed."""

@@ -31,7 +31,7 @@ MAX_NAMED_VALUES = 8
 
 
 @dataclass(frozen=True)
-class Routes:
+class LinesByClass:
     """The lines of a list by class. `values`: those of its column of classes that are this class, empty for all."""
 
     here: Sequence[RosterLine]
@@ -41,9 +41,9 @@ class Routes:
     warnings: tuple[str, ...]
 
 
-def route_lines(
+def split_lines_by_class(
     roster: Roster, school_class: SchoolClass, others: Sequence[SchoolClass], choice: ReadingChoice
-) -> Routes:
+) -> LinesByClass:
     """Tell which lines are for which class of the teacher, by the names of the classes.
 
     A column with one value, or whose values name none of them, says nothing: every line is for this class.
@@ -59,7 +59,7 @@ def route_lines(
         raise Invalid(NO_SUCH_VALUE.format(value=chosen[:60], values=_quoted(values)))
     says_nothing = not chosen and (len(values) < 2 or not (here or named))
     if chosen == EVERY_CLASS or says_nothing:
-        return Routes(roster.lines, {}, {}, (), _class_warnings(values, named, here) if says_nothing else ())
+        return LinesByClass(roster.lines, {}, {}, (), _class_warnings(values, named, here) if says_nothing else ())
     lines: dict[str, list[RosterLine]] = defaultdict(list)
     for line in roster.lines:
         lines[line.school_class].append(line)
@@ -73,7 +73,7 @@ def route_lines(
     ]
     if not here:
         warnings.append(NOT_HERE.format(name=school_class.name, values=_quoted(values)))
-    return Routes(staying, elsewhere, skipped, tuple(here), tuple(warnings))
+    return LinesByClass(staying, elsewhere, skipped, tuple(here), tuple(warnings))
 
 
 def _class_warnings(values: Sequence[str], named: Mapping[str, SchoolClass], here: Sequence[str]) -> tuple[str, ...]:

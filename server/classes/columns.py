@@ -9,7 +9,15 @@ from collections.abc import Collection, Iterable, Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
 
-from server.classes.headers import FULL_NAMES, KNOWN_TO_STUDENTS, NAMES, PLURAL, ColumnReading, Field, recognise
+from server.classes.headers import (
+    FULL_NAMES,
+    KNOWN_TO_STUDENTS,
+    NAMES,
+    PLURAL,
+    ColumnReading,
+    RosterField,
+    recognise_header,
+)
 from server.classes.rows import SheetRow
 
 HEADER_ROWS = 20
@@ -24,7 +32,7 @@ class Header:
     line: int
     doubt: str = ""
 
-    def of(self, field: Field) -> list[ColumnReading]:
+    def of(self, field: RosterField) -> list[ColumnReading]:
         """The columns of a field, those that count first before the others."""
         return sorted((c for c in self.columns if c.field is field), key=lambda c: (-c.rank, c.index))
 
@@ -33,7 +41,7 @@ class Header:
         return bool(self.fields & NAMES)
 
     @property
-    def fields(self) -> frozenset[Field]:
+    def fields(self) -> frozenset[RosterField]:
         return frozenset(column.field for column in self.columns if column.field)
 
 
@@ -41,7 +49,7 @@ def find_header(rows: Sequence[SheetRow]) -> Header | None:
     """Return the headers among the first rows: the first row that names most columns, a name at least."""
     best: tuple[int, int] | None = None
     for place, row in enumerate(rows[:HEADER_ROWS]):
-        fields = {reading.field for cell in row.cells if cell.strip() and (reading := recognise(cell)).field}
+        fields = {reading.field for cell in row.cells if cell.strip() and (reading := recognise_header(cell)).field}
         is_header = fields & NAMES and not any("@" in cell for cell in row.cells)
         if is_header and (best is None or len(fields) > best[0]):
             best = len(fields), place
@@ -60,7 +68,7 @@ def _header_at(rows: Sequence[SheetRow], place: int) -> Header:
     columns = []
     for index, cell in enumerate(cells):
         header = cell if cell.strip() else above[index]
-        columns.append(replace(recognise(header.strip()), index=index, header=header.strip()))
+        columns.append(replace(recognise_header(header.strip()), index=index, header=header.strip()))
     while columns and not columns[-1].header:
         columns.pop()
     readings, doubt = _settle(tuple(columns), rows[last + 1 :])
@@ -82,7 +90,9 @@ def _sub_headers(rows: Sequence[SheetRow], place: int, cells: Sequence[str]) -> 
     below = [*rows[place + 1].cells, *[""] * (len(cells) - len(rows[place + 1].cells))][: len(cells)]
     filled = [index for index, cell in enumerate(below) if cell.strip()]
     spread = _spread(cells)
-    names_all = all(recognise(below[i]).field or recognise(f"{spread[i]} {below[i]}").field for i in filled)
+    names_all = all(
+        recognise_header(below[i]).field or recognise_header(f"{spread[i]} {below[i]}").field for i in filled
+    )
     return below if filled and names_all else []
 
 
@@ -98,9 +108,9 @@ def _spread(cells: Sequence[str]) -> list[str]:
 def _combine(cell: str, sub: str, merged: str) -> str:
     if not sub.strip():
         return cell
-    alone = recognise(sub)
+    alone = recognise_header(sub)
     both = f"{merged} {sub}"
-    return sub if alone.field and not recognise(both).field else both if recognise(both).field else sub
+    return sub if alone.field and not recognise_header(both).field else both if recognise_header(both).field else sub
 
 
 TWO = "deux colonnes donnent « {field} » ({first} et {second})"
@@ -109,12 +119,12 @@ TWO = "deux colonnes donnent « {field} » ({first} et {second})"
 def _settle(columns: tuple[ColumnReading, ...], rows: Sequence[SheetRow]) -> tuple[tuple[ColumnReading, ...], str]:
     """Leave aside what the columns beside make needless; also return what only a person can decide."""
     fields = {column.field for column in columns}
-    if {Field.family, Field.given} <= fields:
+    if {RosterField.family, RosterField.given} <= fields:
         columns = _change(columns, FULL_NAMES, None)
-    elif Field.given in fields:  # « Élève » beside « Prénom »: the name of the family
-        columns = _change(columns, FULL_NAMES, Field.family)
+    elif RosterField.given in fields:  # « Élève » beside « Prénom »: the name of the family
+        columns = _change(columns, FULL_NAMES, RosterField.family)
     elif fields & FULL_NAMES:
-        columns = _change(columns, {Field.family}, None)
+        columns = _change(columns, {RosterField.family}, None)
     columns = tuple(replace(column, field=None) if _is_order(column, rows) else column for column in columns)
     doubt = ""
     settled: list[ColumnReading] = []
@@ -134,7 +144,9 @@ def _rival(column: ColumnReading, earlier: Sequence[ColumnReading]) -> ColumnRea
     return next((each for each in earlier if each.field is column.field and each.rank == column.rank), None)
 
 
-def _change(columns: Iterable[ColumnReading], fields: Collection[Field], to: Field | None) -> tuple[ColumnReading, ...]:
+def _change(
+    columns: Iterable[ColumnReading], fields: Collection[RosterField], to: RosterField | None
+) -> tuple[ColumnReading, ...]:
     return tuple(replace(column, field=to) if column.field in fields else column for column in columns)
 
 
@@ -144,7 +156,7 @@ def _values(column: ColumnReading, rows: Sequence[SheetRow]) -> list[str]:
 
 def _is_order(column: ColumnReading, rows: Sequence[SheetRow]) -> bool:
     """Whether a column of numbers counts the lines: small numbers that grow."""
-    if column.field is not Field.number or column.rank == KNOWN_TO_STUDENTS:
+    if column.field is not RosterField.number or column.rank == KNOWN_TO_STUDENTS:
         return False
     values = [value for value in _values(column, rows) if value]
     numbers = [int(value) for value in values if value.isascii() and value.isdigit() and len(value) < 5]
@@ -153,7 +165,7 @@ def _is_order(column: ColumnReading, rows: Sequence[SheetRow]) -> bool:
 
 def columns_by_hand(fields: Sequence[str], known: Sequence[ColumnReading] = ()) -> tuple[ColumnReading, ...]:
     """Return the columns as somebody says, unknown words leave one aside; `known`: as their headers say."""
-    names = {field.value: field for field in Field}
+    names = {field.value: field for field in RosterField}
     columns = []
     for index, name in enumerate(fields):
         column = known[index] if index < len(known) else ColumnReading(index, "")

@@ -106,7 +106,7 @@ def _decode_mixed(content: bytes) -> DecodedText | None:
     return _repair(text, AS_IS)
 
 
-def read_again(text: str, read_as: str, encoding: str) -> str:
+def redecode(text: str, read_as: str, encoding: str) -> str:
     """Return a text that was read in one encoding of single bytes as another one reads it. Raises Invalid."""
     if read_as not in ENCODINGS:
         return text

@@ -17,7 +17,7 @@ from server.classes.folding import normalise_name
 MAX_HEADER, MAX_WORDS = 120, 10  # of a header: more are a sentence
 
 
-class Field(StrEnum):
+class RosterField(StrEnum):
     """A column that is read. The first five are those of the contract."""
 
     family = "nom"
@@ -35,16 +35,16 @@ class Field(StrEnum):
 
 #: The words of each column for teachers.
 FIELD_WORDS = {
-    Field.family: "Nom de famille", Field.given: "Prénom", Field.full_name: "Nom puis prénom",
-    Field.reversed_name: "Prénom puis nom", Field.complete_name: "Nom complet, coupé aux capitales",
-    Field.email: "Adresse électronique", Field.login: "Identifiant", Field.group: "Groupe",
-    Field.school_class: "Classe, division", Field.number: "Numéro d’élève",
-    Field.birth: "Date de naissance",
+    RosterField.family: "Nom de famille", RosterField.given: "Prénom", RosterField.full_name: "Nom puis prénom",
+    RosterField.reversed_name: "Prénom puis nom", RosterField.complete_name: "Nom complet, coupé aux capitales",
+    RosterField.email: "Adresse électronique", RosterField.login: "Identifiant", RosterField.group: "Groupe",
+    RosterField.school_class: "Classe, division", RosterField.number: "Numéro d’élève",
+    RosterField.birth: "Date de naissance",
 }  # fmt: skip
-FULL_NAMES = frozenset({Field.full_name, Field.reversed_name, Field.complete_name})
-NAMES = FULL_NAMES | {Field.family, Field.given}
+FULL_NAMES = frozenset({RosterField.full_name, RosterField.reversed_name, RosterField.complete_name})
+NAMES = FULL_NAMES | {RosterField.family, RosterField.given}
 #: Several columns of these are read together; of the others the best one.
-PLURAL = frozenset({Field.group})
+PLURAL = frozenset({RosterField.group})
 
 
 @dataclass(frozen=True)
@@ -54,7 +54,7 @@ class ColumnReading:
 
     index: int
     header: str
-    field: Field | None = None
+    field: RosterField | None = None
     rank: int = 0
     qualifier: str = ""
 
@@ -136,12 +136,12 @@ class _Words:
     def joined(self) -> str:
         return " ".join(self.words)
 
-    def read(self, field: Field | None, rank: int = 2, qualifier: str = "") -> ColumnReading:
+    def read(self, field: RosterField | None, rank: int = 2, qualifier: str = "") -> ColumnReading:
         return ColumnReading(0, self.header, field, rank, qualifier)
 
 
 @lru_cache(maxsize=2048)
-def recognise(header: str) -> ColumnReading:
+def recognise_header(header: str) -> ColumnReading:
     """Return what a header means, at index 0. Qualifiers decide: « Prénom du père » is nobody's here."""
     words = split_header(header)
     read = _Words(header, words, frozenset(words) - FILLERS)
@@ -163,7 +163,7 @@ def _is_email(of: _Words) -> bool:
 def _read_email(of: _Words) -> ColumnReading | None:
     if not _is_email(of):
         return None
-    return of.read(Field.email, 1 if "perso" in of.joined else 3 if of.seen & (OFFICIAL | SCHOOLS) else 2)
+    return of.read(RosterField.email, 1 if "perso" in of.joined else 3 if of.seen & (OFFICIAL | SCHOOLS) else 2)
 
 
 def _read_both_names(of: _Words) -> ColumnReading | None:
@@ -171,7 +171,7 @@ def _read_both_names(of: _Words) -> ColumnReading | None:
     if not both or of.seen - GIVEN - FAMILY - GIVEN_EXTRA - FAMILY_EXTRA:
         return None
     first = next(word for word in of.words if word in GIVEN | FAMILY | {"first", "last"})
-    return of.read(Field.reversed_name if first in GIVEN | {"first"} else Field.full_name)
+    return of.read(RosterField.reversed_name if first in GIVEN | {"first"} else RosterField.full_name)
 
 
 def _read_given(of: _Words) -> ColumnReading | None:
@@ -180,38 +180,38 @@ def _read_given(of: _Words) -> ColumnReading | None:
     if of.seen & (OTHER_GIVEN | LOGIN) or of.seen - GIVEN - GIVEN_EXTRA:
         return of.read(None)
     rank = 4 if of.seen & USAGE else 3 if of.seen & FIRST else 1 if "prenoms" in of.seen else 2
-    return of.read(Field.given, rank)
+    return of.read(RosterField.given, rank)
 
 
 def _read_group(of: _Words) -> ColumnReading | None:
     is_group = of.seen & GROUP and not of.seen & NOT_A_GROUP and (of.seen & PLAIN_GROUP or len(of.seen) <= 2)
-    return of.read(Field.group, 2, _qualifier(of.header, of.words)) if is_group else None
+    return of.read(RosterField.group, 2, _qualifier(of.header, of.words)) if is_group else None
 
 
 def _read_class(of: _Words) -> ColumnReading | None:
     if not of.seen & CLASS or of.seen - CLASS - CLASS_EXTRA:
         return None
-    return of.read(Field.school_class, 1 if of.seen & {"libelle", "long"} else 3 if "code" in of.seen else 2)
+    return of.read(RosterField.school_class, 1 if of.seen & {"libelle", "long"} else 3 if "code" in of.seen else 2)
 
 
 def _read_complete_name(of: _Words) -> ColumnReading | None:
     is_name = of.seen & FAMILY and of.seen & {"complet", "full"} and not of.seen - FAMILY - FAMILY_EXTRA - LOGIN - FULL
-    return of.read(Field.complete_name) if is_name else None
+    return of.read(RosterField.complete_name) if is_name else None
 
 
 def _read_login(of: _Words) -> ColumnReading | None:
     if not (of.seen & LOGIN or of.seen == {"id"} or of.joined in {"user name", "id utilisateur", "id ent"}):
         return None
     if of.seen & {"unique", "national", "numero"}:
-        return of.read(Field.number)
-    return of.read(Field.login, 3 if "ent" in of.seen else 2)
+        return of.read(RosterField.number)
+    return of.read(RosterField.login, 3 if "ent" in of.seen else 2)
 
 
 def _read_birth(of: _Words) -> ColumnReading | None:
     if "lieu" in of.seen:
         return of.read(None)
     is_birth = of.seen & DATES and not of.seen & FAMILY and not of.seen - DATES - STUDENT - BIRTH
-    return of.read(Field.birth) if is_birth else None
+    return of.read(RosterField.birth) if is_birth else None
 
 
 def _read_family(of: _Words) -> ColumnReading | None:
@@ -219,20 +219,20 @@ def _read_family(of: _Words) -> ColumnReading | None:
         return None
     if of.seen - FAMILY - FAMILY_EXTRA:
         return of.read(None)
-    return of.read(Field.family, 3 if of.seen & USAGE else 1 if of.seen & BIRTH else 2)
+    return of.read(RosterField.family, 3 if of.seen & USAGE else 1 if of.seen & BIRTH else 2)
 
 
 def _read_number(of: _Words) -> ColumnReading | None:
     if of.seen == {"id", "number"}:
-        return of.read(Field.number, KNOWN_TO_STUDENTS)
+        return of.read(RosterField.number, KNOWN_TO_STUDENTS)
     if not of.seen & NUMBER or of.seen <= VAGUE or of.seen - NUMBER - STUDENT - NUMBER_EXTRA:
         return None
     is_known = of.seen & (STUDENT | KNOWN_NUMBERS) and not of.seen & SECRET_NUMBERS
-    return of.read(Field.number, KNOWN_TO_STUDENTS if is_known else 1 if of.seen == {"numero"} else 2)
+    return of.read(RosterField.number, KNOWN_TO_STUDENTS if is_known else 1 if of.seen == {"numero"} else 2)
 
 
 def _read_student(of: _Words) -> ColumnReading | None:
-    return of.read(Field.complete_name) if not of.seen - STUDENT - FULL else None
+    return of.read(RosterField.complete_name) if not of.seen - STUDENT - FULL else None
 
 
 #: The first rule that decides is right.

@@ -19,7 +19,7 @@ from sqlalchemy.orm import Session
 
 from server.base.errors import Invalid
 from server.classes import repository
-from server.classes.class_routes import route_lines
+from server.classes.class_routes import split_lines_by_class
 from server.classes.folding import normalise_name
 from server.classes.matching import MemberMatcher, merge_fields
 from server.classes.models import ClassRole, Membership, SchoolClass, Status
@@ -90,7 +90,7 @@ def plan_import(
 ) -> ImportPlan:
     """Plan the changes of a list, as imported by this account. `replace`: who is not in it leaves this class."""
     taught = [] if choice.only_here else repository.load_taught_classes(db, by.id)
-    routes = route_lines(roster, school_class, [each for each in taught if each.id != school_class.id], choice)
+    routes = split_lines_by_class(roster, school_class, [each for each in taught if each.id != school_class.id], choice)
     others = tuple(
         _plan_class(db, other, roster, lines, by, replace=False, is_first=False)
         for other, lines in routes.elsewhere.values()

@@ -11,7 +11,7 @@ from server.classes.columns import Header
 from server.classes.encodings import damaged_word
 from server.classes.folding import normalise_name
 from server.classes.full_names import split_full_name
-from server.classes.headers import KNOWN_TO_STUDENTS, Field
+from server.classes.headers import KNOWN_TO_STUDENTS, RosterField
 from server.classes.models import EMAIL_LENGTH, NAME_LENGTH
 from server.classes.roster_line import RosterLine, check_groups, split_labels
 from server.classes.rows import SheetRow
@@ -50,7 +50,7 @@ GUESSED = "Les accents sont lus comme écrits par {used}, mais ce peut être {ot
 
 
 #: Whether the family name comes first, where the header says so.
-FULL_NAME_ORDERS = {Field.full_name: True, Field.reversed_name: False, Field.complete_name: None}
+FULL_NAME_ORDERS = {RosterField.full_name: True, RosterField.reversed_name: False, RosterField.complete_name: None}
 ENCODING_WORDS = {
     "cp1252": "Windows", "iso8859_15": "un ancien Unix", "mac_roman": "un ancien Mac", "cp850": "MS-DOS",
     "utf-8": "un programme d’aujourd’hui (UTF-8)", "utf-16": "Excel (UTF-16)",
@@ -61,58 +61,58 @@ class LineReader:
     """Reads the rows of one list, one after the other: a person stands in it once."""
 
     def __init__(self, header: Header) -> None:
-        self._columns = {name: header.of(name) for name in Field}
+        self._columns = {name: header.of(name) for name in RosterField}
         self._width = len(header.columns)
         self._seen: dict[str, int] = {}
         self._namesakes: dict[str, list[tuple[str, int]]] = {}
         self._whole: list[int] = []
         self._used = [column.index for column in header.columns if column.field]
-        self._number_is_login = not self._columns[Field.login] and not self._columns[Field.email]
+        self._number_is_login = not self._columns[RosterField.login] and not self._columns[RosterField.email]
 
     def read(self, row: SheetRow) -> RosterLine:
         family, given, is_whole = self._names(row)
         if is_whole:
             self._whole.append(row.line)
-        login = self._first(row, Field.login)
-        number = self._first(row, Field.number)
-        if self._number_is_login and number and self._columns[Field.number][0].rank == KNOWN_TO_STUDENTS:
+        login = self._first(row, RosterField.login)
+        number = self._first(row, RosterField.number)
+        if self._number_is_login and number and self._columns[RosterField.number][0].rank == KNOWN_TO_STUDENTS:
             login = number
         return RosterLine(
             line=row.line,
             family_name=family,
             given_name=self._usual_given_name(given),
-            email=_read_email(self._first(row, Field.email)),
+            email=_read_email(self._first(row, RosterField.email)),
             login=normalise_login(login),
             groups=self._groups(row),
-            school_class=self._first(row, Field.school_class),
-            key=" ".join(filter(None, (number, self._first(row, Field.birth)))),
+            school_class=self._first(row, RosterField.school_class),
+            key=" ".join(filter(None, (number, self._first(row, RosterField.birth)))),
         )
 
-    def _first(self, row: SheetRow, name: Field) -> str:
+    def _first(self, row: SheetRow, name: RosterField) -> str:
         """Return the first filled cell among the columns of a field, in the order in which they count."""
         cells = (_cell(row, column.index) for column in self._columns[name])
         return next(filter(None, cells), "")
 
     def _names(self, row: SheetRow) -> tuple[str, str, bool]:
         """Return family and given name, and whether a full name stays whole. The usual name goes first."""
-        family, given = self._first(row, Field.family), self._first(row, Field.given)
+        family, given = self._first(row, RosterField.family), self._first(row, RosterField.given)
         for full, family_first in FULL_NAME_ORDERS.items():
             text = self._first(row, full)
             if text and not family and not given:
                 split = split_full_name(text, family_first)
                 return split.family, split.given, split.whole
-        if family and not given and not self._columns[Field.given]:
+        if family and not given and not self._columns[RosterField.given]:
             split = split_full_name(family)
             return split.family, split.given, False
         return family, given, False
 
     def _usual_given_name(self, given: str) -> str:
         """Return the first of « Inès, Marie » in a column of all given names."""
-        columns = self._columns[Field.given]
+        columns = self._columns[RosterField.given]
         return given.split(",", maxsplit=1)[0].strip() if columns and columns[0].rank == 1 else given
 
     def _groups(self, row: SheetRow) -> tuple[str, ...]:
-        columns = self._columns[Field.group]
+        columns = self._columns[RosterField.group]
         labels: list[str] = []
         for column in columns:
             for label in split_labels(_cell(row, column.index)):

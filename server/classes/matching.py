@@ -116,13 +116,13 @@ class MemberMatcher:
 
     def changes(self, line: RosterLine, member: Member) -> bool:
         fields = merge_fields(line, member.membership, self.has_groups)
-        return member.status is not Status.active or fields != list_fields(member.membership)
+        return member.status is not Status.active or fields != stored_fields(member.membership)
 
 
 ListFields = tuple[str, str, str, list[str]]
 
 
-def list_fields(membership: Membership) -> ListFields:
+def stored_fields(membership: Membership) -> ListFields:
     return membership.family_name, membership.given_name, membership.email, list(membership.groups)
 
 

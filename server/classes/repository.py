@@ -16,8 +16,8 @@ from server.classes.schemas import (
     Member,
     StudentRecord,
     display_name,
+    distinct_names,
     name_sort_key,
-    tell_apart,
 )
 from server.database import prepared_statement, select_core
 from server.identity.models import Account, account_handle
@@ -106,7 +106,7 @@ def _members(class_id: UUID) -> Select[Membership, Account]:
 
 def _load_sorted(db: Session, query: Select[Membership, Account]) -> Sequence[Member]:
     members = [Member(*row) for row in db.execute(query)]
-    names = tell_apart([(member.plain_name, member.groups, member.account.handle) for member in members])
+    names = distinct_names([(member.plain_name, member.groups, member.account.handle) for member in members])
     members = [
         member if name == member.plain_name else replace(member, told_apart=name)
         for member, name in zip(members, names, strict=True)
@@ -121,7 +121,7 @@ def load_active_students(db: Session, class_id: UUID) -> Sequence[ActiveStudent]
     query = select(Membership.account_id, *names, *handle, Membership.groups, Membership.last_seen_at)
     rows = db.execute(_active(query, class_id)).all()
     own_names = [display_name(given, family, own) for _, given, family, own, *_ in rows]
-    shown = tell_apart(
+    shown = distinct_names(
         [(name, row[6], account_handle(row[4], row[5], row[0])) for name, row in zip(own_names, rows, strict=True)]
     )
     students = []
@@ -146,7 +146,7 @@ def list_students(db: Session, class_id: UUID, only: Collection[UUID] | None = N
     )
     query = _active(select(*columns), class_id)
     rows = db.execute(query if only is None else query.where(row.account_id.in_(only))).all()
-    names = tell_apart(
+    names = distinct_names(
         [(display_name(row[2], row[1], row[3]), row[7], account_handle(row[5], row[6], row[0])) for row in rows]
     )
     students = (

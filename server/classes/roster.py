@@ -11,7 +11,7 @@ from itertools import pairwise
 from server.base.errors import Invalid
 from server.classes.columns import HEADER_ROWS, Header, columns_by_hand, find_header
 from server.classes.folding import normalise_name
-from server.classes.headers import ColumnReading, Field
+from server.classes.headers import ColumnReading, RosterField
 from server.classes.line_reader import LineReader
 from server.classes.roster_line import RejectedLine, RosterLine
 from server.classes.rows import SheetRow
@@ -72,16 +72,16 @@ class Roster:
 
     @property
     def has_groups(self) -> bool:
-        return Field.group in self.header.fields
+        return RosterField.group in self.header.fields
 
     @property
     def ignored(self) -> tuple[str, ...]:
         """The headers of the columns of which nothing is kept: a number or a birth date only tells namesakes apart."""
-        unkept = {None, Field.birth}
+        unkept = {None, RosterField.birth}
         if not any(line.login and line.key.startswith(line.login) for line in self.lines):
-            unkept.add(Field.number)
+            unkept.add(RosterField.number)
         if len(self.class_values) < 2:
-            unkept.add(Field.school_class)
+            unkept.add(RosterField.school_class)
         return tuple(column.header for column in self.header.columns if column.field in unkept and column.header)
 
 

@@ -31,7 +31,7 @@ def display_name(given: str | None, family: str | None, own: str) -> str:
     return " ".join(filter(None, (given, family))) or own
 
 
-def tell_apart(people: Sequence[tuple[str, Sequence[str], str]]) -> list[str]:
+def distinct_names(people: Sequence[tuple[str, Sequence[str], str]]) -> list[str]:
     """Return the names of the people of a class, given as name, groups and handle (`Account.handle`); namesakes have
     their handle beside it, guests their groups where they have some: « Inès Lacroix (ines.lacroix2) »."""
     counts = Counter(normalise_name(name) for name, *_ in people)

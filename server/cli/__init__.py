@@ -11,8 +11,8 @@ from pathlib import Path
 
 from server.base.version import VERSION
 from server.cli import authors, options
-from server.cli.french import speak_french
-from server.cli.options import bounded
+from server.cli.french import translate_argparse
+from server.cli.options import parse_bounded
 
 CANNOT = 2
 Command = Callable[[argparse.Namespace], int]
@@ -69,7 +69,7 @@ def loading(arguments: argparse.Namespace) -> Iterator[None]:
 
 
 def _parser() -> argparse.ArgumentParser:
-    speak_french()
+    translate_argparse()
     parser = argparse.ArgumentParser(prog="balise", description="Plateforme de cours à correction automatique.")
     parser.add_argument(
         "--version", action="version", version=f"balise {VERSION}", help="écrit la version, et s’arrête"
@@ -80,7 +80,7 @@ def _parser() -> argparse.ArgumentParser:
     _demo(commands.add_parser("demo", help=help_text, description=f"{help_text.capitalize()}."))
     _grade(commands.add_parser("grade", help="corrige un fichier, sans serveur"))
     _check(commands.add_parser("check", help="vérifie les exercices eux-mêmes (références, erreurs cataloguées)"))
-    authors.add(commands)
+    authors.add_author_commands(commands)
     doctor = commands.add_parser("doctor", help="dit quelles protections du bac à sable tiennent sur cette machine")
     help_text = "regarde plutôt ce que plusieurs machines partagent : base, NATS, horloges, correcteurs"
     doctor.add_argument("--cluster", action="store_true", help=help_text)
@@ -96,16 +96,18 @@ def _parser() -> argparse.ArgumentParser:
         "worker", help="corrige pour un serveur, depuis une autre machine (BALISE_DATABASE_URL, BALISE_NATS_URL)"
     )
     help_text = "montre ce que fait le service en ce moment, et le rafraîchit"
-    options.top(commands.add_parser("top", help=help_text, description=f"{help_text.capitalize()}."))
+    options.add_top_options(commands.add_parser("top", help=help_text, description=f"{help_text.capitalize()}."))
     help_text = "sauvegarde la base de données, le service allant son cours, et vérifie la sauvegarde"
-    options.backup(commands.add_parser("backup", help=help_text, description=f"{help_text.capitalize()}."))
+    options.add_backup_options(commands.add_parser("backup", help=help_text, description=f"{help_text.capitalize()}."))
     help_text = "remet une sauvegarde à la place de la base de données, le service étant arrêté"
-    options.restore(commands.add_parser("restore", help=help_text, description=f"{help_text.capitalize()}."))
+    options.add_restore_options(
+        commands.add_parser("restore", help=help_text, description=f"{help_text.capitalize()}.")
+    )
     help_text = (
         "copie toutes les données d’une base vers une autre, vide, SQLite ou PostgreSQL, le service étant arrêté"
     )
-    options.move(commands.add_parser("move", help=help_text, description=f"{help_text.capitalize()}."))
-    options.admin(commands.add_parser("admin", help="ce que fait un administrateur"))
+    options.add_move_options(commands.add_parser("move", help=help_text, description=f"{help_text.capitalize()}."))
+    options.add_admin_options(commands.add_parser("admin", help="ce que fait un administrateur"))
     return parser
 
 
@@ -133,7 +135,7 @@ def _serve(parser: argparse.ArgumentParser) -> None:
 
 def _grade(parser: argparse.ArgumentParser) -> None:
     _exercise_and_file(parser, nargs="?")
-    authors.course(parser)
+    authors.add_course_option(parser)
     parser.add_argument(
         "--questions", action="store_true", help="écrit les questions d’un exercice sans code, pour cette graine"
     )
@@ -147,7 +149,7 @@ def _check(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "exercises", nargs="*", metavar="MODULE|EXERCISE", help="modules ou exercices à vérifier (par défaut : tout)"
     )
-    authors.course(parser)
+    authors.add_course_option(parser)
     memory = parser.add_mutually_exclusive_group()
     help_text = "vérifie aussi ce qui était en ordre et n’a pas changé depuis"
     memory.add_argument("--fresh", "--all", action="store_true", help=help_text)
@@ -194,16 +196,16 @@ def _exercise_and_file(parser: argparse.ArgumentParser, nargs: str | None = None
 
 
 def _port(text: str) -> int:
-    return bounded(text, 65535, "le port")
+    return parse_bounded(text, 65535, "le port")
 
 
 def _seed(text: str) -> int:
-    return bounded(text, 2**53 - 1, "la graine")
+    return parse_bounded(text, 2**53 - 1, "la graine")
 
 
 def _pupils(text: str) -> int:
-    return max(1, bounded(text, 800, "le nombre d’élèves"))
+    return max(1, parse_bounded(text, 800, "le nombre d’élèves"))
 
 
 def _seeds(text: str) -> int:
-    return max(1, bounded(text, 1000, "le nombre de graines"))
+    return max(1, parse_bounded(text, 1000, "le nombre de graines"))

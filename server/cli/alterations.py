@@ -52,7 +52,7 @@ class MutantStatus(Enum):
 
 
 @dataclass(frozen=True)
-class Trial:
+class MutantTrial:
     """An alteration and its result; `detail` is the check that caught it, or our own error."""
 
     alteration: Alteration
@@ -62,14 +62,14 @@ class Trial:
 
 
 @dataclass(frozen=True)
-class Tally:
+class MutantTally:
     """The results of an exercise's alterations; `faults` are those of its marks, or of its solution."""
 
     exercise: str
-    trials: Sequence[Trial]
+    trials: Sequence[MutantTrial]
     faults: Sequence[str]
 
-    def trials_with(self, *fates: MutantStatus, own: bool = False) -> list[Trial]:
+    def trials_with(self, *fates: MutantStatus, own: bool = False) -> list[MutantTrial]:
         return [
             trial for trial in self.trials if trial.fate in fates and (trial.alteration.is_course_mistake or not own)
         ]
@@ -91,7 +91,7 @@ def _share(some: int, all_: int) -> float:
 
 
 @dataclass(frozen=True, eq=False)
-class Subject:
+class MutationSubject:
     """An exercise whose solution is altered: its checks, the cheapest first, under a shortened policy."""
 
     exercise: Exercise
@@ -129,7 +129,7 @@ def run(course: Course, selected: Sequence[Exercise]) -> int:
         for alteration in own_alterations
     ]
     tallies = []
-    with closing(parallel.in_order(course, work, jobs, "Altérations")) as trials:
+    with closing(parallel.run_in_order(course, run_job, jobs, "Altérations")) as trials:
         for subject, own_alterations in zip(subjects, alterations_by_subject, strict=True):
             tallies.append(tally(subject, list(islice(trials, len(own_alterations)))))
             for text in report_lines(tallies[-1]):
@@ -142,30 +142,30 @@ def _has_code(exercise: Exercise) -> bool:
     return isinstance(exercise.grader, CodeGrader)
 
 
-def load_subject(exercise: Exercise) -> Subject:
+def load_subject(exercise: Exercise) -> MutationSubject:
     """Load an exercise with its marks. Raises CannotRun without code, or where marks are unreadable."""
     code = exercise.grader
     if not isinstance(code, CodeGrader):
         raise CannotRun(f"l’exercice « {exercise.id} » n’a pas de solution en Python à changer.")
     try:
-        return Subject(exercise, code, code.checks, exercise.policy, read_equivalents(code.folder))
+        return MutationSubject(exercise, code, code.checks, exercise.policy, read_equivalents(code.folder))
     except MalformedExerciseError as error:
         raise CannotRun(str(error)) from error
 
 
-def work(grader: SandboxGrader, job: tuple[Subject, Alteration]) -> Trial:
+def run_job(grader: SandboxGrader, job: tuple[MutationSubject, Alteration]) -> MutantTrial:
     """Run one job in a worker process, which measures the solution once."""
     subject, alteration = job
     measured = _measured_or_reason(grader, subject)
     return (
-        Trial(alteration, MutantStatus.BROKEN, measured)
+        MutantTrial(alteration, MutantStatus.BROKEN, measured)
         if isinstance(measured, str)
         else try_alteration(grader, measured, alteration)
     )
 
 
 @cache
-def _measured_or_reason(grader: SandboxGrader, subject: Subject) -> Subject | str:
+def _measured_or_reason(grader: SandboxGrader, subject: MutationSubject) -> MutationSubject | str:
     """Return the subject with measured costs, or why they cannot be measured."""
     try:
         return with_measured_costs(grader, subject)
@@ -173,16 +173,16 @@ def _measured_or_reason(grader: SandboxGrader, subject: Subject) -> Subject | st
         return str(reason)
 
 
-def tally(subject: Subject, trials: Sequence[Trial]) -> Tally:
+def tally(subject: MutationSubject, trials: Sequence[MutantTrial]) -> MutantTally:
     """Sum up the results of an exercise's alterations, checked against its marks."""
     reasons = {trial.detail for trial in trials}
     if all(trial.fate is MutantStatus.BROKEN for trial in trials) and len(reasons) == 1:
-        return Tally(subject.exercise.id, (), tuple(reasons))
+        return MutantTally(subject.exercise.id, (), tuple(reasons))
     faults = [str(fault) for fault in stale_marks(subject.marks, [trial.alteration for trial in trials])]
-    return Tally(subject.exercise.id, [_apply_marks(trial, subject.marks) for trial in trials], faults)
+    return MutantTally(subject.exercise.id, [_apply_marks(trial, subject.marks) for trial in trials], faults)
 
 
-def _apply_marks(trial: Trial, marks: Sequence[EquivalentMark]) -> Trial:
+def _apply_marks(trial: MutantTrial, marks: Sequence[EquivalentMark]) -> MutantTrial:
     """Return the trial, adjusted where a mark concerns it."""
     if trial.fate is MutantStatus.BROKEN or not any(mark.matches(trial.alteration) for mark in marks):
         return trial
@@ -191,7 +191,7 @@ def _apply_marks(trial: Trial, marks: Sequence[EquivalentMark]) -> Trial:
     )
 
 
-def with_measured_costs(grader: SandboxGrader, subject: Subject) -> Subject:
+def with_measured_costs(grader: SandboxGrader, subject: MutationSubject) -> MutationSubject:
     """Return the subject with its checks ordered by their cost on the solution, and a time limit in proportion.
 
     Raises CannotRun where the solution itself fails.
@@ -208,7 +208,7 @@ def with_measured_costs(grader: SandboxGrader, subject: Subject) -> Subject:
     return replace(subject, checks=tuple(sorted(subject.checks, key=lambda check: costs[check.id])), policy=policy)
 
 
-def try_alteration(grader: SandboxGrader, subject: Subject, alteration: Alteration) -> Trial:
+def try_alteration(grader: SandboxGrader, subject: MutationSubject, alteration: Alteration) -> MutantTrial:
     """Try one alteration, regardless of marks."""
     started, fate, detail = time.monotonic(), MutantStatus.SURVIVED, ""
     try:
@@ -219,10 +219,10 @@ def try_alteration(grader: SandboxGrader, subject: Subject, alteration: Alterati
                 break
     except Exception as error:
         fate, detail = MutantStatus.BROKEN, repr(error)
-    return Trial(alteration, fate, detail, time.monotonic() - started)
+    return MutantTrial(alteration, fate, detail, time.monotonic() - started)
 
 
-def report_lines(tally: Tally) -> Iterator[str]:
+def report_lines(tally: MutantTally) -> Iterator[str]:
     """Yield one line for an exercise, then the diff of each notable alteration."""
     survived, equivalent = tally.trials_with(MutantStatus.SURVIVED), tally.trials_with(MutantStatus.EQUIVALENT)
     caught, of = tally.caught()
@@ -251,7 +251,7 @@ def percent(some: int, all_: int) -> str:
     return f"{number(tenths / 10)} % ({some}/{all_})"
 
 
-def summary(tallies: Sequence[Tally]) -> str:
+def summary(tallies: Sequence[MutantTally]) -> str:
     """Return the line for programs: totals of all exercises; `under` counts exercises below the goal."""
     caught, of = (sum(exercise_tally.caught()[k] for exercise_tally in tallies) for k in (0, 1))
     own, of_own = (sum(exercise_tally.caught(own=True)[k] for exercise_tally in tallies) for k in (0, 1))

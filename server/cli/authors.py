@@ -5,7 +5,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Protocol
 
-from server.cli.options import bounded
+from server.cli.options import parse_bounded
 
 
 class Commands(Protocol):
@@ -21,7 +21,7 @@ KINDS = ("module", "page", "exercise", "declared", "choice", "numbers", "order",
 EDITION = "edition"
 
 
-def add(commands: Commands) -> None:
+def add_author_commands(commands: Commands) -> None:
     help_text = "écrit le squelette d’un module, d’une page, d’un exercice ou d’une animation, qui marche tel quel"
     _new(commands.add_parser("new", help=help_text, description=f"{help_text.capitalize()}."))
     help_text = "écrit les schémas des fichiers TOML d’un cours, pour que l’éditeur en complète les clés"
@@ -44,14 +44,14 @@ def _study(parser: argparse.ArgumentParser) -> None:
     help_text = "combien de groupes, du plus fréquent au plus rare (par défaut : %(default)s)"
     parser.add_argument("--most", type=_most, default=10, metavar="N", help=help_text)
     parser.add_argument("--data", type=Path, metavar="DIR", help="dossier des données du service")
-    course(parser)
+    add_course_option(parser)
 
 
 def _most(text: str) -> int:
-    return max(1, bounded(text, 1000, "le nombre de groupes"))
+    return max(1, parse_bounded(text, 1000, "le nombre de groupes"))
 
 
-def course(parser: argparse.ArgumentParser) -> None:
+def add_course_option(parser: argparse.ArgumentParser) -> None:
     help_text = "dossier d’un cours hors de Balise, pris en place (avec ceux de BALISE_COURSES)"
     parser.add_argument("--course", type=Path, metavar="DIR", help=help_text)
 
@@ -64,7 +64,7 @@ def _preview(parser: argparse.ArgumentParser) -> None:
 
 
 def _port(text: str) -> int:
-    return bounded(text, 65535, "le port")
+    return parse_bounded(text, 65535, "le port")
 
 
 def _new(parser: argparse.ArgumentParser) -> None:

@@ -8,7 +8,7 @@ from server.backup import service
 from server.backup.archive import BackupError, Manifest
 from server.cli import CannotRun
 from server.cli.configuration import read_settings
-from server.cli.database import in_words, require_database
+from server.cli.database import explaining_database_errors, require_database
 from server.database import utc_now
 from server.tables import TABLE_NAMES
 from server.web.words import plural
@@ -21,7 +21,7 @@ def run(arguments: Namespace) -> int:
     path = Path(arguments.file) if arguments.file else Path(name)
     path = path / name if path.is_dir() else path
     try:
-        with in_words():
+        with explaining_database_errors():
             manifest = service.back_up(settings, path, TABLE_NAMES)
     except BackupError as error:
         raise CannotRun(str(error)) from error

@@ -31,10 +31,10 @@ from server.cells import faults as cells
 from server.cli import CannotRun, alterations, check_cache, fairness, parallel
 from server.cli.check_cache import CheckCache
 from server.cli.exercise_faults import EXERCISE_FAULTS
-from server.cli.local import find, load_course, local_grader
+from server.cli.local import find_exercise, load_unrendered_course, local_grader
 from server.cli.sandboxes import require_safe_sandbox, start_probing
-from server.course import Course, Exercise, Module, Problem, load, retrievals
-from server.course.closure import Imports
+from server.course import Course, Exercise, Module, Problem, load_course, retrievals
+from server.course.closure import ImportGraph
 from server.course.models import SEED_BITS
 from server.figures import lessons
 from server.grading.sandbox_grader import SandboxGrader
@@ -102,7 +102,7 @@ def _check_courses(arguments: Namespace) -> int:
     probing = None if cache else start_probing(slow=False)  # with a cache, most often nothing is left to run
     course, faults = _read(cache, arguments.course)
     modules, exercises = _select(course, arguments.exercises)
-    imports = Imports(*COURSES.folders, memory=cache.imports)
+    imports = ImportGraph(*COURSES.folders, memory=cache.imports)
     parts = [*map(_texts, repeat(course), modules), *(_part(exercise, imports) for exercise in exercises)]
     left = [part for part in parts if not _is_unchanged(cache, part)]
     if left:
@@ -125,10 +125,10 @@ def _read(cache: CheckCache, folder: Path | None) -> tuple[Course, int]:
     )
     render = cache.unchanged_since(name, inputs_digest) is None
     if folder is None:
-        course = load(render=render, memory=cache.imports)
+        course = load_course(render=render, memory=cache.imports)
     else:
         discovery = discover(rooms=[folder.resolve() / GRADERS])
-        course = load(folder.resolve() / CURRICULUM, discovery=discovery, render=render, memory=cache.imports)
+        course = load_course(folder.resolve() / CURRICULUM, discovery=discovery, render=render, memory=cache.imports)
     asked = (fault for module in course.modules.values() for fault in retrievals.find_faults(module))
     found = (*course.problems, *shapes.faults(course), *objectives.faults(course), *families.faults(course), *asked)
     faults = sum(map(_print_fault, found))
@@ -141,7 +141,7 @@ def _select(course: Course, names: Sequence[str]) -> tuple[Sequence[Module], Seq
     """Return the modules and exercises of these names, or all of them."""
     modules = [course.modules[name] for name in names or course.modules if name in course.modules]
     selected = {exercise.id: exercise for module in modules for exercise in module.exercises}
-    selected |= {name: find(course, name) for name in names if name not in course.modules}
+    selected |= {name: find_exercise(course, name) for name in names if name not in course.modules}
     return modules, list(selected.values())
 
 
@@ -154,12 +154,12 @@ def _texts(course: Course, module: Module) -> Part:
     )
 
 
-def _part(exercise: Exercise, imports: Imports) -> Part:
+def _part(exercise: Exercise, imports: ImportGraph) -> Part:
     return Part(
         exercise.id,
         check_cache.exercise_digest(exercise, imports),
         [
-            *(partial(_examination, exercise, case) for case in cases(exercise)),
+            *(partial(_examination, exercise, case) for case in list_cases(exercise)),
             *(partial(faults, exercise) for faults in EXERCISE_FAULTS),
         ],
     )
@@ -179,7 +179,7 @@ def _tried(cache: CheckCache, course: Course, parts: Sequence[Part]) -> int:
         return 0
     jobs = [(part, job) for part in parts for job in part.jobs]
     faults = Counter[str]()
-    results = parallel.in_order(course, _do, [job for _, job in jobs], "Vérification", _subject)
+    results = parallel.run_in_order(course, _do, [job for _, job in jobs], "Vérification", _subject)
     for (part, _), told in zip(jobs, results, strict=True):
         faults[part.name] += _print_fault(told) if isinstance(told, Examination) else sum(map(_print_fault, told))
     for part in parts:
@@ -218,15 +218,15 @@ def _examination(exercise: Exercise, case: Case, grader: SandboxGrader) -> Exami
 def _fairness(arguments: Namespace) -> int:
     if not arguments.fairness.is_dir():
         raise CannotRun(f"« {arguments.fairness} » n’est pas un dossier.")
-    probing, course = start_probing(slow=False), load_course()
+    probing, course = start_probing(slow=False), load_unrendered_course()
     with local_grader(course, probing) as grader:
-        only = {find(course, name).id for name in arguments.exercises}
+        only = {find_exercise(course, name).id for name in arguments.exercises}
         return fairness.run(course, grader, arguments.fairness, arguments.seeds, only)
 
 
 def _mutants(arguments: Namespace) -> int:
-    probing, course = start_probing(slow=False), load_course()
-    selected = [find(course, name) for name in arguments.exercises]
+    probing, course = start_probing(slow=False), load_unrendered_course()
+    selected = [find_exercise(course, name) for name in arguments.exercises]
     require_safe_sandbox(probing)
     return alterations.run(course, selected)
 
@@ -248,7 +248,7 @@ def _summary(exercises: int, faults: int, seconds: float) -> str:
     return f"Tout est en ordre ({exercises} exercice{'s' if exercises > 1 else ''}, {seconds:.0f} s)."
 
 
-def cases(exercise: Exercise) -> Iterator[Case]:
+def list_cases(exercise: Exercise) -> Iterator[Case]:
     """Yield every known submission of an exercise, with its expected judgement."""
     reference, *others = (
         Case(known.subject, known.source_for_seed, judge_of(known), known.rounds, known.outcome is Outcome.TIMEOUT)
@@ -261,10 +261,10 @@ def cases(exercise: Exercise) -> Iterator[Case]:
 
 def judge_of(known: KnownSubmission) -> Judge:
     """Return a judge of a known submission: it compares marks or outcome first, then the misconception."""
-    marks = not_full_marks if known.outcome is None else outcome(known.outcome)
+    marks = not_full_marks if known.outcome is None else expecting_outcome(known.outcome)
     if known.diagnosis is None:
         return marks
-    name = named(known.diagnosis)
+    name = expecting_misconception(known.diagnosis)
     return lambda judgement: marks(judgement) or name(judgement)
 
 
@@ -275,13 +275,13 @@ def examine(grader: SandboxGrader, exercise: Exercise, case: Case, seed: int) ->
         policy = replace(policy, cpu_seconds=min(policy.cpu_seconds, ENDLESS_SECONDS))
     for trial_seed in range(seed, seed + case.rounds):
         judgement = grader.grade(exercise.id, case.write(trial_seed), trial_seed, policy=policy)
-        fault = case.judge(judgement) or unwatchable(exercise.id, judgement)
+        fault = case.judge(judgement) or unwatchable_films(exercise.id, judgement)
         if fault:
             return Examination(exercise.id, case.subject, fault, trial_seed)
     return Examination(exercise.id, case.subject, "", seed)
 
 
-def unwatchable(exercise: str, judgement: Judgement) -> str:
+def unwatchable_films(exercise: str, judgement: Judgement) -> str:
     """The films of which no replay can be made."""
     from graders.scene.films import wire
 
@@ -300,7 +300,7 @@ def not_full_marks(judgement: Judgement) -> str:
     return "obtient tous les points" if verdict.outcome is Outcome.OK else ""
 
 
-def named(misconception: str) -> Judge:
+def expecting_misconception(misconception: str) -> Judge:
     """Rejected, and named by its own id."""
 
     def judge(judgement: Judgement) -> str:
@@ -311,7 +311,7 @@ def named(misconception: str) -> Judge:
     return judge
 
 
-def outcome(expected: Outcome) -> Judge:
+def expecting_outcome(expected: Outcome) -> Judge:
     def judge(judgement: Judgement) -> str:
         got = judgement.verdict.outcome
         if got is expected:

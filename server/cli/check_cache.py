@@ -21,7 +21,7 @@ from pathlib import Path
 
 from graders.courses import COURSES, REPOSITORY
 from server.base.files import default_cache_dir, digest_files, write_atomically
-from server.course.closure import Imports
+from server.course.closure import ImportGraph
 from server.course.models import Exercise, Module
 from server.course.start_cache import StartCache, digest_sources
 from server.sandbox.policy import Policy
@@ -119,7 +119,7 @@ def module_digest(module: Module) -> str:
     return digest_files([(module.slug, module.folder), *_code(COURSES.folders)], environment_digest())
 
 
-def exercise_digest(exercise: Exercise, imports: Imports) -> str:
+def exercise_digest(exercise: Exercise, imports: ImportGraph) -> str:
     """Digest the inputs of an exercise's gradings and replays, and the programs that it is tried on."""
     folder = exercise.statement.source.path.parent
     replays = sorted(imports.closure(f"graders.{exercise.module}.{exercise.slug}.replays").items())

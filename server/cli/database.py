@@ -20,13 +20,13 @@ SCHEMA_PAUSE = 1.0  # seconds
 
 
 @contextmanager
-def opened(settings: Settings, *, patience: float = 0.0, await_schema: bool = False) -> Iterator[Database]:
+def open_database(settings: Settings, *, patience: float = 0.0, await_schema: bool = False) -> Iterator[Database]:
     """Raises CannotRun, then and later, for whatever is wrong with the database; it has so many seconds to answer.
 
     With `await_schema`, wait until `balise serve` has upgraded an older database.
     """
     require_database(settings)
-    with in_words(), closing(Database(settings.url)) as database:
+    with explaining_database_errors(), closing(Database(settings.url)) as database:
         database.wait_until_available(patience)
         if await_schema:
             _wait_for_schema(database)
@@ -65,7 +65,7 @@ def database_problem(error: SQLAlchemyError) -> str:
 
 
 @contextmanager
-def in_words() -> Iterator[None]:
+def explaining_database_errors() -> Iterator[None]:
     try:
         yield
     except WrongSchema as wrong:

@@ -4,7 +4,7 @@ from argparse import Namespace
 from pathlib import Path
 
 from server.cli import CannotRun
-from server.cli.local import load_course
+from server.cli.local import load_unrendered_course
 from server.cli.progress import Progress
 from server.course import Course, Module
 from server.offline import paper, site
@@ -20,15 +20,15 @@ NO_BROWSER = (
 def run(arguments: Namespace) -> int:
     if arguments.file is None and arguments.pdf is None:
         raise CannotRun("dites ce qu’il faut écrire : une archive (FILE), ou des PDF (--pdf DIR).")
-    command = paper.browser()
+    command = paper.find_chromium()
     if arguments.pdf is not None and command is None:
         raise CannotRun(NO_BROWSER.format(names=", ".join(paper.BROWSERS)))
-    course = load_course()
+    course = load_unrendered_course()
     module = course.modules.get(arguments.module)
     if module is None:
         raise CannotRun(f"le module « {arguments.module} » n’existe pas. Modules : {', '.join(course.modules)}.")
-    with Progress("Figures", len(site.pictured(module))) as progress:
-        pictures = site.drawn_here(module, progress.advance)
+    with Progress("Figures", len(site.needed_pictures(module))) as progress:
+        pictures = site.draw_pictures_here(module, progress.advance)
     if arguments.file is not None:
         _archive(course, module, pictures, arguments.file)
     if arguments.pdf is not None and command is not None:
@@ -37,18 +37,20 @@ def run(arguments: Namespace) -> int:
 
 
 def _archive(course: Course, module: Module, pictures: Pictures, file: Path) -> None:
-    made = site.archive(course, module, pictures, Downloads(course))
+    made = site.build_archive_zip(course, module, pictures, Downloads(course))
     try:
         file.write_bytes(made)
     except OSError as error:
         raise CannotRun(f"impossible d’écrire « {file} » : {error.strerror}.") from error
-    print(f"{file} : {len(made) / 1e6:.1f} Mo. Décompressez, puis ouvrez {site.folder(module)}/index.html.")
+    print(
+        f"{file} : {len(made) / 1e6:.1f} Mo. Décompressez, puis ouvrez {site.archive_folder_name(module)}/index.html."
+    )
 
 
 def _papers(course: Course, module: Module, pictures: Pictures, folder: Path, command: str) -> None:
     with Progress("PDF", len(module.lessons)) as progress:
         try:
-            made = paper.write(course, module, pictures, folder, command=command, advance=progress.advance)
+            made = paper.write_pdfs(course, module, pictures, folder, command=command, advance=progress.advance)
         except OSError as error:
             raise CannotRun(f"impossible d’écrire dans « {folder} » : {error.strerror}.") from error
         except paper.NotPrinted as error:

@@ -35,7 +35,7 @@ NONE = "aucun"
 
 
 @dataclass(frozen=True)
-class Submission:
+class FairnessSubmission:
     """A program of the folder; `names` are those that a reader held right, None where nobody has judged."""
 
     exercise: Exercise
@@ -53,7 +53,7 @@ class Submission:
 class GradedProgram:
     """The verdicts of one program, seed by seed."""
 
-    submission: Submission
+    submission: FairnessSubmission
     verdicts: Sequence[Verdict]
 
     @property
@@ -103,11 +103,13 @@ def run(course: Course, grader: SandboxGrader, folder: Path, seeds: int, only: C
 
     `only` holds the exercises to which it is restricted, if any.
     """
-    submissions = [submission for submission in read(course, folder) if not only or submission.exercise.id in only]
+    submissions = [
+        submission for submission in read_submissions(course, folder) if not only or submission.exercise.id in only
+    ]
     with ThreadPoolExecutor(AT_ONCE) as pool:
         findings = []
         for finding in pool.map(lambda submission: grade_on_seeds(grader, submission, seeds), submissions):
-            print(line(finding), flush=True)
+            print(result_line(finding), flush=True)
             findings.append(finding)
     wrong = [finding for finding in findings if not finding.submission.right]
     print("\nErreur annoncée → nom donné")
@@ -120,7 +122,7 @@ def run(course: Course, grader: SandboxGrader, folder: Path, seeds: int, only: C
     return 1 if any(faults) else 0
 
 
-def read(course: Course, folder: Path) -> Iterator[Submission]:
+def read_submissions(course: Course, folder: Path) -> Iterator[FairnessSubmission]:
     """The programs of a folder. Raises CannotRun for a folder that holds none, or is no exercise's."""
     homes = [home for home in sorted(folder.glob("*")) if home.is_dir()]
     found = 0
@@ -142,15 +144,15 @@ def _exercise(course: Course, home: Path) -> Exercise:
     return matching[0]
 
 
-def _submission(exercise: Exercise, path: Path, *, right: bool) -> Submission:
+def _submission(exercise: Exercise, path: Path, *, right: bool) -> FairnessSubmission:
     first, second, *_ = [*path.read_text(encoding="utf-8", errors="replace").splitlines()[:2], "", ""]
     names = None
     if second.startswith(JUDGED):
         names = frozenset(name.strip() for name in second.removeprefix(JUDGED).split(","))
-    return Submission(exercise, path, right, first.lstrip("# ").strip(), names)
+    return FairnessSubmission(exercise, path, right, first.lstrip("# ").strip(), names)
 
 
-def grade_on_seeds(grader: SandboxGrader, submission: Submission, seeds: int) -> GradedProgram:
+def grade_on_seeds(grader: SandboxGrader, submission: FairnessSubmission, seeds: int) -> GradedProgram:
     source = submission.source
     verdicts = [
         grader.grade(submission.exercise.id, source, seed).verdict for seed in range(FIRST_SEED, FIRST_SEED + seeds)
@@ -159,7 +161,7 @@ def grade_on_seeds(grader: SandboxGrader, submission: Submission, seeds: int) ->
     return GradedProgram(submission, [replace(verdicts[0], diagnosis=diagnosis), *verdicts[1:]])
 
 
-def line(finding: GradedProgram) -> str:
+def result_line(finding: GradedProgram) -> str:
     """« ✗ poses wrong/x.py : accepté, 20 points ; nom : aucun — what its first line says »."""
     submission = finding.submission
     well = finding.accepted == submission.right and not finding.varies and not finding.failed

@@ -8,7 +8,7 @@ CATALOGUE = "argparse"
 LOCALE = Path(__file__).parent / "locale"
 
 
-def speak_french() -> None:
+def translate_argparse() -> None:
     """Call before making a parser. Balise speaks French wherever it runs, so that the machine's language is replaced.
 
     A message that the catalogue does not hold stays as it is.

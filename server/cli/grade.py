@@ -9,15 +9,15 @@ from argparse import Namespace
 
 from server.cli import CannotRun, loading, wall_cache
 from server.cli.files import ANSWERS, read_source
-from server.cli.sandboxes import beginning, start_probing
+from server.cli.sandboxes import sandbox_starting_early, start_probing
 
 
 def run(arguments: Namespace) -> int:
     logging.basicConfig(level=logging.WARNING, stream=sys.stderr)
     if arguments.questions:
-        from server.cli.grade_run import ask
+        from server.cli.grade_run import print_questions
 
-        return ask(arguments)
+        return print_questions(arguments)
     if arguments.file is None:
         raise CannotRun("il manque le fichier à corriger.")
     source = read_source(arguments.file)
@@ -27,7 +27,7 @@ def run(arguments: Namespace) -> int:
         status = grade_answers(arguments, source)
         if status is not None:
             return status
-    with beginning(arguments.exercise, source) as sandbox:
+    with sandbox_starting_early(arguments.exercise, source) as sandbox:
         probing = None if wall_cache.recently_verified() else start_probing(slow=False)
         with loading(arguments):
             from server.cli.grade_run import grade_code

@@ -11,7 +11,7 @@ from graders.core.contract.bounds import limit_size
 from graders.core.contract.findings import Judgement
 from server.cli import CannotRun, report, wall_cache
 from server.cli.files import read_source
-from server.cli.local import find, load_exercise, local_grader
+from server.cli.local import find_exercise, load_exercise, local_grader
 from server.cli.sandboxes import Probing, require_safe_sandbox
 from server.course import Course, Exercise
 from server.course.models import SEED_BITS
@@ -26,7 +26,7 @@ SEARCH_SECONDS = 4.0
 def grade_answers(arguments: Namespace, source: bytes) -> int | None:
     """The exit status. Answers run nowhere; None: the exercise asks for code."""
     course = load_exercise(arguments.exercise)
-    if find(course, arguments.exercise).kind == "code":
+    if find_exercise(course, arguments.exercise).kind == "code":
         return None
     with local_grader(course, None) as grader:
         return _report(arguments, grader.grade(arguments.exercise, source, _seed(arguments)))
@@ -35,7 +35,7 @@ def grade_answers(arguments: Namespace, source: bytes) -> int | None:
 def grade_code(arguments: Namespace, source: bytes, sandbox: Future[Sandbox], probing: Probing | None) -> int:
     """The exit status. `probing`: of walls that have not been tried yet; None: they stand."""
     course = load_exercise(arguments.exercise)
-    own = _own(course, find(course, arguments.exercise), arguments.reuse)
+    own = _own(course, find_exercise(course, arguments.exercise), arguments.reuse)
     if probing is not None:
         require_safe_sandbox(probing)
         wall_cache.save()
@@ -45,15 +45,15 @@ def grade_code(arguments: Namespace, source: bytes, sandbox: Future[Sandbox], pr
     return _report(arguments, replace(judgement, verdict=replace(judgement.verdict, diagnosis=diagnosis)))
 
 
-def ask(arguments: Namespace) -> int:
+def print_questions(arguments: Namespace) -> int:
     """Writes the questions of an exercise without code. Raises CannotRun where it asks for code."""
-    exercise = find(load_exercise(arguments.exercise), arguments.exercise)
+    exercise = find_exercise(load_exercise(arguments.exercise), arguments.exercise)
     if exercise.answers is None:
         raise CannotRun(f"l’exercice « {exercise.id} » demande du code : il n’a pas de questions.")
     from server.cli import questions
 
     seed = _seed(arguments)
-    print(questions.render(exercise.id, exercise.answers.paper(seed), seed))
+    print(questions.render_questions(exercise.id, exercise.answers.paper(seed), seed))
     return report.FULL_MARKS
 
 

@@ -8,7 +8,7 @@ from pathlib import Path
 from server.base.files import default_cache_dir
 from server.cli import CannotRun
 from server.cli.sandboxes import Probing, require_safe_sandbox
-from server.course import Course, Exercise, load
+from server.course import Course, Exercise, load_course
 from server.course.start_cache import StartCache
 from server.grading.sandbox_grader import SandboxGrader
 from server.sandbox import Sandbox
@@ -17,16 +17,16 @@ from server.sandbox import Sandbox
 IMPORTS = "imports.json"
 
 
-def load_course() -> Course:
-    return load(render=False)
+def load_unrendered_course() -> Course:
+    return load_course(render=False)
 
 
 def load_exercise(exercise_id: str) -> Course:
     """The course with this exercise alone and those that it reuses; all of it where there is no such exercise."""
     memory = StartCache(_remembered())
-    course = load(render=False, only=exercise_id, memory=memory)
+    course = load_course(render=False, only=exercise_id, memory=memory)
     memory.save("", {})
-    return course if exercise_id in course.exercises else load_course()
+    return course if exercise_id in course.exercises else load_unrendered_course()
 
 
 def _remembered() -> Path | None:
@@ -39,7 +39,7 @@ def _remembered() -> Path | None:
     return folder / IMPORTS if os.access(folder, os.W_OK) else None
 
 
-def find(course: Course, exercise_id: str) -> Exercise:
+def find_exercise(course: Course, exercise_id: str) -> Exercise:
     exercise = course.exercises.get(exercise_id)
     if exercise is None:
         raise CannotRun(f"l’exercice « {exercise_id} » n’existe pas. {_known(course)}")

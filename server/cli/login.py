@@ -7,18 +7,18 @@ from getpass import getpass
 import httpx
 
 from server.cli import CannotRun, stored_tokens
-from server.cli.remote import NO_BALISE, check, client_of, explained, server_of, token_of
+from server.cli.remote import NO_BALISE, explain_error, make_client, require_success, resolve_server, resolve_token
 
 
 def run(arguments: Namespace) -> int:
-    server = server_of(arguments.server)
-    token = token_of(_typed(server), server)
+    server = resolve_server(arguments.server)
+    token = resolve_token(_typed(server), server)
     try:
-        with client_of(server, token) as client:
+        with make_client(server, token) as client:
             answer = client.get("/api/v1/exercises")
     except (httpx.HTTPError, httpx.InvalidURL) as error:
-        raise CannotRun(explained(error, server)) from error
-    check(answer)
+        raise CannotRun(explain_error(error, server)) from error
+    require_success(answer)
     if not answer.headers.get("content-type", "").startswith("application/json"):
         raise CannotRun(NO_BALISE)
     stored_tokens.save(server, token)

@@ -18,7 +18,7 @@ from server.cli import CannotRun
 from server.cli.admin import journal
 from server.cli.configuration import read_settings
 from server.cli.data_lock import exclusive_data_folder
-from server.cli.database import in_words, require_database
+from server.cli.database import explaining_database_errors, require_database
 from server.database import Database
 from server.tables import metadata
 from server.web.words import plural
@@ -37,7 +37,7 @@ def run(arguments: Namespace) -> int:
         with (
             _stopped(old),
             _stopped(new),
-            in_words(),
+            explaining_database_errors(),
             closing(Database(old.url)) as source,
             closing(Database(new.url)) as target,
         ):

@@ -10,13 +10,13 @@ MAX_DAYS = 36500
 Actions = Callable[[str, str], argparse.ArgumentParser]
 
 
-def backup(parser: argparse.ArgumentParser) -> None:
+def add_backup_options(parser: argparse.ArgumentParser) -> None:
     help_text = "fichier à faire, ou dossier où le faire (par défaut : ici, nommé d’après l’heure)"
     parser.add_argument("file", nargs="?", type=Path, metavar="FILE", help=help_text)
     _common(parser)
 
 
-def restore(parser: argparse.ArgumentParser) -> None:
+def add_restore_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("file", type=Path, metavar="FILE", help="fichier que « balise backup » a fait")
     how = parser.add_mutually_exclusive_group()
     how.add_argument("--replace", action="store_true", help="à la place de la base de données qui s’y trouve")
@@ -24,14 +24,14 @@ def restore(parser: argparse.ArgumentParser) -> None:
     _common(parser)
 
 
-def move(parser: argparse.ArgumentParser) -> None:
+def add_move_options(parser: argparse.ArgumentParser) -> None:
     help_text = "base de départ : postgresql://…, sqlite:///FICHIER, ou un dossier de données"
     parser.add_argument("source", metavar="FROM", help=help_text)
     parser.add_argument("target", metavar="TO", help="base d’arrivée, vide ou à créer, de même")
     parser.add_argument("--json", action="store_true", help="répond en JSON, pour un programme")
 
 
-def top(parser: argparse.ArgumentParser) -> None:
+def add_top_options(parser: argparse.ArgumentParser) -> None:
     where = parser.add_mutually_exclusive_group()
     help_text = "adresse du service, lu avec le jeton d’un administrateur (sans elle : sa base de données)"
     where.add_argument("--server", metavar="URL", help=help_text)
@@ -46,7 +46,7 @@ def _common(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--json", action="store_true", help="répond en JSON, pour un programme")
 
 
-def admin(parser: argparse.ArgumentParser) -> None:
+def add_admin_options(parser: argparse.ArgumentParser) -> None:
     actions = parser.add_subparsers(dest="action", required=True, metavar="ACTION")
 
     def action(name: str, help_text: str) -> argparse.ArgumentParser:
@@ -58,7 +58,7 @@ def admin(parser: argparse.ArgumentParser) -> None:
     _access(action)
     _upkeep(action)
     log = action("log", "liste ce que les administrateurs ont fait, du plus récent au plus ancien")
-    log.add_argument("--most", type=positive, default=200, metavar="N", help="au plus (par défaut : %(default)s)")
+    log.add_argument("--most", type=parse_positive, default=200, metavar="N", help="au plus (par défaut : %(default)s)")
     mail = action("mail", "dit les réglages des courriels et leurs derniers échecs, et en envoie un d’essai")
     mail.add_argument("--to", metavar="ADRESSE", help="adresse qui reçoit le courriel d’essai")
 
@@ -85,7 +85,9 @@ def _accounts(action: Actions) -> None:
     accounts.add_argument(
         "--search", default="", metavar="TEXTE", help="seulement ceux dont l’identifiant ou le nom l’a"
     )
-    accounts.add_argument("--most", type=positive, default=200, metavar="N", help="au plus (par défaut : %(default)s)")
+    accounts.add_argument(
+        "--most", type=parse_positive, default=200, metavar="N", help="au plus (par défaut : %(default)s)"
+    )
 
 
 def _access(action: Actions) -> None:
@@ -108,7 +110,11 @@ def _upkeep(action: Actions) -> None:
     _yes(purge)
     guests = action("purge-guests", "dit combien d’invités n’ont rien envoyé, ou les efface")
     guests.add_argument(
-        "--days", type=days, default=7, metavar="N", help="venus il y a plus de N jours (par défaut : %(default)s)"
+        "--days",
+        type=parse_days,
+        default=7,
+        metavar="N",
+        help="venus il y a plus de N jours (par défaut : %(default)s)",
     )
     _yes(guests)
     requeue = action("requeue", "remet à corriger les essais que plus rien ne corrige")
@@ -130,15 +136,15 @@ def _yes(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--yes", action="store_true", help="les efface, pour de bon")
 
 
-def positive(text: str) -> int:
-    return max(1, bounded(text, 100_000, "ce nombre"))
+def parse_positive(text: str) -> int:
+    return max(1, parse_bounded(text, 100_000, "ce nombre"))
 
 
-def days(text: str) -> int:
-    return bounded(text, MAX_DAYS, "le nombre de jours")
+def parse_days(text: str) -> int:
+    return parse_bounded(text, MAX_DAYS, "le nombre de jours")
 
 
-def bounded(text: str, most: int, what: str) -> int:
+def parse_bounded(text: str, most: int, what: str) -> int:
     if not text.isascii() or not text.isdigit() or int(text) > most:
         raise argparse.ArgumentTypeError(f"{what} doit être un entier de 0 à {most}")
     return int(text)

@@ -77,7 +77,7 @@ class _JobResult:
     error: Exception | None = None
 
 
-def in_order(
+def run_in_order(
     course: Course,
     work: Callable[[SandboxGrader, JobT], ResultT],
     jobs: Sequence[JobT],

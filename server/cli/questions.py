@@ -8,7 +8,7 @@ EXAMPLES = {"number": '"0,1"', "one": '"a"', "several": '["a", "b"]', "order": '
 FORMS = {"one": "Une seule réponse est bonne.", "several": "Une ou plusieurs réponses sont bonnes."}
 
 
-def render(exercise: str, paper: Paper, seed: int) -> str:
+def render_questions(exercise: str, paper: Paper, seed: int) -> str:
     """The questions of a deal, their formulas in TeX."""
     lines = [f"{exercise}, graine {seed}", ""]
     lines += [f"  {datum.symbol} = {datum.text} {datum.unit}".rstrip() + f"  ({datum.name})" for datum in paper.given]

@@ -19,7 +19,7 @@ NO_TOKEN = (
 )
 
 
-def server_of(option: str | None) -> str:
+def resolve_server(option: str | None) -> str:
     """Return the server's address: the option's, or that of the last `balise login`."""
     if option is None:
         servers = list(stored_tokens.read())
@@ -31,7 +31,7 @@ def server_of(option: str | None) -> str:
     return option.rstrip("/")
 
 
-def token_of(option: str | None, server: str) -> str:
+def resolve_token(option: str | None, server: str) -> str:
     """Return the option's token, the environment's, or the one stored for this server."""
     token = option or os.environ.get("BALISE_TOKEN", "").strip() or stored_tokens.read().get(server)
     if not token:
@@ -41,13 +41,13 @@ def token_of(option: str | None, server: str) -> str:
     return token
 
 
-def client_of(server: str, token: str) -> httpx.Client:
+def make_client(server: str, token: str) -> httpx.Client:
     return httpx.Client(base_url=server, headers={"Authorization": f"Bearer {token}"}, timeout=TIMEOUT)
 
 
 def ask(client: httpx.Client, method: str, url: str, **options: Any) -> Json:
     answer = client.request(method, url, **options)
-    check(answer)
+    require_success(answer)
     return json_object(answer.text)
 
 
@@ -61,7 +61,7 @@ def json_object(text: str) -> Json:
     return content
 
 
-def check(answer: httpx.Response) -> None:
+def require_success(answer: httpx.Response) -> None:
     if answer.is_success:
         return
     if answer.headers.get("content-type") != "application/problem+json":
@@ -71,7 +71,7 @@ def check(answer: httpx.Response) -> None:
     raise CannotRun(f"le serveur refuse ({answer.status_code}) : {problem['detail']}{locations}")
 
 
-def explained(error: Exception, server: str) -> str:
+def explain_error(error: Exception, server: str) -> str:
     cause: BaseException | None = error
     while cause is not None:
         if isinstance(cause, ssl.SSLError):

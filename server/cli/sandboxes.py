@@ -38,7 +38,7 @@ def require_safe_sandbox(probing: Probing) -> list[WallReport]:
 
 
 @contextmanager
-def beginning(exercise_id: str, source: bytes) -> Iterator[Future[Sandbox]]:
+def sandbox_starting_early(exercise_id: str, source: bytes) -> Iterator[Future[Sandbox]]:
     """A sandbox for a program of an exercise, the template of which comes up while other things are read."""
 
     def start() -> Sandbox:

@@ -29,7 +29,7 @@ from server.cli.configuration import read_settings, start_traces
 from server.cli.data_lock import exclusive_data_folder
 from server.cli.database import database_problem
 from server.cli.sandboxes import Probing, require_safe_sandbox, start_probing
-from server.course import Course, load
+from server.course import Course, load_course
 from server.course.start_cache import CACHE_FILE, StartCache
 from server.database import STARTUP_TIMEOUT, Database, is_unavailable, utc_now
 from server.database.migrate import WrongSchema, upgrade
@@ -37,7 +37,7 @@ from server.figures.service import Figures
 from server.grading.supervisor import WorkerSupervisor
 from server.health.metrics import PrometheusMetrics
 from server.identity import links
-from server.reading.ahead import read_ahead
+from server.reading.ahead import preload_course
 from server.sandbox import WallStatus, safe_to_serve
 from server.submissions.job_events import JobEvents
 from server.tables import TABLE_NAMES
@@ -77,7 +77,7 @@ def serve(settings: Settings, host: str, port: int, announce: Announce, prepare:
         probing = start_probing()
         with _without_collections():
             _migrate(settings)
-            course = load(render=False, check=True, memory=StartCache(settings.data_dir / CACHE_FILE))
+            course = load_course(render=False, check=True, memory=StartCache(settings.data_dir / CACHE_FILE))
         if probing.done():
             require_safe_sandbox(probing)
         if prepare is not None:
@@ -109,7 +109,7 @@ def _allow_many_connections() -> None:
 
 
 def _prepare(course: Course) -> None:
-    read_ahead(course)
+    preload_course(course)
     gc.freeze()
 
 

@@ -9,8 +9,8 @@ from server.authoring.study import UnexplainedGroup
 from server.base.errors import Invalid
 from server.cli import CannotRun
 from server.cli.configuration import read_settings
-from server.cli.database import opened
-from server.cli.local import find, load_course, local_grader
+from server.cli.database import open_database
+from server.cli.local import find_exercise, load_unrendered_course, local_grader
 from server.cli.sandboxes import start_probing
 from server.course import Exercise
 from server.grading.sandbox_grader import SandboxGrader
@@ -18,8 +18,8 @@ from server.grading.sandbox_grader import SandboxGrader
 
 def run(arguments: Namespace) -> int:
     probing = start_probing(slow=False)
-    course = load_course()
-    exercise = find(course, arguments.exercise)
+    course = load_unrendered_course()
+    exercise = find_exercise(course, arguments.exercise)
     found = _groups(arguments, exercise)
     chosen = [group for group in found if arguments.write in (None, group.group_id)]
     if arguments.write and not chosen:
@@ -36,7 +36,7 @@ def run(arguments: Namespace) -> int:
 
 
 def _groups(arguments: Namespace, exercise: Exercise) -> Sequence[UnexplainedGroup]:
-    with opened(read_settings(data_dir=arguments.data)) as database, database.read() as db:
+    with open_database(read_settings(data_dir=arguments.data)) as database, database.read() as db:
         return study.load_unexplained_groups(db, exercise.id, arguments.most)
 
 

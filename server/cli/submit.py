@@ -14,7 +14,17 @@ import httpx
 from graders.core.contract.verdict import MalformedVerdictError, Verdict
 from server.cli import CannotRun, report
 from server.cli.files import ANSWERS, read_answers, read_text
-from server.cli.remote import NO_BALISE, Json, ask, check, client_of, explained, json_object, server_of, token_of
+from server.cli.remote import (
+    NO_BALISE,
+    Json,
+    ask,
+    explain_error,
+    json_object,
+    make_client,
+    require_success,
+    resolve_server,
+    resolve_token,
+)
 
 SUBMISSIONS = "/api/v1/submissions"
 JSON = {"Content-Type": "application/json"}
@@ -26,12 +36,12 @@ AWAY = 503
 def run(arguments: Namespace) -> int:
     answers = arguments.file.endswith(ANSWERS)
     body = {"answers": read_answers(arguments.file)} if answers else {"code": read_text(arguments.file)}
-    server = server_of(arguments.server)
+    server = resolve_server(arguments.server)
     try:
-        with client_of(server, token_of(arguments.token, server)) as client:
+        with make_client(server, resolve_token(arguments.token, server)) as client:
             verdict = _verdict(client, {"exercise": arguments.exercise, **body})
     except (httpx.HTTPError, httpx.InvalidURL) as error:
-        raise CannotRun(explained(error, server)) from error
+        raise CannotRun(explain_error(error, server)) from error
     if isinstance(verdict, str):
         print(verdict or "Reçu ; résultat après la publication par l’enseignant.")
         return report.NOT_FULL if verdict else report.FULL_MARKS
@@ -81,7 +91,7 @@ def _sent(client: httpx.Client, submission: Json) -> Json:
         except httpx.TransportError:
             answer = None
         if answer is not None and answer.status_code != AWAY:
-            check(answer)
+            require_success(answer)
             return json_object(answer.text)
         print("l’échange a été coupé, nouvel essai…", file=sys.stderr)
         time.sleep(pause)
@@ -103,7 +113,7 @@ def _events(client: httpx.Client, url: str) -> Iterator[Json]:
             raise _AwayError
         if not answer.is_success:
             answer.read()
-        check(answer)
+        require_success(answer)
         for line in answer.iter_lines():
             if line.startswith("data:"):
                 yield json_object(line.removeprefix("data:"))

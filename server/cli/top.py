@@ -43,36 +43,36 @@ def run(arguments: Namespace) -> int:
     if arguments.server is not None:
         return _follow(arguments, _remote(arguments))
     from server.cli.configuration import read_settings
-    from server.cli.database import opened
+    from server.cli.database import open_database
 
-    with opened(read_settings(data_dir=arguments.data)) as database:
+    with open_database(read_settings(data_dir=arguments.data)) as database:
         return _follow(arguments, _local(database))
 
 
 def _remote(arguments: Namespace) -> Read:
     import httpx
 
-    from server.cli.remote import ask, client_of, explained, server_of, token_of
+    from server.cli.remote import ask, explain_error, make_client, resolve_server, resolve_token
 
-    server = server_of(arguments.server)
-    client = client_of(server, token_of(arguments.token, server))
+    server = resolve_server(arguments.server)
+    client = make_client(server, resolve_token(arguments.token, server))
 
     def read() -> Json:
         try:
             return ask(client, "GET", "/statusz", headers={"Accept": "application/json"})
         except (httpx.HTTPError, httpx.InvalidURL) as error:
-            raise CannotRun(explained(error, server)) from error
+            raise CannotRun(explain_error(error, server)) from error
 
     return read
 
 
 def _local(database: Any) -> Read:
     """Read the database alone: visitors, walls and logged errors are known to the service only."""
-    from server.cli.database import in_words
+    from server.cli.database import explaining_database_errors
     from server.health import service_status
 
     def read() -> Json:
-        with in_words(), database.read() as db:
+        with explaining_database_errors(), database.read() as db:
             return service_status.to_json(service_status.load_status(db))
 
     return read
@@ -84,10 +84,10 @@ def _follow(arguments: Namespace, read: Read) -> int:
         return 0
     terminal = sys.stdout.isatty()
     if arguments.once or not terminal:
-        print(render(read(), _width(), colours=terminal))
+        print(render_top(read(), _width(), colours=terminal))
         return 0
     while True:
-        screen = render(_patient(read), _width(), colours=True)
+        screen = render_top(_patient(read), _width(), colours=True)
         print(f"{HOME_AND_CLEAR}{screen}\n\n  Ctrl+C pour finir.", flush=True)
         time.sleep(REFRESH_SECONDS)
 
@@ -105,7 +105,7 @@ def _width() -> int:
     return max(MIN_WIDTH, min(MAX_WIDTH, shutil.get_terminal_size((80, 24)).columns))
 
 
-def render(state: Json, width: int, *, colours: bool) -> str:
+def render_top(state: Json, width: int, *, colours: bool) -> str:
     """The screen: no line is wider than `width`, and nothing but text stands in it without `colours`."""
     lines = [*_head(state), *_queue(state["queue"]), *_workers(state["workers"]), *_faults(state["faults"])]
     return "\n".join(_colour_line(_truncate(line, width), colours) for line in lines)

@@ -10,7 +10,7 @@ from sqlalchemy import make_url
 from server.base import logs, traces
 from server.cli import CannotRun
 from server.cli.configuration import read_settings, start_traces
-from server.cli.database import opened
+from server.cli.database import open_database
 from server.cli.sandboxes import require_safe_sandbox, start_probing
 from server.database import STARTUP_TIMEOUT
 from server.grading.worker_process import run_worker, stop_on_signals
@@ -34,7 +34,7 @@ def run(_arguments: Namespace) -> int:
     start_traces(f"worker[{os.getpid()}]")
     stop_on_signals(interrupt=True)
     try:
-        with opened(settings, patience=STARTUP_TIMEOUT, await_schema=True) as database:
+        with open_database(settings, patience=STARTUP_TIMEOUT, await_schema=True) as database:
             if not settings.nats_url:
                 print(ALONE, file=sys.stderr)
             place = make_url(settings.url).render_as_string(hide_password=True)

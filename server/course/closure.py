@@ -20,7 +20,7 @@ OWN_PACKAGES = ("graders", "reference")
 EXCLUDED_PREFIXES = ("graders.plotting.", "graders.courses.")
 
 
-class Imports:
+class ImportGraph:
     """The modules under `roots`, each read once; `memory` keeps what was read of the same content earlier."""
 
     def __init__(self, *roots: Path, memory: StartCache | None = None) -> None:

@@ -27,7 +27,7 @@ def parse_python(source: str, path: Path) -> ast.Module:
         raise CourseFault(Problem(path, line, f"ce fichier Python ne se compile pas ({error})")) from error
 
 
-def load_file(path: Path) -> ModuleType:
+def import_file(path: Path) -> ModuleType:
     """Import `<module>/<folder>/<stem>.py` as `curriculum.<module>.<folder>.<stem>`, the name its neighbours use.
     The `scene.py` of a folder `<module>/manipulations/<name>` has that name too.
 

@@ -26,7 +26,7 @@ SIZE = (6.4, 4.0)
 SHAPE = 'FIGURES = {"nom": (fonction, "Texte de remplacement.")} ou (fonction, "Texte.", (largeur, hauteur))'
 
 
-def read(folder: Path, problems: list[Problem]) -> dict[str, Drawing]:
+def read_drawings(folder: Path, problems: list[Problem]) -> dict[str, Drawing]:
     """The drawings of a module's `figures` folder and of its manipulations, by name. A fault is noted, and the others
     go on."""
     drawings: dict[str, Drawing] = {}

@@ -32,18 +32,18 @@ def edition_of(slug: str) -> Edition:
     return Edition(found["family"], int(found["number"] or 1)) if found else Edition(slug, 1)
 
 
-def number_of(slug: str) -> int:
+def module_number(slug: str) -> int:
     """Where a module stands in the course, if nothing else says so: 19 for `l19`."""
     return int(edition_of(slug).family.lstrip(ascii_lowercase))
 
 
-def following(slug: str) -> str:
+def next_edition_slug(slug: str) -> str:
     """The name of the edition after this one."""
     family, number = edition_of(slug)
     return f"{family}e{number + 1}"
 
 
-def latest(slugs: Iterable[str]) -> frozenset[str]:
+def latest_editions(slugs: Iterable[str]) -> frozenset[str]:
     """The last edition of each module."""
     last: dict[str, str] = {}
     for slug in sorted(slugs, key=edition_of):

@@ -25,7 +25,7 @@ def read_families(curricula: Iterable[Path], problems: list[Problem]) -> Mapping
     families: dict[str, MisconceptionFamily] = {}
     for path in (curriculum / FILE for curriculum in curricula):
         try:
-            entries = toml_file.read(path, FamiliesFile).family if path.is_file() else ()
+            entries = toml_file.read_toml(path, FamiliesFile).family if path.is_file() else ()
         except CourseFault as fault:
             problems.append(fault.problem)
             continue
@@ -43,7 +43,7 @@ def read_filing(exercise_folder: Path) -> FamilyFiling:
     path = exercise_folder / FILE
     if not path.is_file():
         return NO_FILING
-    file = toml_file.read(path, ExerciseFamiliesFile)
+    file = toml_file.read_toml(path, ExerciseFamiliesFile)
     filed: set[str] = set()
     for mistake, _ in (*_pairs(file.families), *_pairs(file.apart)):
         if mistake in filed:

@@ -16,14 +16,14 @@ from server.text.markup.text import SLUG
 FILE = "glossaire.toml"
 
 
-def read(path: Path, names: Callable[[], Names], problems: list[Problem]) -> dict[str, Term]:
+def read_glossary(path: Path, names: Callable[[], Names], problems: list[Problem]) -> dict[str, Term]:
     """The words by their id, in the order of the file; none where there is no file."""
     terms: dict[str, Term] = {}
     if not path.is_file():
         return terms
     try:
         text = toml_file.read_text(path)
-        entries = toml_file.parse(text, path, Glossary).terme
+        entries = toml_file.parse_toml(text, path, Glossary).terme
     except CourseFault as fault:
         problems.append(fault.problem)
         return terms
@@ -38,18 +38,18 @@ def read(path: Path, names: Callable[[], Names], problems: list[Problem]) -> dic
     return terms
 
 
-def lost(path: Path, terms: Mapping[str, Term], lessons: Collection[str]) -> Iterator[Problem]:
+def find_lost_terms(path: Path, terms: Mapping[str, Term], lessons: Collection[str]) -> Iterator[Problem]:
     """The words that are said to be explained in a lesson that does not exist."""
     missing = [term for term in terms.values() if term.page not in lessons]
     text = toml_file.read_text(path) if missing else ""
-    written = [entry.get("id") for entry in toml_file.load(text, path)["terme"]] if missing else []
+    written = [entry.get("id") for entry in toml_file.parse_toml_values(text, path)["terme"]] if missing else []
     for term in missing:
         line = line_of(text, ("terme", written.index(term.id), "id"))
         yield Problem(path, line, f"« {term.id} » : page inconnue « {term.page} »")
 
 
 def _term(path: Path, text: str, index: int, values: object, names: Callable[[], Names]) -> Term:
-    entry = toml_file.validated(values, text, path, TermEntry, ("terme", index))
+    entry = toml_file.validate_values(values, text, path, TermEntry, ("terme", index))
     if not re.fullmatch(SLUG, entry.id):
         raise _fault(path, text, index, "id", f"nom mal formé : « {entry.id} »")
     definition = entry.definition.lstrip("\n")

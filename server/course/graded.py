@@ -17,12 +17,12 @@ from graders.core.contract.streams import stream
 from graders.core.declared.exercise import DeclaredDefinition
 from graders.core.declared.grading import DeclaredGrader
 from server.course import toml_file
-from server.course.closure import Imports
+from server.course.closure import ImportGraph
 from server.course.code import parse_python
 from server.course.models import CourseFault, Problem
 from server.course.schemas import ExerciseFile
 from server.course.start_cache import ExerciseFacts
-from server.course.version import graders_of, version
+from server.course.version import exercise_version, grader_folder
 from server.text.markup import Names
 from server.text.markup.text import no_names
 
@@ -36,13 +36,13 @@ NO_ANSWERS = "{}\n"
 STARTER, SOLUTION = "starter.py", "solution.py"
 
 
-def name_of(path: Path) -> str:
+def exercise_name(path: Path) -> str:
     """The exercise of a folder of the course: "l20/poses"."""
     return f"{path.parents[1].name}/{path.name}"
 
 
 @dataclass(frozen=True)
-class Sources:
+class ExerciseSources:
     """Where an exercise's parts are, what discovery found among the graders, what its texts may speak of.
 
     Of what is `known` already, no grader need be loaded.
@@ -51,14 +51,14 @@ class Sources:
     curricula: tuple[Path, ...]
     code: tuple[Path, ...]
     discovery: Discovery | None
-    imports: Imports
+    imports: ImportGraph
     known: Mapping[str, ExerciseFacts] = field(default_factory=dict)
     names: Callable[[], Names] = no_names
     found: dict[str, ExerciseFacts] = field(default_factory=dict)
 
     def definition(self, path: Path) -> Definition | None:
         """What the grader's folder of an exercise defines, where it has one."""
-        name = name_of(path)
+        name = exercise_name(path)
         if self.discovery is not None:
             return self.discovery.definitions.get(name)
         if not self.graders(path).is_dir():
@@ -69,10 +69,10 @@ class Sources:
 
     def graders(self, path: Path) -> Path:
         """The folder of what grades the exercise of this folder of the course."""
-        return graders_of(self.code, path.parents[1].name, path.name)
+        return grader_folder(self.code, path.parents[1].name, path.name)
 
 
-class Graded(NamedTuple):
+class GradedExercise(NamedTuple):
     """What depends on the kind of an exercise. `make` gives its grader; it loads it the first time."""
 
     starter: str
@@ -81,35 +81,37 @@ class Graded(NamedTuple):
     found: ExerciseFacts
 
 
-def read_graded(sources: Sources, path: Path, card: ExerciseFile) -> Graded:
+def read_graded(sources: ExerciseSources, path: Path, card: ExerciseFile) -> GradedExercise:
     """Raises CourseFault, where it is not known that it is sound."""
-    name = name_of(path)
+    name = exercise_name(path)
     known = sources.known.get(name)
     make = cache(partial(_load_grader, sources, path, card))
     starter, solution = (NO_ANSWERS, "") if known is None else _read_starter_and_solution(sources, path, card)
     if known is None:
         grader = make()
         if isinstance(grader, CodeGrader | DeclaredGrader):
-            starter = python_of(path / STARTER)
+            starter = read_python(path / STARTER)
             solution = _check_compiles(grader.solution, sources.graders(path) / SOLUTION)
         known = _exercise_facts(sources, path, card, grader)
     sources.found[name] = known
-    return Graded(starter, solution, make, known)
+    return GradedExercise(starter, solution, make, known)
 
 
-def _read_starter_and_solution(sources: Sources, path: Path, card: ExerciseFile) -> tuple[str, str]:
+def _read_starter_and_solution(sources: ExerciseSources, path: Path, card: ExerciseFile) -> tuple[str, str]:
     """Starter and solution, which compile."""
     if card.kind == "answers":
         return NO_ANSWERS, ""
     return toml_file.read_text(path / STARTER), toml_file.read_text(sources.graders(path) / SOLUTION)
 
 
-def _exercise_facts(sources: Sources, path: Path, card: ExerciseFile, grader: Grader) -> ExerciseFacts:
+def _exercise_facts(sources: ExerciseSources, path: Path, card: ExerciseFile, grader: Grader) -> ExerciseFacts:
     kit = _kit_name(path, grader) if isinstance(grader, CodeGrader) else ""
     kit = SCENARIOS if isinstance(grader, DeclaredGrader) else kit
     ticked = _choice_question_ids(grader) if card.kind == "answers" else ()
     promises = _promises(grader) if isinstance(grader, CodeGrader) else {}
-    return ExerciseFacts(version(sources.imports, sources.code, path, card, grader, kit), kit, ticked, promises)
+    return ExerciseFacts(
+        exercise_version(sources.imports, sources.code, path, card, grader, kit), kit, ticked, promises
+    )
 
 
 def _promises(grader: CodeGrader) -> dict[str, tuple[tuple[str, str], ...]]:
@@ -125,13 +127,13 @@ def _choice_question_ids(grader: Grader) -> tuple[str, ...]:
     return tuple(question.id for question in grader.questions) if isinstance(grader, ChoiceGrader) else ()
 
 
-def _load_grader(sources: Sources, path: Path, card: ExerciseFile) -> Grader:
-    makers: Mapping[str, Callable[[Sources, Path, ExerciseFile], Grader]]
+def _load_grader(sources: ExerciseSources, path: Path, card: ExerciseFile) -> Grader:
+    makers: Mapping[str, Callable[[ExerciseSources, Path, ExerciseFile], Grader]]
     makers = {"code": _load_code_grader, "answers": _load_answers_grader}
     return makers[card.kind](sources, path, card)
 
 
-def _load_code_grader(sources: Sources, path: Path, card: ExerciseFile) -> CodeGrader | DeclaredGrader:
+def _load_code_grader(sources: ExerciseSources, path: Path, card: ExerciseFile) -> CodeGrader | DeclaredGrader:
     definition = sources.definition(path)
     if definition is None:
         raise CourseFault(_missing_grader(sources, path))
@@ -153,7 +155,7 @@ def _kit_name(path: Path, grader: CodeGrader) -> str:
     return kit
 
 
-def _load_answers_grader(sources: Sources, path: Path, card: ExerciseFile) -> AnswersGrader:
+def _load_answers_grader(sources: ExerciseSources, path: Path, card: ExerciseFile) -> AnswersGrader:
     from server.course import questions
 
     definition = sources.definition(path)
@@ -161,10 +163,10 @@ def _load_answers_grader(sources: Sources, path: Path, card: ExerciseFile) -> An
         raise CourseFault(_wrong_kind(path, card))
     if card.functions:
         raise CourseFault(Problem(path / "exercise.toml", None, "un exercice sans code ne demande aucune fonction"))
-    sheet = questions.read(path / questions.FILE)
+    sheet = questions.read_questions(path / questions.FILE)
     if sheet.needs_grader and definition is None:
         raise CourseFault(_missing_grader(sources, path))
-    return sheet.bind(name_of(path), definition)
+    return sheet.bind(exercise_name(path), definition)
 
 
 def _wrong_kind(path: Path, card: ExerciseFile) -> Problem:
@@ -172,7 +174,7 @@ def _wrong_kind(path: Path, card: ExerciseFile) -> Problem:
     return Problem(path / "exercise.toml", None, message)
 
 
-def _missing_grader(sources: Sources, path: Path) -> Problem:
+def _missing_grader(sources: ExerciseSources, path: Path) -> Problem:
     folder = sources.graders(path)
     told = sources.discovery.problems if sources.discovery is not None else ()
     cause = next((problem for problem in told if problem.path.is_relative_to(folder)), None)
@@ -187,7 +189,7 @@ def _check_functions_match(path: Path, card: ExerciseFile, judged: frozenset[str
         raise CourseFault(Problem(path, None, f"fonction {where} : « {name} »"))
 
 
-def python_of(path: Path) -> str:
+def read_python(path: Path) -> str:
     """The text of a Python file. Raises CourseFault where it does not compile."""
     return _check_compiles(toml_file.read_text(path), path)
 

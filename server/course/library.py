@@ -17,7 +17,7 @@ from server.course.kinds import BY_FOLDER
 from server.course.models import CourseFault, Drawing, Lesson, Problem
 from server.course.objectives import build_objective
 from server.course.schemas import FrontMatter
-from server.text.markup import LessonName, Names, Picture, Source, Target, Text
+from server.text.markup import LabelTarget, LessonName, Names, Picture, Source, Text
 from server.text.markup.blocks import EQUATION, KINDS
 from server.text.markup.text import GLOSSARY, SLUG
 
@@ -27,7 +27,7 @@ FENCE = "+++"
 
 
 @dataclass(eq=False)
-class Library:
+class ModuleLibrary:
     """What a module's folder has to read. Texts are read at the first need, all of them for the first name.
 
     Once the exercises are known, `exercises` (slug to title) and `questions` (`exercise/question`, where one ticks
@@ -43,7 +43,7 @@ class Library:
 
     def __post_init__(self) -> None:
         self.lessons = tuple(self._lessons())
-        self.glossary = glossary.read(self.folder / glossary.FILE, self.names, self.problems)
+        self.glossary = glossary.read_glossary(self.folder / glossary.FILE, self.names, self.problems)
         self.files = {path.stem: path for path in sorted((self.folder / "fichiers").glob("[!_.]*.py"))}
         self.replays = {path.stem.replace("_", "-") for path in (self.folder / "rejeux").glob("[!_.]*.py")}
         self.retrievals = retrievals.list_names(self.folder, self.problems)
@@ -72,7 +72,7 @@ class Library:
         )
 
     @cached_property
-    def labels(self) -> tuple[Labelled, ...]:
+    def labels(self) -> tuple[PlacedLabel, ...]:
         return tuple(_numbered_labels(self.lessons))
 
     def _lessons(self) -> list[Lesson]:
@@ -114,27 +114,27 @@ class Library:
     def check(self, *, formulas: bool) -> Iterator[Problem]:
         """Everything that is wrong in the texts, but not so wrong that they cannot be served."""
         for lesson in self.lessons:
-            yield from problems_of(lesson.text, formulas=formulas)
+            yield from text_problems(lesson.text, formulas=formulas)
         for again in self.labels:
             if not again.first:
                 message = f"étiquette déjà prise par la page « {self.names().labels[again.id].page} » : « #{again.id} »"
                 yield Problem(again.path, again.target.line, message)
         for term in self.glossary.values():
-            yield from problems_of(term.definition, formulas=formulas)
-        yield from glossary.lost(self.folder / glossary.FILE, self.glossary, self.names().pages)
+            yield from text_problems(term.definition, formulas=formulas)
+        yield from glossary.find_lost_terms(self.folder / glossary.FILE, self.glossary, self.names().pages)
 
 
 @dataclass(frozen=True)
-class Labelled:
+class PlacedLabel:
     """A label where it stands; `first` is False where another lesson has it already."""
 
     id: str
-    target: Target
+    target: LabelTarget
     path: Path
     first: bool
 
 
-def _numbered_labels(lessons: tuple[Lesson, ...]) -> Iterator[Labelled]:
+def _numbered_labels(lessons: tuple[Lesson, ...]) -> Iterator[PlacedLabel]:
     """Labels in the order of the lessons, each kind counting for itself over the whole module."""
     counts: Counter[str] = Counter()
     owners: dict[str, str] = {}
@@ -145,11 +145,11 @@ def _numbered_labels(lessons: tuple[Lesson, ...]) -> Iterator[Labelled]:
             first = owners.setdefault(label.id, lesson.slug) == lesson.slug
             counts[label.kind] += kind.numbered and first
             number = counts[label.kind] if kind.numbered else 0
-            target = Target(label.kind, kind.noun, number, lesson.slug, label.line)
-            yield Labelled(label.id, target, text.source.path, first)
+            target = LabelTarget(label.kind, kind.noun, number, lesson.slug, label.line)
+            yield PlacedLabel(label.id, target, text.source.path, first)
 
 
-def problems_of(text: Text, *, formulas: bool) -> Iterator[Problem]:
+def text_problems(text: Text, *, formulas: bool) -> Iterator[Problem]:
     for fault in text.faults(formulas=formulas):
         yield Problem(text.source.path, fault.line, fault.message)
 
@@ -173,11 +173,11 @@ def find_lesson_title(module: str, slug: str) -> str:
     for kind in BY_FOLDER:
         if (path := folder / kind / f"{slug}.md").is_file():
             with suppress(CourseFault):  # told where that module is read
-                return front_matter(path).title
+                return read_front_matter(path).title
     return ""
 
 
-def front_matter(path: Path) -> FrontMatter:
+def read_front_matter(path: Path) -> FrontMatter:
     """What a lesson says before its text. Raises CourseFault."""
     return _read_lesson_file(path)[0]
 
@@ -185,7 +185,7 @@ def front_matter(path: Path) -> FrontMatter:
 def _read_lesson_file(path: Path) -> tuple[FrontMatter, str, int]:
     """Front matter, body, and the line of the body's first character."""
     head, body, line = _split_front_matter(path, toml_file.read_text(path))
-    return toml_file.parse(head, path, FrontMatter, first_line=2), body, line
+    return toml_file.parse_toml(head, path, FrontMatter, first_line=2), body, line
 
 
 def _split_front_matter(path: Path, text: str) -> tuple[str, str, int]:

@@ -10,7 +10,7 @@ from types import MappingProxyType
 from typing import TYPE_CHECKING, Literal, cast
 
 from graders.core.contract.kits import scenario_kit
-from server.course.editions import edition_of, latest
+from server.course.editions import edition_of, latest_editions
 from server.course.exercises import ExerciseTable
 from server.course.families import NO_FILING, FamilyFiling, MisconceptionFamily
 from server.course.functions import FunctionSpec
@@ -19,7 +19,7 @@ from server.course.objectives import Objective
 from server.sandbox.policy import Policy
 from server.text.markup import Cell, Heading, Names, Section, Text
 from server.text.markup.text import no_names
-from server.text.prose import line, prose
+from server.text.prose import author_html, author_line_html
 
 if TYPE_CHECKING:
     from graders.core.answers import AnswersGrader
@@ -108,11 +108,11 @@ class Exercise:
         return cast("AnswersGrader", self.grader) if self.kind == "answers" else None
 
     def prose(self, text: str) -> str:
-        return prose(text, self.names)
+        return author_html(text, self.names)
 
     def line(self, text: str) -> str:
         """Render a text of its questions or of its verdicts in a line; `prose` makes paragraphs."""
-        return line(text, self.names)
+        return author_line_html(text, self.names)
 
     @property
     def statement_html(self) -> str:
@@ -288,7 +288,7 @@ class Course:
     @cached_property
     def latest(self) -> tuple[Module, ...]:
         """What newcomers are offered: the last edition of each module."""
-        wanted = latest(self.modules)
+        wanted = latest_editions(self.modules)
         return tuple(module for slug, module in self.modules.items() if slug in wanted)
 
     def editions(self, slug: str) -> list[Module]:

@@ -193,10 +193,10 @@ class Questions:
         return order(exercise, self.path.parent, _order(self.file))
 
 
-def read(path: Path) -> Questions:
+def read_questions(path: Path) -> Questions:
     """Read the questions of an exercise. Raises CourseFault with the place of the first fault."""
-    form = toml_file.read(path, FormOnly).form
-    file = toml_file.read(path, FILES[form])
+    form = toml_file.read_toml(path, FormOnly).form
+    file = toml_file.read_toml(path, FILES[form])
     _distinct(path, file)
     return Questions(path, file)
 
@@ -220,7 +220,9 @@ def _names(value: Any, location: Location) -> Iterator[tuple[Location, list[str]
             yield from _names(item, (*location, place))
 
 
-def problems(path: Path, grader: AnswersGrader, names: Callable[[], Names], *, formulas: bool) -> Iterator[Problem]:
+def question_text_problems(
+    path: Path, grader: AnswersGrader, names: Callable[[], Names], *, formulas: bool
+) -> Iterator[Problem]:
     """What is wrong with the texts of the questions, with its line."""
     text = toml_file.read_text(path)
     for location, wording in _wordings(tomllib.loads(text), ()):

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from server.course import toml_file
-from server.course.code import load_file, parse_python
+from server.course.code import import_file, parse_python
 from server.course.models import CourseFault, Module, Problem
 
 if TYPE_CHECKING:  # loaded where a question is drawn: a verdict of code needs none
@@ -45,7 +45,7 @@ def draw_question(module: Module, name: str, seed: int) -> RetrievalQuestion:
 
 
 def _function(path: Path, name: str) -> DrawQuestion:
-    function: DrawQuestion = getattr(load_file(path), name.partition("/")[2])
+    function: DrawQuestion = getattr(import_file(path), name.partition("/")[2])
     return function
 
 

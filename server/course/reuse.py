@@ -23,7 +23,7 @@ Own = Mapping[str, bytes]
 NOTHING_OWN: Own = MappingProxyType({})
 
 
-def with_reused(curricula: Sequence[Path], exercise: str) -> frozenset[str]:
+def names_with_reused(curricula: Sequence[Path], exercise: str) -> frozenset[str]:
     """The names of an exercise and of those that it reuses, as their files say."""
     module, _, slug = exercise.partition("/")
     found, waiting = set[str](), [slug]
@@ -39,13 +39,13 @@ def with_reused(curricula: Sequence[Path], exercise: str) -> frozenset[str]:
 def _declared_reuses(path: Path) -> list[str]:
     """What an exercise says that it reuses; nothing where that cannot be read, which its own reading tells."""
     try:
-        names = toml_file.load(toml_file.read_text(path), path).get("reuses", [])
+        names = toml_file.parse_toml_values(toml_file.read_text(path), path).get("reuses", [])
     except CourseFault:
         return []
     return [name for name in names if isinstance(name, str)] if isinstance(names, list) else []
 
 
-def closed(folder: Path, exercises: Sequence[Exercise], problems: list[Problem]) -> list[Exercise]:
+def with_all_reused(folder: Path, exercises: Sequence[Exercise], problems: list[Problem]) -> list[Exercise]:
     """The exercises, each with all that it reuses, what these reuse in their turn included.
 
     Its version then changes with their solutions. Where what an exercise reuses cannot be, it is left out, and said.
@@ -96,7 +96,7 @@ def _problem(folder: Path, exercise: Exercise, message: str) -> Problem:
     return Problem(path, line_of(toml_file.read_text(path), ("reuses",)), message)
 
 
-def shelves(
+def build_library(
     course: Course, exercise: str, own: Own = NOTHING_OWN, tested: Collection[str] = ()
 ) -> tuple[LibraryFile, ...]:
     """What the programs of an exercise may import: of each that it reuses one's own file, or else the course's.

@@ -13,15 +13,15 @@ from typing import TYPE_CHECKING, TypeVar
 from graders import courses
 from graders.core.contract.kits import find_kits
 from server.course import drawings, filing, reuse, toml_file
-from server.course.closure import Imports
-from server.course.editions import MODULE_SLUG, number_of
-from server.course.graded import Sources, name_of, python_of, read_graded
-from server.course.library import Library, problems_of
+from server.course.closure import ImportGraph
+from server.course.editions import MODULE_SLUG, module_number
+from server.course.graded import ExerciseSources, exercise_name, read_graded, read_python
+from server.course.library import ModuleLibrary, text_problems
 from server.course.models import Course, CourseFault, Exercise, FunctionSpec, Module, Problem, ReadingPath
 from server.course.schemas import ExerciseFile, ModuleFile
 from server.course.start_cache import NO_FACTS, StartCache, digest_sources
 from server.course.toml_places import line_of
-from server.course.version import graders_of
+from server.course.version import grader_folder
 from server.text.markup import Names, Source, Text
 
 if TYPE_CHECKING:
@@ -35,7 +35,7 @@ EXERCISE_SLUG = re.compile(r"[a-z0-9]+(_[a-z0-9]+)*")
 HINT_TITLE = re.compile(r"^##[ \t]+Indice[ \t]+(\d+)[ \t]*$", re.MULTILINE)
 
 
-class Look(Enum):
+class TextChecking(Enum):
     """How closely the texts are looked at while the course is loaded."""
 
     no = "they are read when they are asked for"
@@ -43,7 +43,7 @@ class Look(Enum):
     drawn = "all of it"
 
 
-def load(
+def load_course(
     curriculum: Path | None = None,
     *,
     code: Path | None = None,
@@ -62,22 +62,22 @@ def load(
     asked for, whoever reads them. With `only`, an exercise ("l20/poses") is read alone, with those that it reuses.
     """
     memory = memory or StartCache()
-    look = Look.drawn if render else Look.read if check else Look.no
+    look = TextChecking.drawn if render else TextChecking.read if check else TextChecking.no
     curricula = (curriculum,) if curriculum else tuple(courses.room_folders(courses.CURRICULUM))
     roots = (code,) if code else tuple(courses.COURSES.folders)
-    checked = look is Look.read
+    checked = look is TextChecking.read
     source = digest_sources(curricula, roots) if checked or memory.has_sound_course else ""
     known = memory.exercise_facts(source) if source else NO_FACTS
     if source and memory.is_known_sound(source):
-        look = Look.no
-    wanted = reuse.with_reused(curricula, only) if only else None
+        look = TextChecking.no
+    wanted = reuse.names_with_reused(curricula, only) if only else None
     if discovery is None and not known:
         from graders.discovery import discover
 
         discovery = discover(wanted)
     amiss = discovery.problems if discovery else courses.COURSES.problems
     problems = [Problem(problem.path, problem.line, problem.message) for problem in amiss]
-    sources = Sources(curricula, roots, discovery, Imports(*roots, memory=memory), known)
+    sources = ExerciseSources(curricula, roots, discovery, ImportGraph(*roots, memory=memory), known)
     modules = _build_all(
         problems, lambda path: _load_module(sources, path, problems, look, wanted), _module_folders(curricula, only)
     )
@@ -110,35 +110,39 @@ def _module_folders(curricula: Iterable[Path], only: str) -> list[Path]:
 def _exercise_folders(module: Path, wanted: Collection[str] | None) -> list[Path]:
     folder = module / "exercices"
     found = sorted(path for path in folder.iterdir() if path.is_dir()) if folder.is_dir() else []
-    return [path for path in found if wanted is None or name_of(path) in wanted]
+    return [path for path in found if wanted is None or exercise_name(path) in wanted]
 
 
 def _load_module(
-    sources: Sources, path: Path, problems: list[Problem], look: Look, wanted: Collection[str] | None
+    sources: ExerciseSources, path: Path, problems: list[Problem], look: TextChecking, wanted: Collection[str] | None
 ) -> Module:
     if not MODULE_SLUG.fullmatch(path.name):
         raise CourseFault(Problem(path, None, MALFORMED_MODULE_NAME))
-    card = toml_file.read(path / "module.toml", ModuleFile)
-    kits = {name: {place: python_of(file) for place, file in files.items()} for name, files in find_kits(path).items()}
-    library = Library(path, drawings.read(path / "figures", problems), problems)
+    card = toml_file.read_toml(path / "module.toml", ModuleFile)
+    kits = {
+        name: {place: read_python(file) for place, file in files.items()} for name, files in find_kits(path).items()
+    }
+    library = ModuleLibrary(path, drawings.read_drawings(path / "figures", problems), problems)
     library.paths = {way.name: way.title for way in card.paths if way.name}
     sources = replace(sources, names=library.names)
     exercises = _build_all(
         problems, lambda folder: _load_exercise(sources, path, folder), _exercise_folders(path, wanted)
     )
-    exercises = reuse.closed(path / "exercices", exercises, problems)
+    exercises = reuse.with_all_reused(path / "exercices", exercises, problems)
     exercises.sort(key=lambda exercise: (exercise.stars, exercise.order, exercise.slug))
     library.exercises.update({exercise.slug: exercise.title for exercise in exercises})
     library.questions.update(
         f"{exercise.slug}/{name}" for exercise in exercises for name in sources.found[exercise.id].ticked
     )
-    if look is not Look.no:
+    if look is not TextChecking.no:
         exercises = [
             exercise for exercise in exercises if not _add_problems(problems, _exercise_faults(exercise, look))
         ]
-        _add_problems(problems, library.check(formulas=look is Look.drawn))
+        _add_problems(problems, library.check(formulas=look is TextChecking.drawn))
         _add_problems(problems, _unknown_lessons(path, exercises, library))
-        _add_problems(problems, _module_file_problems(path / "module.toml", card, library, formulas=look is Look.drawn))
+        _add_problems(
+            problems, _module_file_problems(path / "module.toml", card, library, formulas=look is TextChecking.drawn)
+        )
     return Module(
         slug=path.name,
         title=card.title,
@@ -151,7 +155,7 @@ def _load_module(
         references=tuple(card.references),
         previous=card.previous,
         next=card.next,
-        order=number_of(path.name) if card.order is None else card.order,
+        order=module_number(path.name) if card.order is None else card.order,
         kits=MappingProxyType(kits),
         exercises=tuple(exercises),
         lessons=library.lessons,
@@ -174,17 +178,19 @@ def _add_problems(problems: list[Problem], new: Iterable[Problem]) -> bool:
     return len(problems) > before
 
 
-def _exercise_faults(exercise: Exercise, look: Look) -> Iterator[Problem]:
+def _exercise_faults(exercise: Exercise, look: TextChecking) -> Iterator[Problem]:
     for text in (exercise.statement, *exercise.hint_texts):
-        yield from problems_of(text, formulas=look is Look.drawn)
+        yield from text_problems(text, formulas=look is TextChecking.drawn)
     if exercise.answers is not None:
         from server.course import questions
 
         path = exercise.statement.source.path.with_name(questions.FILE)
-        yield from questions.problems(path, exercise.answers, exercise.names, formulas=look is Look.drawn)
+        yield from questions.question_text_problems(
+            path, exercise.answers, exercise.names, formulas=look is TextChecking.drawn
+        )
 
 
-def _unknown_lessons(module: Path, exercises: list[Exercise], library: Library) -> Iterator[Problem]:
+def _unknown_lessons(module: Path, exercises: list[Exercise], library: ModuleLibrary) -> Iterator[Problem]:
     """Exercises that are said to follow a lesson that does not exist."""
     lessons = {lesson.slug for lesson in library.lessons}
     for exercise in exercises:
@@ -194,7 +200,7 @@ def _unknown_lessons(module: Path, exercises: list[Exercise], library: Library) 
             yield Problem(path, line, f"« seance » : page inconnue « {exercise.seance} »")
 
 
-def _module_file_problems(path: Path, card: ModuleFile, library: Library, *, formulas: bool) -> Iterator[Problem]:
+def _module_file_problems(path: Path, card: ModuleFile, library: ModuleLibrary, *, formulas: bool) -> Iterator[Problem]:
     """Its paths and its references, each of which may lead somewhere."""
     source = toml_file.read_text(path)
     for number, course_path in enumerate(card.paths):
@@ -207,13 +213,13 @@ def _module_file_problems(path: Path, card: ModuleFile, library: Library, *, for
                 yield Problem(path, line, f"« exercises » : exercice inconnu « {slug} »")
     for number, reference in enumerate(card.references):
         line = line_of(source, ("references", number))
-        yield from problems_of(Text(Source(reference, path, line or 1, names=library.names)), formulas=formulas)
+        yield from text_problems(Text(Source(reference, path, line or 1, names=library.names)), formulas=formulas)
 
 
-def _load_exercise(sources: Sources, module: Path, path: Path) -> Exercise:
+def _load_exercise(sources: ExerciseSources, module: Path, path: Path) -> Exercise:
     if not EXERCISE_SLUG.fullmatch(path.name):
         raise CourseFault(Problem(path, None, "nom d’exercice : minuscules, chiffres et « _ »"))
-    card = toml_file.read(path / "exercise.toml", ExerciseFile)
+    card = toml_file.read_toml(path / "exercise.toml", ExerciseFile)
     graded = read_graded(sources, path, card)
     return Exercise(
         module=module.name,
@@ -272,12 +278,14 @@ def _hint_text(path: Path, text: str, start: int, end: int, names: Callable[[], 
     return Text(Source(text[start:end], path, line, names=names))
 
 
-def _graders_without_exercise(sources: Sources) -> Iterator[Problem]:
+def _graders_without_exercise(sources: ExerciseSources) -> Iterator[Problem]:
     """Graders without an exercise: a renamed folder must not silently vanish from the course."""
     for name in sorted(sources.discovery.definitions if sources.discovery is not None else ()):
         module, slug = name.split("/")
         if not any((room / module / "exercices" / slug).is_dir() for room in sources.curricula):
-            yield Problem(graders_of(sources.code, module, slug), None, f"ce correcteur n’a pas d’exercice « {name} »")
+            yield Problem(
+                grader_folder(sources.code, module, slug), None, f"ce correcteur n’a pas d’exercice « {name} »"
+            )
 
 
 def _duplicate_kits(modules: list[Module]) -> Iterator[Problem]:

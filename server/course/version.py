@@ -17,7 +17,7 @@ from pathlib import Path
 
 from graders.core.contract.kits import Files, kits_for
 from server.base.files import digest_files, walk_files
-from server.course.closure import Imports
+from server.course.closure import ImportGraph
 from server.course.schemas import ExerciseFile
 
 GRADER = "grader"
@@ -28,18 +28,20 @@ NOT_DATA = {".py", ".md"}
 EQUIVALENTS = "equivalents.toml"
 
 
-def version(imports: Imports, code: Sequence[Path], folder: Path, card: ExerciseFile, grader: object, kit: str) -> str:
+def exercise_version(
+    imports: ImportGraph, code: Sequence[Path], folder: Path, card: ExerciseFile, grader: object, kit: str
+) -> str:
     """See the head of this file. `folder` is the exercise's, in the course; `code` are the folders that hold graders;
     `kit` is the name of what its programs find."""
     return digest_files(grading_files(imports, code, folder, card, grader, kit), _graded_fields(card))
 
 
 def grading_files(
-    imports: Imports, code: Sequence[Path], folder: Path, card: ExerciseFile, grader: object, kit: str
+    imports: ImportGraph, code: Sequence[Path], folder: Path, card: ExerciseFile, grader: object, kit: str
 ) -> Iterator[tuple[str, Path]]:
     """The files that decide of a verdict, each with a name that tells no place on this machine."""
     module = folder.parents[1].name
-    graders = graders_of(code, module, folder.name)
+    graders = grader_folder(code, module, folder.name)
     described = imports.closure(f"graders.{module}.{folder.name}.{GRADER}")
     yield from sorted((described | imports.closure(type(grader).__module__)).items())
     yield from (named for named in walk_files(GRADER, graders) if _affects_verdict(named[1].relative_to(graders)))
@@ -49,7 +51,7 @@ def grading_files(
         yield from ((name, folder / name) for name in COURSE_FILES if (folder / name).is_file())
 
 
-def graders_of(code: Sequence[Path], module: str, slug: str) -> Path:
+def grader_folder(code: Sequence[Path], module: str, slug: str) -> Path:
     """The folder that grades an exercise, or would."""
     folders = [root / "graders" / module / slug for root in code]
     return next((folder for folder in folders if folder.is_dir()), folders[0])

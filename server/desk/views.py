@@ -191,7 +191,7 @@ def build_people_page(
         "number": number,
         "more": first + STUDENTS_A_PAGE < len(matching),
         "first": first + 1,
-        "doubtful": namesakes.filter_doubtful(everyone),
+        "doubtful": namesakes.find_unverified_namesakes(everyone),
         "total": len(active),
         "waiting": [member for member in students if member.status is Status.pending],
         "left": [member for member in students if member.status is Status.left],

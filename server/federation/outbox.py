@@ -127,14 +127,14 @@ def begin_sending(db: Session, item_ids: Sequence[UUID], issuer: str, now: datet
         if delivery.told_at is not None:
             told_at = max(told_at, delivery.told_at.replace(microsecond=0) + TICK)
         delivery.told_at, delivery.tries = told_at, delivery.tries + 1
-        delivery.next_try_at = now + pause_after(delivery.tries)  # of a process that dies meanwhile
+        delivery.next_try_at = now + retry_delay(delivery.tries)  # of a process that dies meanwhile
         batch.append(
             Sending(delivery.line_item_id, delivery.account_id, subject, delivery.points, told_at, delivery.tries)
         )
     return batch
 
 
-def pause_after(tries: int) -> timedelta:
+def retry_delay(tries: int) -> timedelta:
     """Return how long to wait after so many tries."""
     return min(FIRST_PAUSE * 2.0 ** min(tries - 1, 12), LONGEST_PAUSE)
 
@@ -154,7 +154,7 @@ def record_result(db: Session, sending: Sending, error: OutgoingError | None, no
         _record_conflict(delivery, now)
     elif (error.retry and sending.tries < MAX_TRIES) or (error.status == 404 and sending.tries < MAX_LOST):
         delivery.reason = f"Nouvel essai prévu : {error.reason}."[:REASON_LENGTH]
-        delivery.next_try_at = now + max(pause_after(sending.tries), timedelta(seconds=error.retry_after))
+        delivery.next_try_at = now + max(retry_delay(sending.tries), timedelta(seconds=error.retry_after))
     else:
         reason = REASONS.get(error.status, f"La plateforme refuse : {error.reason}.")
         delivery.state, delivery.reason = DeliveryState.refused, reason[:REASON_LENGTH]

@@ -22,7 +22,7 @@ _MAX_IDLE = 1
 Draw = Callable[[bytes], bytes | None]
 
 
-class Artist:
+class DrawingFork:
     """A fork. It has all that is loaded by then, and keeps what it loads."""
 
     def __init__(self, draw: Draw, cpu_seconds: float) -> None:
@@ -57,15 +57,15 @@ class Artist:
         os.waitpid(self._pid, 0)
 
 
-class Studio:
+class DrawingForkPool:
     """Artists, as many as pictures are drawn at once; one that waits is used again."""
 
     def __init__(self, draw: Draw, cpu_seconds: float) -> None:
         self._draw, self._cpu_seconds = draw, cpu_seconds
-        self._idle: list[Artist] = []
+        self._idle: list[DrawingFork] = []
         self._lock = threading.Lock()
 
-    def take(self) -> Artist:
+    def take(self) -> DrawingFork:
         """Return an artist with nothing to draw. Called by one thread only, since it may fork."""
         with self._lock:
             idle = self._idle.pop() if self._idle else None
@@ -73,9 +73,9 @@ class Studio:
             if not idle.has_ended():
                 return idle
             idle.end()
-        return Artist(self._draw, self._cpu_seconds)
+        return DrawingFork(self._draw, self._cpu_seconds)
 
-    def ask(self, artist: Artist, question: bytes) -> bytes | None:
+    def ask(self, artist: DrawingFork, question: bytes) -> bytes | None:
         """Have an artist of `take` draw a picture; None where it cannot, or has ended: of too much processor time."""
         try:
             picture = artist.draw(question)
@@ -85,7 +85,7 @@ class Studio:
         self._give_back(artist)
         return picture
 
-    def _give_back(self, artist: Artist) -> None:
+    def _give_back(self, artist: DrawingFork) -> None:
         with self._lock:
             if len(self._idle) < _MAX_IDLE:
                 self._idle.append(artist)

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from server.course import Course
-from server.course.code import load_file
+from server.course.code import import_file
 from server.course.models import Drawing, Problem
 
 if TYPE_CHECKING:
@@ -43,7 +43,7 @@ def draw_function(path: Path, function: str, size: tuple[float, float], theme: s
 def _drawn_figure(path: Path, function: str, size: tuple[float, float], theme: str) -> Iterator[Figure]:
     from graders.plotting import drawing, palette
 
-    fill = getattr(load_file(path), function)
+    fill = getattr(import_file(path), function)
     with drawing(theme) as figure:
         figure.set_size_inches(size)
         fill(figure, palette(theme))

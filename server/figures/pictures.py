@@ -29,7 +29,7 @@ MEMORY_CACHE_BYTES = 32 << 20
 MAX_PAYLOAD_BYTES = 1 << 20
 
 
-class Drawer(Protocol):
+class DrawingHelper(Protocol):
     """What draws: a `Helper`, outside of tests."""
 
     async def ask(self, question: bytes) -> bytes:
@@ -38,7 +38,7 @@ class Drawer(Protocol):
     async def close(self) -> None: ...
 
 
-class InFlight:
+class PendingPicture:
     """A pending picture and the number of its viewers. Once `started`, it is rendered even if all viewers leave."""
 
     def __init__(self) -> None:
@@ -49,14 +49,14 @@ class InFlight:
         self.task = asyncio.create_task(bringing)
 
 
-class Pictures:
+class PictureRenderer:
     """For one event loop."""
 
-    def __init__(self, drawer: Drawer, store: PictureStore, *, most_waiting: int = MAX_WAITING) -> None:
+    def __init__(self, drawer: DrawingHelper, store: PictureStore, *, most_waiting: int = MAX_WAITING) -> None:
         self._drawer, self._store = drawer, store
         self._limiter = FairLimiter(1, most_waiting, RESERVE)
         self._cache: LRUCache[str, bytes] = LRUCache(MEMORY_CACHE_BYTES, len)
-        self._in_flight: dict[str, InFlight] = {}
+        self._in_flight: dict[str, PendingPicture] = {}
         self._warming: asyncio.Task[None] | None = None
 
     async def get(self, order: DrawingRequest, flow: str, rank: int) -> bytes:
@@ -78,28 +78,28 @@ class Pictures:
                 self._remove_in_flight(order.key, coming)
                 coming.task.cancel()
 
-    def _start(self, order: DrawingRequest, flow: str, rank: int) -> InFlight:
-        coming = self._in_flight[order.key] = InFlight()
+    def _start(self, order: DrawingRequest, flow: str, rank: int) -> PendingPicture:
+        coming = self._in_flight[order.key] = PendingPicture()
         coming.begin(self._load_or_render(order, flow, rank, coming))
         coming.task.add_done_callback(partial(self._finish, order.key, coming))
         return coming
 
-    def _finish(self, key: str, coming: InFlight, task: asyncio.Task[bytes]) -> None:
+    def _finish(self, key: str, coming: PendingPicture, task: asyncio.Task[bytes]) -> None:
         self._remove_in_flight(key, coming)
         if not task.cancelled():
             task.exception()  # where nobody waits any more, too
 
-    def _remove_in_flight(self, key: str, coming: InFlight) -> None:
+    def _remove_in_flight(self, key: str, coming: PendingPicture) -> None:
         """Drop the entry, unless a newer one has replaced it."""
         if self._in_flight.get(key) is coming:
             del self._in_flight[key]
 
-    async def _load_or_render(self, order: DrawingRequest, flow: str, rank: int, coming: InFlight) -> bytes:
+    async def _load_or_render(self, order: DrawingRequest, flow: str, rank: int, coming: PendingPicture) -> bytes:
         kept = await run_in_threadpool(self._store.get, order.key)
         picture = await self._render(order, flow, rank, coming) if kept is None else kept
         return self._cache.put(order.key, picture)
 
-    async def _render(self, order: DrawingRequest, flow: str, rank: int, coming: InFlight) -> bytes:
+    async def _render(self, order: DrawingRequest, flow: str, rank: int, coming: PendingPicture) -> bytes:
         if len(order.payload) > MAX_PAYLOAD_BYTES:
             raise InternalFailure(order.messages.failed)
         try:

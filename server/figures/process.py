@@ -17,7 +17,7 @@ from typing import Any
 from graders.plotting import counterexample
 from server.base import helper_line
 from server.base.helper_line import ServiceLine
-from server.figures.artists import Artist, Studio
+from server.figures.artists import DrawingFork, DrawingForkPool
 from server.figures.program import MAX_MEMORY_BYTES, MAX_PICTURE_BYTES, MAX_REPLAY_BYTES
 
 log = logging.getLogger(__name__)
@@ -30,14 +30,14 @@ def serve(line: ServiceLine) -> None:
     _, told = next(questions)
     opening = json.loads(told)
     _warm_up()
-    studio = Studio(_draw, opening["cpu_seconds"])
+    studio = DrawingForkPool(_draw, opening["cpu_seconds"])
     pool = ThreadPoolExecutor(opening["at_once"], thread_name_prefix="artist")
     for number, asked in questions:
         pool.submit(_answer, line, studio, studio.take(), number, asked)
     pool.shutdown(wait=False, cancel_futures=True)
 
 
-def _answer(line: ServiceLine, studio: Studio, artist: Artist, number: int, asked: bytes) -> None:
+def _answer(line: ServiceLine, studio: DrawingForkPool, artist: DrawingFork, number: int, asked: bytes) -> None:
     picture = studio.ask(artist, asked)
     if picture is None:
         log.error("a figure or a replay could not be drawn: %.200r", asked)

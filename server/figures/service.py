@@ -14,7 +14,7 @@ from server.course.models import Course
 from server.database import Database
 from server.figures import drawing_requests
 from server.figures.drawing_requests import DrawingRequest, Form, Theme
-from server.figures.pictures import Pictures
+from server.figures.pictures import PictureRenderer
 from server.gradebook import service as gradebook
 from server.gradebook.figures import NO_FIGURE, NO_FILM, load_figure_data, load_film_data
 from server.identity.models import Account
@@ -37,7 +37,7 @@ class VerdictFigureQuery:
 class Figures:
     course: Course
     database: Database
-    pictures: Pictures
+    pictures: PictureRenderer
 
     async def draw_lesson_figure(self, module: str, name: str, theme: Theme, address: str) -> bytes:
         """A figure of the texts, in SVG. Raises NotFound, Crowded or Failed."""

@@ -15,7 +15,7 @@ from graders.core.contract.findings import Judgement
 from graders.core.contract.protocol import WhileNaming
 from server.base.settings import Settings
 from server.behaviour.fingerprints import FINGERPRINT, FingerprintScheduler, FingerprintTask
-from server.course import Course, load
+from server.course import Course, load_course
 from server.course.start_cache import CACHE_FILE, StartCache
 from server.database import Database
 from server.federation.outbox_task import OutboxThread, SchoolMarksTask
@@ -106,7 +106,7 @@ def _run_worker(
     work_loop: Callable[[Worker], None],
 ) -> None:
     sys.setswitchinterval(SWITCH_SECONDS)
-    course = load(render=False, memory=StartCache(settings.data_dir / CACHE_FILE))
+    course = load_course(render=False, memory=StartCache(settings.data_dir / CACHE_FILE))
     gc.freeze()
     gc.enable()
     database = Database(settings.url)

@@ -21,11 +21,11 @@ from server.hunts.questions import (
     OUTSIDE,
     Argument,
     HuntName,
-    HuntOffer,
     HuntQuestion,
     HuntReply,
     InputTrial,
     OfferedHunt,
+    OfferRequest,
     TrialOutcome,
 )
 from server.sandbox import Policy, Sandbox
@@ -52,13 +52,13 @@ class DeclaredHuntRunner:
     def answer(self, question: HuntQuestion) -> HuntReply:
         """Answer one question. Raises SandboxFault when the fault is ours."""
         match question.hunts:
-            case HuntOffer() as asked:
+            case OfferRequest() as asked:
                 return HuntReply(offer=self._offer(asked, question.declarations))
             case InputTrial() as trial:
                 return HuntReply(outcome=self._try_input(trial, question.declarations))
         return HuntReply(outcome=TrialOutcome(refusal=GONE))
 
-    def _offer(self, asked: HuntOffer, declarations: Mapping[str, dict[str, Any]]) -> OfferedHunt | None:
+    def _offer(self, asked: OfferRequest, declarations: Mapping[str, dict[str, Any]]) -> OfferedHunt | None:
         for index, name in enumerate(asked.hunts[:MAX_OFFERS]):
             for known in self._hunts_of(name, declarations.get(name.exercise)):
                 if known.witness is not None:

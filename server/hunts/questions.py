@@ -29,7 +29,7 @@ class HuntName(HuntMessage):
     function: str = ""
 
 
-class HuntOffer(HuntMessage):
+class OfferRequest(HuntMessage):
     """A request for the first of these hunts that can be made, in the form that `seed` gives its program."""
 
     kind: Literal["offer"] = "offer"
@@ -77,7 +77,7 @@ class ReviewRequest(HuntMessage):
     source: str
 
 
-class Readiness(HuntMessage):
+class PreparationRequest(HuntMessage):
     """A request to be ready for the others; its answer says nothing."""
 
     kind: Literal["readiness"] = "readiness"
@@ -87,7 +87,13 @@ class HuntQuestion(HuntMessage):
     """A question of the service, recognised by its field `hunts`; `declarations` are those of declared exercises."""
 
     hunts: Annotated[
-        HuntOffer | InputTrial | PredictionTrial | LineTrial | ComparisonRequest | ReviewRequest | Readiness,
+        OfferRequest
+        | InputTrial
+        | PredictionTrial
+        | LineTrial
+        | ComparisonRequest
+        | ReviewRequest
+        | PreparationRequest,
         Field(discriminator="kind"),
     ]
     declarations: dict[str, dict[str, Any]] = {}

@@ -38,16 +38,16 @@ from server.hunts.questions import (
     ComparedAnswer,
     ComparisonRequest,
     HuntName,
-    HuntOffer,
     HuntQuestion,
     HuntReply,
     InputTrial,
     LineTrial,
     OfferedHunt,
+    OfferRequest,
     PredictionTrial,
+    PreparationRequest,
     ProgramRemark,
     ProgramReview,
-    Readiness,
     ReviewRequest,
     TrialOutcome,
 )
@@ -87,13 +87,13 @@ class HuntRunner:
         if any(name.exercise in question.declarations for name in _names_of(question)):
             return self._declared.answer(question)
         match question.hunts:
-            case HuntOffer() as asked:
+            case OfferRequest() as asked:
                 return HuntReply(offer=self._offer(asked))
             case ComparisonRequest() as asked:
                 return HuntReply(comparison=self._compare(asked))
             case ReviewRequest() as request:
                 return HuntReply(review=self._review(request))
-            case Readiness():
+            case PreparationRequest():
                 return HuntReply()
             case InputTrial() | PredictionTrial() | LineTrial() as trial:
                 return HuntReply(outcome=self._try(trial))
@@ -123,7 +123,7 @@ class HuntRunner:
         )
         return ProgramReview(remarks=remarks, ratio=review.ratio)
 
-    def _offer(self, asked: HuntOffer) -> OfferedHunt | None:
+    def _offer(self, asked: OfferRequest) -> OfferedHunt | None:
         for index, name in enumerate(asked.hunts[:MAX_OFFERS]):
             for hunt in _hunts_of(name):
                 exact = HuntName(exercise=name.exercise, misconception=name.misconception, function=hunt.function)
@@ -244,9 +244,9 @@ class HuntRunner:
 
 def _names_of(question: HuntQuestion) -> Sequence[HuntName]:
     """Return the hunts that a question is about."""
-    if isinstance(question.hunts, ReviewRequest | Readiness):
+    if isinstance(question.hunts, ReviewRequest | PreparationRequest):
         return ()
-    if isinstance(question.hunts, HuntOffer | ComparisonRequest):
+    if isinstance(question.hunts, OfferRequest | ComparisonRequest):
         return question.hunts.hunts
     return (question.hunts.hunt,)
 

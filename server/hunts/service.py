@@ -29,15 +29,15 @@ from server.hunts.questions import (
     AnswerComparison,
     ComparisonRequest,
     HuntName,
-    HuntOffer,
     HuntQuestion,
     HuntReply,
     InputTrial,
     LineTrial,
     OfferedHunt,
+    OfferRequest,
     PredictionTrial,
+    PreparationRequest,
     ProgramReview,
-    Readiness,
     ReviewRequest,
     TrialOutcome,
 )
@@ -47,7 +47,7 @@ from server.queue.interfaces import Sender
 from server.recall import repository
 from server.recall.calculations import can_calculate
 from server.recall.models import QuestionKind, RecallAnswer
-from server.recall.service import Candidate
+from server.recall.service import RecallCandidate
 from server.recall.subjects import list_misconceptions, subject_of
 from server.steps.service import TraceProgram
 from server.submissions.queue_senders import queue_sender
@@ -73,7 +73,7 @@ class HuntService:
 
     async def wake(self) -> None:
         """Have the process that makes hunts ready for a reader of whom a click asks for one. Waits for nothing."""
-        self.prepare(HuntQuestion(hunts=Readiness()).model_dump_json().encode())
+        self.prepare(HuntQuestion(hunts=PreparationRequest()).model_dump_json().encode())
 
     async def offer(self, account: Account, exercise_id: str, skip: int, address: str) -> OfferedHunt | None:
         """Offer a hunt of an exercise: the reader's own mistakes first, after `skip` of them; None where none is left.
@@ -104,7 +104,7 @@ class HuntService:
         # The process answers questions about declared exercises apart: those of one exercise go together.
         declared = [name for name in hunts if self._declarations([name])]
         asked = declared if declared and hunts[0] == declared[0] else [name for name in hunts if name not in declared]
-        offer = HuntOffer(hunts=tuple(asked), seed=form_seed(account, asked[0].exercise))
+        offer = OfferRequest(hunts=tuple(asked), seed=program_form_seed(account, asked[0].exercise))
         question = HuntQuestion(hunts=offer, declarations=self._declarations(asked))
         found = (await self._ask(account, question, address)).offer
         return found and found.model_copy(update={"index": hunts.index(asked[found.index])})
@@ -120,7 +120,7 @@ class HuntService:
 
     async def try_line(self, account: Account, hunt: HuntName, line: int, address: str) -> TrialOutcome:
         """Say whether a line makes the program wrong, and store whether it does. Raises as `offer`."""
-        trial = LineTrial(hunt=hunt, seed=form_seed(account, hunt.exercise), line=line)
+        trial = LineTrial(hunt=hunt, seed=program_form_seed(account, hunt.exercise), line=line)
         return await self._try(account, hunt, trial, QuestionKind.line, address)
 
     async def give_up(self, account: Account, hunt: HuntName, kind: QuestionKind) -> None:
@@ -262,17 +262,19 @@ def order_hunts(exercise: Exercise, own: Collection[str], account: Account) -> l
     filed, grader = list(list_misconceptions(exercise)), exercise.grader
     names = filed if not isinstance(grader, DeclaredGrader) else [it.id for it in grader.declaration.mistakes]
     rank = {name: place for place, name in enumerate(dict.fromkeys(own))}
-    shuffled = [names[k] for k in np.random.default_rng(form_seed(account, exercise.id)).permutation(len(names))]
+    shuffled = [
+        names[k] for k in np.random.default_rng(program_form_seed(account, exercise.id)).permutation(len(names))
+    ]
     ordered = sorted(shuffled, key=lambda name: rank.get(name, len(rank)))
     return [HuntName(exercise=exercise.id, misconception=name) for name in ordered]
 
 
-def name_hunts(candidates: Iterable[Candidate]) -> list[HuntName]:
+def hunts_of_misconceptions(candidates: Iterable[RecallCandidate]) -> list[HuntName]:
     """Return the hunts of misconceptions, whichever function of the exercise makes them."""
     return [HuntName(exercise=candidate.exercise, misconception=candidate.misconception) for candidate in candidates]
 
 
-def choose_kind(offer: OfferedHunt, turn: int) -> QuestionKind:
+def choose_question_kind(offer: OfferedHunt, turn: int) -> QuestionKind:
     """Return the question of a turn, of those that can be asked about a hunt."""
     kinds = [QuestionKind.hunt]
     kinds += [QuestionKind.prediction] if offer.predictable else []
@@ -280,6 +282,6 @@ def choose_kind(offer: OfferedHunt, turn: int) -> QuestionKind:
     return kinds[turn % len(kinds)]
 
 
-def form_seed(account: Account, exercise: str) -> int:
+def program_form_seed(account: Account, exercise: str) -> int:
     """Return the seed of the form in which an account sees the programs of an exercise."""
     return int.from_bytes(blake2b(f"{account.id}:{exercise}".encode(), digest_size=6).digest(), "big")

@@ -32,7 +32,7 @@ AccountServiceOf = Annotated[AccountService, Depends(app_service(AccountService)
 
 
 def set_session_cookie(request: Request, opened: OpenedSession) -> None:
-    """Set the cookies of a new session on the response (by `server.base.middleware.SessionCookie`)."""
+    """Set the cookies of a new session on the response (by `server.base.middleware.SessionCookieMiddleware`)."""
     if opened.is_framed:
         request.state.framed_token = opened.token
         request.state.session_token = ""

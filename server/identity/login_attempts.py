@@ -42,7 +42,7 @@ class LoginAttempt:
         """Return the error, as long after the beginning whether the account exists or not."""
         async with out_of_turn():
             await asyncio.sleep(self.began + FLOODED_SECONDS - time.monotonic())
-        return limits.too_many(TOO_MANY_LOGINS, self.seconds_refused)
+        return limits.rate_limited_error(TOO_MANY_LOGINS, self.seconds_refused)
 
 
 def begin_login(db: Session, settings: Settings, login: str, address: str, device: str) -> LoginAttempt:
@@ -62,7 +62,7 @@ def begin_login(db: Session, settings: Settings, login: str, address: str, devic
     own = f"login:{secrets.digest(f'{folded} {address}')}"
     everyone, nobody = f"login-from:{address}", f"login-nobody:{address}"
     limits.take_token(db, own, settings.login_bucket, TOO_MANY_LOGINS)
-    refused = limits.seconds_to_token(db, nobody, settings.guest_bucket)
+    refused = limits.seconds_until_token(db, nobody, settings.guest_bucket)
     if account is not None:
         limits.take_token(db, everyone, settings.guest_bucket, TOO_MANY_LOGINS)
         return LoginAttempt(folded, account, UNKNOWN, [own, everyone], refused)

@@ -36,7 +36,7 @@ def load_lessons(db: Session, class_id: UUID) -> Sequence[LiveLesson]:
     return db.execute(query.order_by(LiveLesson.started_at.desc(), LiveLesson.id).limit(MAX_LESSONS)).scalars().all()
 
 
-def load_before(db: Session, lesson: LiveLesson, memory: timedelta) -> Sequence[LiveLesson]:
+def load_earlier_lessons(db: Session, lesson: LiveLesson, memory: timedelta) -> Sequence[LiveLesson]:
     """Load the lessons of the class that began before this one, but not longer before, the newest first."""
     query = select(LiveLesson).where(LiveLesson.class_id == lesson.class_id, LiveLesson.started_at < lesson.started_at)
     recent = query.where(LiveLesson.started_at >= lesson.started_at - memory)

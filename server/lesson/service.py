@@ -51,7 +51,7 @@ def is_under_way(lesson: LiveLesson, now: datetime) -> bool:
     return lesson.ended_at is None and lesson.started_at > now - LONGEST_LESSON
 
 
-def end_of(lesson: LiveLesson) -> datetime:
+def lesson_end(lesson: LiveLesson) -> datetime:
     """Return when a lesson ended, or ends at the latest."""
     return lesson.ended_at or lesson.started_at + LONGEST_LESSON
 
@@ -64,7 +64,7 @@ def require_current_lesson(db: Session, class_id: UUID, now: datetime) -> LiveLe
     return lesson
 
 
-def open_exercises(db: Session, course: Course, school_class: SchoolClass, now: datetime) -> Sequence[str]:
+def available_exercises(db: Session, course: Course, school_class: SchoolClass, now: datetime) -> Sequence[str]:
     """Return the exercises that a lesson may have: those that count, then those that the teachers of the class have
     published, but for those of tests whose results are held.
 
@@ -133,7 +133,7 @@ def _columns(plan: LessonPlan) -> dict[str, str | list[str] | None]:
 def _checked_plan(
     db: Session, course: Course, school_class: SchoolClass, plan: LessonPlan, now: datetime
 ) -> LessonPlan:
-    available = open_exercises(db, course, school_class, now)
+    available = available_exercises(db, course, school_class, now)
     exercises = tuple(dict.fromkeys(plan.exercises))
     challenges = (plan.challenge,) if plan.next_step is Afterwards.challenge else ()
     for name in (*exercises, *filter(None, challenges)):
@@ -146,9 +146,7 @@ def _checked_plan(
     return LessonPlan(exercises, plan.next_step, "".join(challenges))
 
 
-def visit_student(
-    db: Session, school_class: SchoolClass, by: UUID, student: UUID, exercise: str, now: datetime
-) -> None:
+def record_visit(db: Session, school_class: SchoolClass, by: UUID, student: UUID, exercise: str, now: datetime) -> None:
     """Record that a teacher has seen a student in the lesson that goes on. Raises Conflict or NotFound."""
     lesson = require_current_lesson(db, school_class.id, now)
     if student not in {member.id for member in classes.load_active_students(db, school_class.id)}:

@@ -30,7 +30,7 @@ SET_TOKENS = (
 
 
 @dataclass(frozen=True)
-class Draw:
+class TokenDraw:
     """Tokens to take of a bucket, and the French refusal where it has too few, with `{seconds}` for the wait."""
 
     key: str
@@ -41,10 +41,10 @@ class Draw:
 
 def take_token(db: Session, key: str, bucket: BucketSettings, refusal: str) -> None:
     """Take one token of `key`, or raise RateLimited with `refusal` (`{seconds}` is replaced by the wait)."""
-    take_tokens(db, Draw(key, bucket, refusal))
+    take_tokens(db, TokenDraw(key, bucket, refusal))
 
 
-def take_tokens(db: Session, *draws: Draw) -> None:
+def take_tokens(db: Session, *draws: TokenDraw) -> None:
     """Take tokens of several buckets, or raise RateLimited for the first that has too few.
 
     A draw of more than a bucket holds takes all that a full one has.
@@ -54,18 +54,18 @@ def take_tokens(db: Session, *draws: Draw) -> None:
     changes = []
     for draw in draws:
         count, (tokens, updated_at) = min(draw.count, draw.bucket.burst), stored[draw.key]
-        tokens = refilled(tokens, (now - updated_at).total_seconds(), draw.bucket)
+        tokens = tokens_after(tokens, (now - updated_at).total_seconds(), draw.bucket)
         if tokens < count:
-            raise too_many(draw.refusal, _seconds_to_tokens(count, tokens, draw.bucket))
+            raise rate_limited_error(draw.refusal, _seconds_to_tokens(count, tokens, draw.bucket))
         changes.append({"bucket": draw.key, "left": tokens - count, "now": now})
     write_core(db, SET_TOKENS, changes)
 
 
-def seconds_to_token(db: Session, key: str, bucket: BucketSettings) -> int:
+def seconds_until_token(db: Session, key: str, bucket: BucketSettings) -> int:
     """Return the seconds until `key` has a token, 0 where it has one; none is taken."""
     now = utc_now()
     stored, updated_at = _lock_buckets(db, {key: bucket}, now)[key]
-    tokens = refilled(stored, (now - updated_at).total_seconds(), bucket)
+    tokens = tokens_after(stored, (now - updated_at).total_seconds(), bucket)
     return 0 if tokens >= 1 else _seconds_to_tokens(1, tokens, bucket)
 
 
@@ -73,13 +73,13 @@ def _seconds_to_tokens(count: int, tokens: float, bucket: BucketSettings) -> int
     return max(1, math.ceil((count - tokens) * bucket.refill_seconds))
 
 
-def too_many(refusal: str, seconds: int) -> RateLimited:
+def rate_limited_error(refusal: str, seconds: int) -> RateLimited:
     """Return the error of a bucket that has no token for so many seconds, which `{seconds}` in `refusal` names."""
     return RateLimited(refusal.format(seconds=seconds), retry_after=seconds)
 
 
 def give_back_token(db: Session, key: str, count: int = 1) -> None:
-    """Give back tokens; `refilled` keeps the bucket within its bounds."""
+    """Give back tokens; `tokens_after` keeps the bucket within its bounds."""
     db.execute(update(Allowance).where(Allowance.key == key).values(tokens=Allowance.tokens + count))
 
 
@@ -93,7 +93,7 @@ def submission_key(account_id: UUID) -> str:
     return f"submit:{account_id}"
 
 
-def refilled(tokens: float, elapsed: float, bucket: BucketSettings) -> float:
+def tokens_after(tokens: float, elapsed: float, bucket: BucketSettings) -> float:
     """Return the tokens of a bucket that held `tokens`, `elapsed` seconds later; a clock set back adds none."""
     if bucket.refill_seconds == 0:
         return float(bucket.burst)

@@ -31,13 +31,13 @@ class OutgoingMail:
     account: Account
 
 
-def pause_after(tries: int) -> timedelta:
+def retry_delay(tries: int) -> timedelta:
     """Return how long to wait after so many tries: 1 minute, 4, 16, then at most 4 hours."""
     return min(FIRST_PAUSE * 4.0 ** min(tries - 1, 6), LONGEST_PAUSE)
 
 
-def has_work(db: Session, now: datetime) -> bool:
-    return repository.has_work(db, now, now - HANDOVER)
+def has_due_mail(db: Session, now: datetime) -> bool:
+    return repository.has_due_mail(db, now, now - HANDOVER)
 
 
 def queue_mail(db: Session, subscription_id: UUID, key: str, now: datetime) -> None:
@@ -53,7 +53,7 @@ def begin_sending(db: Session, now: datetime) -> OutgoingMail | None:
         return None
     delivery, subscription, account = row
     delivery.tries += 1
-    delivery.next_try_at = now + pause_after(delivery.tries)
+    delivery.next_try_at = now + retry_delay(delivery.tries)
     return OutgoingMail(delivery.id, delivery.key, delivery.tries, subscription, account)
 
 
@@ -76,20 +76,20 @@ def record_result(db: Session, sending: OutgoingMail, error: MailError | None, n
     elif isinstance(error, AnswerLost):
         _end(delivery, MailState.unknown, LOST, now)
     elif error.retry and sending.tries < MAX_TRIES:
-        delivery.state, delivery.next_try_at = MailState.waiting, now + pause_after(sending.tries)
+        delivery.state, delivery.next_try_at = MailState.waiting, now + retry_delay(sending.tries)
         delivery.reason = f"Nouvel essai prévu : {error.reason}."[:REASON_LENGTH]
     else:
         _end(delivery, MailState.refused, f"Abandonné : {error.reason}.", now)
 
 
-def drop(db: Session, sending: OutgoingMail, now: datetime) -> None:
+def drop_mail(db: Session, sending: OutgoingMail, now: datetime) -> None:
     """End a mail that has nothing to tell."""
     delivery = repository.lock_delivery(db, sending.id)
     if delivery is not None:
         _end(delivery, MailState.dropped, "", now)
 
 
-def end_lost(db: Session, now: datetime) -> None:
+def end_lost_mails(db: Session, now: datetime) -> None:
     """End the mails whose process died after the handover: they are never sent again."""
     for delivery in repository.load_handed_before(db, now - HANDOVER):
         _end(delivery, MailState.unknown, LOST, now)

@@ -33,7 +33,7 @@ class _Stopped(Exception):
     """A mail was stopped after it was composed."""
 
 
-class Composer(Protocol):
+class MailComposer(Protocol):
     """Knows what is to be told, and to whom."""
 
     def list_due(self, db: Session, now: datetime) -> Collection[tuple[UUID, str]]:
@@ -43,14 +43,14 @@ class Composer(Protocol):
         """Return the message, reading; None where nothing is to be told any more, to nobody."""
 
 
-class MailPost:
+class MailSender:
     """Sends mails one by one, in short transactions: none is open while the server answers."""
 
     def __init__(
         self,
         database: Database,
         settings: Settings,
-        composer: Composer,
+        composer: MailComposer,
         send: Send = smtp.send,
         clock: Callable[[], datetime] = utc_now,
     ) -> None:
@@ -82,10 +82,10 @@ class MailPost:
         now = self._clock()
         with self._database.read() as db:
             due = self._composer.list_due(db, now)
-            if not due and not outbox.has_work(db, now):
+            if not due and not outbox.has_due_mail(db, now):
                 return 0
         with self._database.write() as db:
-            outbox.end_lost(db, now)
+            outbox.end_lost_mails(db, now)
             for subscription_id, key in due:
                 outbox.queue_mail(db, subscription_id, key, now)
         taken = failures = 0
@@ -107,7 +107,7 @@ class MailPost:
             message = self._composer.compose(db, sending, self._clock())
         if message is None:
             with self._database.write() as db:
-                outbox.drop(db, sending, self._clock())
+                outbox.drop_mail(db, sending, self._clock())
             return False, None
 
         def on_handover() -> None:

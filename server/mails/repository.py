@@ -52,7 +52,7 @@ def load_queued(db: Session, subscription_ids: Collection[UUID]) -> set[tuple[UU
     return {(row[0], row[1]) for row in db.execute(query.where(MailDelivery.subscription_id.in_(subscription_ids)))}
 
 
-def has_work(db: Session, now: datetime, handed_before: datetime) -> bool:
+def has_due_mail(db: Session, now: datetime, handed_before: datetime) -> bool:
     """Whether a mail is due, or was handed over by a process of which nothing more is heard."""
     due = and_(MailDelivery.state == MailState.waiting, MailDelivery.next_try_at <= now)
     lost = and_(MailDelivery.state == MailState.handed, MailDelivery.next_try_at <= handed_before)

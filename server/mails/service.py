@@ -18,7 +18,7 @@ from server.base.validation import parse_uuid
 from server.classes.models import SchoolClass
 from server.identity.models import Account
 from server.limits import service as limits
-from server.limits.service import Draw
+from server.limits.service import TokenDraw
 from server.mails import repository
 from server.mails.models import ADDRESS_LENGTH, URL_LENGTH, MailDelivery, MailSubscription
 
@@ -82,8 +82,8 @@ def subscribe(
         raise InvalidFields({"address": NO_ADDRESS})
     limits.take_tokens(
         db,
-        Draw(f"mail:{account.id}", CONFIRMATIONS, TOO_MANY),
-        Draw(f"mail-to:{sha256(address.lower().encode()).hexdigest()}", CONFIRMATIONS, TOO_MANY),
+        TokenDraw(f"mail:{account.id}", CONFIRMATIONS, TOO_MANY),
+        TokenDraw(f"mail-to:{sha256(address.lower().encode()).hexdigest()}", CONFIRMATIONS, TOO_MANY),
     )
     unsubscribe(db, school_class.id, account.id)
     row = MailSubscription(
@@ -102,22 +102,24 @@ def unsubscribe(db: Session, class_id: UUID, account_id: UUID) -> None:
         db.expunge(row)
 
 
-def sign(subscription: MailSubscription, action: str) -> str:
+def sign_link_action(subscription: MailSubscription, action: str) -> str:
     """Return the signature of a link that does `action` to this subscription and its address."""
     text = f"{action} {subscription.id} {subscription.address}"
     return hmac.new(subscription.secret.encode(), text.encode(), sha256).hexdigest()
 
 
 def link_href(subscription: MailSubscription, action: str) -> str:
-    return f"/courriel/{subscription.id}/{action}/{sign(subscription, action)}"
+    return f"/courriel/{subscription.id}/{action}/{sign_link_action(subscription, action)}"
 
 
-def find_signed(db: Session, name: str, action: str, signature: str) -> tuple[MailSubscription, SchoolClass]:
+def find_signed_subscription(
+    db: Session, name: str, action: str, signature: str
+) -> tuple[MailSubscription, SchoolClass]:
     """Return the subscription of a signed link, with its class. Raises NotFound."""
     row = repository.find_subscription_with_class(db, parse_uuid(name, UNKNOWN_LINK))
     if row is None or action not in {CONFIRM, STOP}:
         raise NotFound(UNKNOWN_LINK)
-    if not hmac.compare_digest(sign(row[0], action).encode(), signature.encode("utf-8", "replace")):
+    if not hmac.compare_digest(sign_link_action(row[0], action).encode(), signature.encode("utf-8", "replace")):
         raise NotFound(UNKNOWN_LINK)
     return row
 
@@ -135,13 +137,13 @@ class SignedLink:
 
 def read_link(db: Session, name: str, action: str, signature: str) -> SignedLink:
     """Return what a link does. Raises NotFound."""
-    row, school_class = find_signed(db, name, action, signature)
+    row, school_class = find_signed_subscription(db, name, action, signature)
     return SignedLink(school_class.name, row.address, action == STOP, row.confirmed_at is not None)
 
 
 def follow_link(db: Session, name: str, action: str, signature: str, now: datetime) -> SignedLink:
     """Confirm the address of a subscription, or stop it. Raises NotFound."""
-    row, school_class = find_signed(db, name, action, signature)
+    row, school_class = find_signed_subscription(db, name, action, signature)
     followed = SignedLink(school_class.name, row.address, action == STOP, is_confirmed=True, done=True)
     if action == STOP:
         repository.delete_subscription(db, row.id)

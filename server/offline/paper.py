@@ -14,7 +14,7 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 
 from server.course import Course, Module
-from server.offline.site import Pictures, Site
+from server.offline.site import OfflineSite, Pictures
 from server.reading.downloads import Downloads
 
 #: The shell without a window is the same engine, and the lightest.
@@ -32,17 +32,17 @@ class NotPrinted(Exception):
     """The browser gave no PDF: says which page, and what the browser said."""
 
 
-def browser() -> str | None:
+def find_chromium() -> str | None:
     """The command of a Chromium, where the machine has one."""
     return next(filter(None, map(shutil.which, BROWSERS)), None)
 
 
-def prepared(page: str) -> str:
+def page_for_print(page: str) -> str:
     """A page of the archive for the printer: all its pictures at once, and no way to other files."""
     return LOCAL_LINK.sub(r"\1", LAZY.sub("", page))
 
 
-def write(
+def write_pdfs(
     course: Course,
     module: Module,
     pictures: Pictures,
@@ -60,7 +60,7 @@ def write(
     wanted = [lesson.slug for lesson in module.lessons if not slugs or lesson.slug in set(slugs)]
     made = []
     with TemporaryDirectory(prefix="balise-papier-") as folder:
-        _unpack(Site(course, module, pictures, Downloads(course), on_paper=True).files(), Path(folder))
+        _unpack(OfflineSite(course, module, pictures, Downloads(course), on_paper=True).files(), Path(folder))
         for slug in wanted:
             made.append(_print(command, Path(folder) / "lire" / f"{slug}.html", target / f"{slug}.pdf"))
             advance()
@@ -71,7 +71,7 @@ def _unpack(files: dict[str, bytes], folder: Path) -> None:
     for name, content in files.items():
         path = folder / name
         path.parent.mkdir(parents=True, exist_ok=True)
-        path.write_bytes(prepared(content.decode()).encode() if path.suffix == ".html" else content)
+        path.write_bytes(page_for_print(content.decode()).encode() if path.suffix == ".html" else content)
 
 
 def _print(command: str, page: Path, target: Path) -> Path:

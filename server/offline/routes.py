@@ -12,14 +12,14 @@ from starlette.concurrency import run_in_threadpool
 
 from server.base.app_services import app_service
 from server.offline.schemas import OfflinePage
-from server.offline.service import Archives, Making
-from server.offline.site import folder
+from server.offline.service import ArchiveInProgress, OfflineArchives
+from server.offline.site import archive_folder_name
 from server.web.dependencies import CurrentReader
 from server.web.rendering import render_page
 from server.web.schemas import ModuleLink
 from server.web.views import module_link
 
-ArchivesOf = Annotated[Archives, Depends(app_service(Archives))]
+ArchivesOf = Annotated[OfflineArchives, Depends(app_service(OfflineArchives))]
 REFRESH = 4  # seconds
 
 router = APIRouter(include_in_schema=False)
@@ -28,7 +28,7 @@ router = APIRouter(include_in_schema=False)
 @router.get("/{module:module}/hors-ligne")
 async def offline(request: Request, archives: ArchivesOf, reader: CurrentReader, module: str) -> HTMLResponse:
     course_module = archives.module(module)
-    view = shown(module_link(course_module), await archives.look(course_module))
+    view = offline_page(module_link(course_module), await archives.look(course_module))
     headers = {"Refresh": str(REFRESH)} if view.state == "making" else {}
     account = await run_in_threadpool(reader.who)
     return await run_in_threadpool(render_page, request, "offline/page.html", account, headers=headers, page=view)
@@ -44,18 +44,18 @@ async def prepare(archives: ArchivesOf, module: str) -> RedirectResponse:
 async def archive(archives: ArchivesOf, module: str) -> FileResponse:
     course_module = archives.module(module)
     path = await archives.file(course_module)
-    name = f"{folder(course_module)}.zip"
+    name = f"{archive_folder_name(course_module)}.zip"
     return FileResponse(path, media_type="application/zip", filename=name, headers={"Cache-Control": "no-cache"})
 
 
-def shown(module: ModuleLink, found: Path | Making | None) -> OfflinePage:
+def offline_page(module: ModuleLink, found: Path | ArchiveInProgress | None) -> OfflinePage:
     if isinstance(found, Path):
-        return OfflinePage(module, "ready", size=in_megabytes(found))
+        return OfflinePage(module, "ready", size=size_in_megabytes(found))
     if found is None:
         return OfflinePage(module, "wanted")
     return OfflinePage(module, "failed" if found.failed else "making", done=found.done, total=found.total)
 
 
-def in_megabytes(path: Path) -> str:
+def size_in_megabytes(path: Path) -> str:
     """« 3,4 Mo »."""
     return f"{max(path.stat().st_size / 1e6, 0.1):.1f}\u00a0Mo".replace(".", ",")

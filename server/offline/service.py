@@ -36,7 +36,7 @@ ARCHIVE_NAME = re.compile(rf"(?P<module>{MODULE})-[0-9a-f]+\.zip")
 
 
 @dataclass
-class Making:
+class ArchiveInProgress:
     """An archive on its way: `done` pictures of `total`."""
 
     task: asyncio.Task[None]
@@ -45,12 +45,12 @@ class Making:
     failed: bool = False
 
 
-class Archives:
+class OfflineArchives:
     """For one event loop. `folder` is this service's own."""
 
     def __init__(self, course: Course, figures: Figures, downloads: Downloads, folder: Path) -> None:
         self._course, self._figures, self._downloads, self._folder = course, figures, downloads, folder
-        self._making: dict[str, Making] = {}
+        self._making: dict[str, ArchiveInProgress] = {}
         self._versions: dict[str, str] = {}
         self._one_at_a_time = asyncio.Lock()
 
@@ -61,7 +61,7 @@ class Archives:
             raise NotFound("Ce module n’existe pas.")
         return module
 
-    async def look(self, module: Module) -> Path | Making | None:
+    async def look(self, module: Module) -> Path | ArchiveInProgress | None:
         """The archive, or how far it is; None where nobody has asked for it yet."""
         path = await self._path(module)
         return path if path.is_file() else self._making.get(module.slug)
@@ -71,7 +71,7 @@ class Archives:
         path = await self._path(module)
         making = self._making.get(module.slug)
         if not path.is_file() and (making is None or making.failed):
-            self._making[module.slug] = Making(asyncio.create_task(self._make(module, path)))
+            self._making[module.slug] = ArchiveInProgress(asyncio.create_task(self._make(module, path)))
 
     async def file(self, module: Module) -> Path:
         """The archive. Raises NotNow while there is none."""
@@ -88,14 +88,14 @@ class Archives:
 
     async def _path(self, module: Module) -> Path:
         if module.slug not in self._versions:  # what is served does not change before a restart
-            self._versions[module.slug] = await run_in_threadpool(site.version, module)
+            self._versions[module.slug] = await run_in_threadpool(site.content_digest, module)
         return self._folder / f"{module.slug}-{self._versions[module.slug]}.zip"
 
     async def _make(self, module: Module, path: Path) -> None:
         try:
             async with self._one_at_a_time, asyncio.timeout(ARCHIVE_TIMEOUT):
                 pictures = await self._pictures(module)
-                made = await run_in_threadpool(site.archive, self._course, module, pictures, self._downloads)
+                made = await run_in_threadpool(site.build_archive_zip, self._course, module, pictures, self._downloads)
                 await run_in_threadpool(_save_archive, path, module.slug, made)
         except Exception:  # whatever an author's drawing or replay raises: it is told to who asks, and noted here
             log.exception("the archive of %s could not be made", module.slug)
@@ -104,7 +104,7 @@ class Archives:
             del self._making[module.slug]
 
     async def _pictures(self, module: Module) -> site.Pictures:
-        wanted = await run_in_threadpool(site.pictured, module)
+        wanted = await run_in_threadpool(site.needed_pictures, module)
         making = self._making[module.slug]
         making.total = len(wanted)
         pictures = {}

@@ -16,7 +16,7 @@ from server.base.files import ROOT, TEMPLATES, digest_files, reproducible_zip
 from server.course import Course, Exercise, Module
 from server.figures import drawing_requests
 from server.figures.drawing_requests import Theme
-from server.offline.addresses import ON_THE_SERVER, Places
+from server.offline.addresses import ON_THE_SERVER, ArchivePaths
 from server.offline.schemas import OfflineExercise
 from server.reading import gates
 from server.reading import service as reading
@@ -36,7 +36,7 @@ SCRIPTS = ("js/theme.js", "js/offline.js")
 EXCLUDED_SUFFIXES = {".js"}
 
 
-def version(module: Module) -> str:
+def content_digest(module: Module) -> str:
     """Return a digest of everything that an archive is made from."""
     parts = [
         (module.slug, module.folder),
@@ -49,23 +49,23 @@ def version(module: Module) -> str:
     return digest_files(parts, f"{assets.build_stamp()} {drawing_requests.code_version()}".encode())
 
 
-def pictured(module: Module) -> list[tuple[str, Theme]]:
+def needed_pictures(module: Module) -> list[tuple[str, Theme]]:
     """The pictures that an archive needs: those that its lessons show, and those that stand for manipulations."""
     named = (name for lesson in module.lessons for name in (*lesson.figures, *lesson.stills))
     shown = dict.fromkeys(name for name in named if name in module.drawings)
     return [(name, theme) for name in shown for theme in THEMES]
 
 
-def archive(course: Course, module: Module, pictures: Pictures, downloads: Downloads) -> bytes:
+def build_archive_zip(course: Course, module: Module, pictures: Pictures, downloads: Downloads) -> bytes:
     """A ZIP whose files stand in one folder. Slow at first (formulas, replays: seconds): call it in a thread."""
-    return reproducible_zip(folder(module), Site(course, module, pictures, downloads).files())
+    return reproducible_zip(archive_folder_name(module), OfflineSite(course, module, pictures, downloads).files())
 
 
-def folder(module: Module) -> str:
+def archive_folder_name(module: Module) -> str:
     return f"balise-{module.slug}"
 
 
-class Site:
+class OfflineSite:
     """One module, to be written once. `on_paper`: to be printed here, with the answers of papers and no script."""
 
     def __init__(
@@ -77,8 +77,8 @@ class Site:
         self._shown = [lesson for lesson in module.lessons if on_paper or not lesson.solution]
         names = {name for lesson in self._shown for name in (*lesson.figures, *lesson.stills)}
         self._pictures = {key: picture for key, picture in pictures.items() if key[0] in names}
-        self._scripts = replays.Replays()
-        self._places = Places(assets.static_root(), dict(self._addresses()))
+        self._scripts = replays.ReplayLibrary()
+        self._places = ArchivePaths(assets.static_root(), dict(self._addresses()))
 
     def files(self) -> dict[str, bytes]:
         """By their places in the archive."""
@@ -199,12 +199,12 @@ def _static_files() -> dict[str, bytes]:
     return {f"static/{path.relative_to(root).as_posix()}": path.read_bytes() for path in wanted}
 
 
-def drawn_here(module: Module, advance: Callable[[], None] = lambda: None) -> Pictures:
+def draw_pictures_here(module: Module, advance: Callable[[], None] = lambda: None) -> Pictures:
     """The pictures, drawn in this very process. Loads matplotlib; half a minute for a module."""
     from server.figures.lessons import draw
 
     pictures = {}
-    for name, theme in pictured(module):
+    for name, theme in needed_pictures(module):
         pictures[name, theme] = draw(module.drawings[name], theme, "svg").picture
         advance()
     return pictures

@@ -7,7 +7,7 @@ from fastapi.responses import HTMLResponse, Response
 from starlette.concurrency import run_in_threadpool
 
 from server.base.http import MAX_ADDRESS, client_address, device_token, local_path, session_token
-from server.base.validation import CutAt
+from server.base.validation import TruncateTo
 from server.database.dependencies import Db
 from server.federation.repository import load_buttons
 from server.identity import links, secrets, service
@@ -16,7 +16,7 @@ from server.identity.models import Account
 from server.identity.opened_sessions import OpenedSession
 from server.identity.schemas import RefusedForm, validate_new_account
 from server.identity.service import AccountService
-from server.text.plain import visible
+from server.text.plain import show_invisible_characters
 from server.web.form_identity import SEND_AS, decode_fields, resend_context
 from server.web.forms import Field, account_form, redirect
 from server.web.rendering import render_page
@@ -24,7 +24,7 @@ from server.web.rendering import render_page
 router = APIRouter(include_in_schema=False)
 
 CodeQuery = Annotated[str, Query(max_length=100)]
-NextAddress = Annotated[str, CutAt(MAX_ADDRESS)]
+NextAddress = Annotated[str, TruncateTo(MAX_ADDRESS)]
 
 
 @router.get("/inscription")
@@ -133,7 +133,7 @@ async def log_in(
     fields = decode_fields(reprise)
     if fields is None:
         return redirect(form["after"])
-    button = SEND_AS.format(name=visible(opened.account.name))
+    button = SEND_AS.format(name=show_invisible_characters(opened.account.name))
     context = resend_context(fields, form["action"], form["after"], opened.account, button=button)
     return await run_in_threadpool(render_page, request, "resend.html", opened.account, **context)
 

@@ -20,7 +20,7 @@ from server.gradebook.schemas import NOTHING_YET, ExerciseProgress
 from server.hunts.service import may_ask_again
 from server.pages.two_minutes import PATH as TWO_MINUTES
 from server.recall import paths, retrievals
-from server.recall.service import Candidate, Recall, load_recall
+from server.recall.service import RecallCandidate, RecallState, load_recall
 from server.recall.subjects import title_of_subject
 from server.web.dependencies import CurrentReader
 from server.web.next_step import NextExercise, choose_next, list_way
@@ -70,7 +70,7 @@ def objectives_page(reader: Reader, module: Module) -> Mapping[str, Any]:
     """Build the page of a reader, without queries for one who has no account yet."""
     progress: Mapping[str, ExerciseProgress] = {}
     choices: Mapping[str, str] = {}
-    recall: Recall | None = None
+    recall: RecallState | None = None
     states: Sequence[ObjectiveState] = ()
     if reader.account is not None:
         progress = gradebook.load_progress(reader.db, reader.account)
@@ -103,7 +103,9 @@ def objectives_page(reader: Reader, module: Module) -> Mapping[str, Any]:
     }
 
 
-def _load_recall(reader: Reader, progress: Mapping[str, ExerciseProgress], choices: Mapping[str, str]) -> Recall | None:
+def _load_recall(
+    reader: Reader, progress: Mapping[str, ExerciseProgress], choices: Mapping[str, str]
+) -> RecallState | None:
     solved = {name for name in progress if progress[name].succeeded}
     if reader.account is None:
         return None
@@ -118,7 +120,7 @@ def _solved(progress: Mapping[str, ExerciseProgress], exercise: Exercise) -> boo
 
 
 def find_fading(
-    course: Course, module: Module, rows: Sequence[OwnObjectiveRow], fading: Mapping[str, Sequence[Candidate]]
+    course: Course, module: Module, rows: Sequence[OwnObjectiveRow], fading: Mapping[str, Sequence[RecallCandidate]]
 ) -> Mapping[str, Sequence[str]]:
     """Return, by the id of an objective, the titles of the mended misconceptions of it that are fading. Pure."""
     finder = MistakeFinder(course)
@@ -141,7 +143,7 @@ def find_fading(
 def propose(
     module: Module,
     rows: Sequence[OwnObjectiveRow],
-    recall: Recall | None,
+    recall: RecallState | None,
     fading: Mapping[str, Sequence[str]],
     following: NextExercise | None,
 ) -> Proposal | None:

@@ -12,11 +12,11 @@ from sqlalchemy.orm import Session
 from starlette.concurrency import run_in_threadpool
 
 from server.base.app_services import app_service
-from server.base.bulk import BulkResponse
+from server.base.bulk import OneAtATimeStream
 from server.base.http import MAX_ADDRESS, client_address, local_path, session_token
 from server.base.root_path import service_url
 from server.base.settings import Settings
-from server.base.validation import CutAt
+from server.base.validation import TruncateTo
 from server.calendars import repository as calendar_addresses
 from server.calendars import service as calendars
 from server.database import Database, roll_back_then_read, utc_now
@@ -43,7 +43,7 @@ router = APIRouter(include_in_schema=False)
 #: The page asks for the password in two forms: the problems of the second one stand beside its own field.
 TOKEN_FIELDS = {"password": "token_password"}
 
-NextAddress = Annotated[str, CutAt(MAX_ADDRESS)]
+NextAddress = Annotated[str, TruncateTo(MAX_ADDRESS)]
 ShortQuery = Annotated[str, Query(max_length=100)]
 SettingsOf = Annotated[Settings, Depends(app_service(Settings))]
 
@@ -218,7 +218,7 @@ async def change_password(
 
 @router.get("/compte/donnees")
 def take_away(person: SignedIn, personal: PersonalDataOf) -> StreamingResponse:
-    return BulkResponse(personal.export(person), headers=archive_headers(utc_now()), media_type="application/zip")
+    return OneAtATimeStream(personal.export(person), headers=archive_headers(utc_now()), media_type="application/zip")
 
 
 @router.get("/compte/supprimer")

@@ -19,7 +19,7 @@ from server.gradebook.figures import describe_figures
 from server.gradebook.schemas import Attempt
 from server.identity.models import Account
 from server.rights import service as rights
-from server.text.plain import visible
+from server.text.plain import show_invisible_characters
 from server.text.python_colours import colour_lines
 from server.web import verdicts
 from server.web.code_lines import CodeView, LineView, code_view
@@ -264,5 +264,5 @@ def _around(code: str, place: LineRange | None) -> tuple[LineView, ...]:
     if place is None:
         return ()
     first, last = max(1, place.first - AROUND), min(place.last, place.first + 10 * AROUND) + AROUND
-    html = colour_lines(visible(code))[first - 1 : last]
+    html = colour_lines(show_invisible_characters(code))[first - 1 : last]
     return tuple(LineView(number, Markup(line)) for number, line in enumerate(html, first))

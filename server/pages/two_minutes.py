@@ -20,7 +20,13 @@ from server.database.dependencies import DatabaseOf
 from server.gradebook import service as gradebook
 from server.hunts.dependencies import HuntsOf
 from server.hunts.questions import HuntName, OfferedHunt
-from server.hunts.service import MAX_ARGUMENTS, HuntService, choose_kind, may_ask_again, name_hunts
+from server.hunts.service import (
+    MAX_ARGUMENTS,
+    HuntService,
+    choose_question_kind,
+    hunts_of_misconceptions,
+    may_ask_again,
+)
 from server.identity.dependencies import OptionalAccount, SignedIn
 from server.identity.models import Account
 from server.pages.hunts import MAX_NAME, WORDS, Act, Kind, Typed, answer_question, hunt_page
@@ -29,7 +35,7 @@ from server.recall import calculations, repository, retrievals
 from server.recall.calculations import AskedCalculation
 from server.recall.retrievals import AskedQuestion
 from server.recall.scheduling import SITTING_QUESTIONS
-from server.recall.service import OFF, REMINDERS, Candidate, Recall, load_recall
+from server.recall.service import OFF, REMINDERS, RecallCandidate, RecallState, load_recall
 from server.web.forms import redirect, redirect_to_login
 from server.web.rendering import render_page
 from server.web.views import exercise_href, find_exercise, find_module
@@ -39,7 +45,7 @@ router = APIRouter(include_in_schema=False)
 PATH = "/deux-minutes"
 
 
-def read_recall(database: Database, course: CourseOf, account: Account) -> Recall:
+def read_recall(database: Database, course: CourseOf, account: Account) -> RecallState:
     """Load what comes back to an account, in a transaction of its own."""
     with database.read() as db:
         progress = gradebook.load_progress(db, account)
@@ -59,13 +65,18 @@ async def show_question(
     page: dict[str, Any] = {"offer": None}
     for subject, candidates in recall.due.items():
         if found := retrievals.find_question(course, subject):
-            asked = await run_in_threadpool(retrievals.ask, *found, account, retrievals.today())
+            asked = await run_in_threadpool(retrievals.draw_retrieval, *found, account, retrievals.today())
             page = _question_page(course, asked)
             break
         turn = recall.answers.get(subject, 0)
         if chosen := _choose_calculation(course, candidates, turn):
             calculation = await run_in_threadpool(
-                calculations.ask, course, chosen.exercise, chosen.misconception, account, retrievals.today()
+                calculations.draw_calculation,
+                course,
+                chosen.exercise,
+                chosen.misconception,
+                account,
+                retrievals.today(),
             )
             page = await run_in_threadpool(_calculation_page, calculation)
             break
@@ -77,13 +88,13 @@ async def show_question(
     return await run_in_threadpool(_render, request, account, page, recall)
 
 
-def _from_turn(candidates: Sequence[Candidate], turn: int) -> Sequence[Candidate]:
+def _from_turn(candidates: Sequence[RecallCandidate], turn: int) -> Sequence[RecallCandidate]:
     """Return the candidates from that of a turn on, the others after them."""
     place = turn % max(1, len(candidates))
     return [*candidates[place:], *candidates[:place]]
 
 
-def _choose_calculation(course: Course, candidates: Sequence[Candidate], turn: int) -> Candidate | None:
+def _choose_calculation(course: Course, candidates: Sequence[RecallCandidate], turn: int) -> RecallCandidate | None:
     """Return the candidate of a turn where it is one of a calculation, or the first such where none has a program."""
     ordered = _from_turn(candidates, turn)
     answered = [candidate for candidate in ordered if course.exercises[candidate.exercise].answers is not None]
@@ -91,11 +102,11 @@ def _choose_calculation(course: Course, candidates: Sequence[Candidate], turn: i
 
 
 async def _offer_hunt(
-    hunts: HuntService, account: Account, turn: int, candidates: Sequence[Candidate], address: str
+    hunts: HuntService, account: Account, turn: int, candidates: Sequence[RecallCandidate], address: str
 ) -> tuple[OfferedHunt | None, Kind]:
     """Offer the first misconception about which a question can be asked: a hunt, a prediction and a line in turn."""
-    offer = await hunts.offer_first(account, name_hunts(_from_turn(candidates, turn)), address)
-    return offer, "entree" if offer is None else WORDS[choose_kind(offer, turn)]
+    offer = await hunts.offer_first(account, hunts_of_misconceptions(_from_turn(candidates, turn)), address)
+    return offer, "entree" if offer is None else WORDS[choose_question_kind(offer, turn)]
 
 
 @router.post(f"{PATH}/questions/{{module:module}}")
@@ -111,11 +122,11 @@ def answer_question_of_lesson(
 ) -> Response:
     """Mark an answer to a retrieval question as in its lesson."""
     course_module = find_module(course, module)
-    asked = retrievals.ask(course_module, question, account, jour)
+    asked = retrievals.draw_retrieval(course_module, question, account, jour)
     shown: dict[str, Any] = {"typed": reponse}
     try:
         with database.write() as db:
-            shown["marking"] = retrievals.answer(db, course_module, question, account, jour, reponse)
+            shown["marking"] = retrievals.submit_retrieval(db, course_module, question, account, jour, reponse)
     except Invalid as error:
         shown["refusal"] = str(error)
     return _render(request, account, _question_page(course, asked) | shown, read_recall(database, course, account))
@@ -133,11 +144,11 @@ def answer_calculation(
     valeur: Annotated[list[Annotated[str, Form(max_length=MAX_LENGTH)]], Form(max_length=MAX_ARGUMENTS)] = [],  # noqa: B006 (read by FastAPI)
 ) -> Response:
     """Mark an answer to a small calculation or a choice."""
-    asked = calculations.ask(course, exercice, erreur, account, jour)
+    asked = calculations.draw_calculation(course, exercice, erreur, account, jour)
     shown: dict[str, Any] = {"typed": valeur}
     try:
         with database.write() as db:
-            marked = calculations.answer(db, course, account, asked, valeur)
+            marked = calculations.submit_calculation(db, course, account, asked, valeur)
         shown["marked"] = {
             "is_right": marked.is_right, "why": asked.exercise.prose(marked.message), "right": marked.right
         }  # fmt: skip
@@ -211,6 +222,6 @@ def _split(exercise: str) -> Sequence[str]:
     return module, slug
 
 
-def _render(request: Request, account: Account, page: Mapping[str, Any], recall: Recall) -> Response:
+def _render(request: Request, account: Account, page: Mapping[str, Any], recall: RecallState) -> Response:
     shown = {"asked": None, "calculation": None, **page, "recall": recall, "here": PATH, "sitting": SITTING_QUESTIONS}
     return render_page(request, "two_minutes.html", account, page=shown)

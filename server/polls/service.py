@@ -15,7 +15,7 @@ from graders.scene.prediction import Placed, Prediction
 from graders.typography import french
 from server.assignments import feedback
 from server.base.errors import Conflict, Invalid, NotFound, Unauthorised
-from server.course.code import load_file
+from server.course.code import import_file
 from server.course.models import Exercise, Lesson, Module
 from server.identity.models import Account
 from server.polls import repository
@@ -40,7 +40,7 @@ def polls_of_lesson(module: Module, lesson: Lesson) -> Mapping[str, Poll]:
 
 def _lesson_polls(module: Module, lesson: Lesson) -> Iterator[Poll]:
     for name in lesson.replays:
-        source = load_file(lesson.text.source.path.parents[1] / "rejeux" / f"{name.replace('-', '_')}.py")
+        source = import_file(lesson.text.source.path.parents[1] / "rejeux" / f"{name.replace('-', '_')}.py")
         prediction: Prediction | Placed | None = getattr(source, "PREDICTION", None)
         if prediction is not None:
             yield _prediction_poll(lesson, name, source.TITLE, prediction)

@@ -14,7 +14,7 @@ log = logging.getLogger(__name__)
 PAUSE, FIRST_PAUSE = 0.05, 1.0
 
 
-def read_ahead(course: Course) -> None:
+def preload_course(course: Course) -> None:
     """The plan of every text, by which they name each other, and the questions of the lessons; then the graders, of
     which the board asks the names of mistakes. What fails here fails again, and is told, for whoever meets it."""
     _load_names(course)

@@ -10,7 +10,7 @@ from server.base.errors import NotFound
 from server.base.files import reproducible_zip
 from server.base.turns import out_of_turn
 from server.course import Course
-from server.course.code import load_file
+from server.course.code import import_file
 
 
 class Downloads:
@@ -35,6 +35,6 @@ class Downloads:
             raise NotFound("Ce fichier n’existe pas.")
         made = self._made.get((module, name))
         if made is None:
-            files: dict[str, bytes] = load_file(course_module.files[name]).files()
+            files: dict[str, bytes] = import_file(course_module.files[name]).files()
             made = self._made[module, name] = reproducible_zip(name, files)
         return made

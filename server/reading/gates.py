@@ -12,7 +12,7 @@ from server.web.views import Reader, lesson_href, solution_switch_view
 ONLINE = Gate("online")
 
 
-def gate(reader: Reader, lesson: Lesson, *, past_warning: bool) -> Gate | None:
+def solution_gate(reader: Reader, lesson: Lesson, *, past_warning: bool) -> Gate | None:
     """None for an ordinary page, and for answers that are open to a student.
 
     The students of a class read them once a teacher has opened them to it; who is of no class, past a warning.

@@ -16,7 +16,7 @@ def main() -> int:
     """Without a name, the names there are."""
     arguments = _parser().parse_args()
     problems: list[Problem] = []
-    by_name = drawings.read(module_folder(arguments.module) / "figures", problems)
+    by_name = drawings.read_drawings(module_folder(arguments.module) / "figures", problems)
     for problem in problems:
         print(f"✗ {problem}", file=sys.stderr)
     if arguments.name not in by_name or arguments.out is None:

@@ -17,7 +17,7 @@ from server.base.app_services import app_service
 from server.base.errors import Invalid, NotFound
 from server.base.http import client_address
 from server.base.turns import out_of_turn
-from server.base.validation import CutAt
+from server.base.validation import TruncateTo
 from server.course.dependencies import CourseOf
 from server.course.first_reading import SingleFlightOf, render_glossary, render_lesson
 from server.database.dependencies import DatabaseOf, Db
@@ -38,7 +38,7 @@ from server.web.views import find_module, lesson_href, module_link
 FIGURE_POLICY = "default-src 'none'; style-src 'unsafe-inline'; sandbox"
 FIGURE_HEADERS = {"Cache-Control": "public, max-age=600", "Content-Security-Policy": FIGURE_POLICY}
 
-SearchText = Annotated[str, CutAt(search.MAX_QUERY_LENGTH)]
+SearchText = Annotated[str, TruncateTo(search.MAX_QUERY_LENGTH)]
 DownloadsOf = Annotated[Downloads, Depends(app_service(Downloads))]
 
 router = APIRouter(include_in_schema=False)
@@ -81,7 +81,7 @@ def open_or_close_answers(module: str, slug: str, course: CourseOf, door: Soluti
 
 
 @router.post("/{module:module}/previsions")
-def say(module: str, body: NewAnswer, reader: CurrentReader) -> JSONResponse:
+def answer_question(module: str, body: NewAnswer, reader: CurrentReader) -> JSONResponse:
     """Keeps what somebody answers to a question of the lessons; tells what they answered first, and if it is right."""
     course_module = find_module(reader.course, module)
     poll = polls.find_poll(course_module, body.question)
@@ -106,7 +106,7 @@ def answer_retrieval(
     marking, refusal = None, ""
     try:
         with database.write() as db:
-            marking = retrievals.answer(db, course_module, question, account, jour, reponse)
+            marking = retrievals.submit_retrieval(db, course_module, question, account, jour, reponse)
     except Invalid as error:
         if wants_json:
             raise
@@ -114,7 +114,7 @@ def answer_retrieval(
     if marking is not None and wants_json:
         why = str(ticks(french(marking.why)))
         return JSONResponse({"right": marking.is_right, "why": why}, headers={"Cache-Control": "no-store"})
-    asked = retrievals.ask(course_module, question, account, jour)
+    asked = retrievals.draw_retrieval(course_module, question, account, jour)
     lesson = service.find_lesson(course_module, question.partition("/")[0])
     page = {
         "module": module_link(course_module), "lesson": lesson.title, "asked": asked, "typed": reponse,
@@ -134,7 +134,7 @@ async def prepare_index(course: CourseOf, once: SingleFlightOf, module: str) -> 
     course_module = course.modules.get(module)
     if course_module is not None and not search.is_prepared(course_module):
         async with out_of_turn():
-            await once.run((search, module), lambda: search.prepare(course_module))
+            await once.run((search, module), lambda: search.load_index(course_module))
 
 
 @router.get("/{module:module}/recherche", dependencies=[Depends(prepare_index)])

@@ -20,7 +20,7 @@ from graders.typography import french
 from server.course import Exercise, Module
 from server.course.models import Lesson, Term
 from server.reading.schemas import HitView
-from server.reading.vocabulary import WORD, Vocabulary, spelt
+from server.reading.vocabulary import WORD, Vocabulary, normalise_spelling
 from server.sandbox.exceptions import USUAL_ERRORS
 
 MAX_HITS = 30
@@ -56,16 +56,16 @@ class Passage:
 
 
 @dataclass(frozen=True)
-class Found:
+class SearchResult:
     """What was found. `read_as` is the query as it was understood, where a word of it stands nowhere as typed."""
 
     hits: tuple[HitView, ...] = ()
     read_as: str = ""
 
 
-def find(module: Module, query: str) -> Found:
+def search_lessons(module: Module, query: str) -> SearchResult:
     """The places that speak of all the words of `query`, first where they stand together; failing that, of some."""
-    return prepare(module).find(query)
+    return load_index(module).find(query)
 
 
 _indexes: WeakKeyDictionary[Module, Index] = WeakKeyDictionary()
@@ -75,7 +75,7 @@ def is_prepared(module: Module) -> bool:
     return module in _indexes
 
 
-def prepare(module: Module) -> Index:
+def load_index(module: Module) -> Index:
     """Return the module's index; to make it takes about a second."""
     index = _indexes.get(module)
     if index is None:
@@ -100,14 +100,14 @@ class Index:
         self._table.executemany("INSERT INTO passages(rowid, title, body, names) VALUES (?, ?, ?, ?)", rows)
         self._table.execute("INSERT INTO passages(passages) VALUES ('optimize')")
 
-    def find(self, query: str, most: int = MAX_HITS) -> Found:
-        asked = words(query)
+    def find(self, query: str, most: int = MAX_HITS) -> SearchResult:
+        asked = query_words(query)
         if not asked:
-            return Found()
+            return SearchResult()
         mended = {word: self._corrected(word) for word in asked}
         hits = self._ranked_hits([self._alternatives(word) for word in mended.values()], [*mended.values()], most)
         changed = any(word != instead for word, instead in mended.items())
-        return Found(hits, " ".join(mended.values()) if changed and hits else "")
+        return SearchResult(hits, " ".join(mended.values()) if changed and hits else "")
 
     def _corrected(self, word: str) -> str:
         return word if self._vocabulary.knows(word) else self._vocabulary.mended(word) or word
@@ -146,9 +146,9 @@ class Index:
         return {number: _hit_view(self._passages[number], quoted[number]) for number in order}
 
 
-def words(query: str) -> tuple[str, ...]:
+def query_words(query: str) -> tuple[str, ...]:
     """The words to look for, each meant as a beginning. Small ones only count where there is no other."""
-    all_words = list(dict.fromkeys(WORD.findall(spelt(query[:MAX_QUERY_LENGTH]))))
+    all_words = list(dict.fromkeys(WORD.findall(normalise_spelling(query[:MAX_QUERY_LENGTH]))))
     telling = [word for word in all_words if word not in STOP_WORDS] or all_words[:MAX_SMALL_WORDS]
     return tuple(telling[:MAX_QUERY_WORDS])
 

@@ -41,7 +41,7 @@ from server.recall import paths
 from server.sandbox.exceptions import USUAL_ERRORS
 from server.studio import service as studio
 from server.text.lines import tidy_line
-from server.text.prose import line
+from server.text.prose import author_line_html
 from server.web import deadlines, editions
 from server.web.deadlines import DueView
 from server.web.next_step import choose_next
@@ -116,7 +116,7 @@ def home_view(
         facts=tuple((name, value) for name, value in facts if value),
         around=tuple(NeighbourView(word, number, others.get(number, "")) for word, number in around if number),
         objectives=module.objectives,
-        references=tuple(Markup(line(reference, module.names)) for reference in module.references),
+        references=tuple(Markup(author_line_html(reference, module.names)) for reference in module.references),
         paths=tuple(_path_view(module, way, chosen) for way in module.paths),
         start=_lesson_link(way[0]) if way else None,
         resumed=choose_next(module, progress, chosen) if any(row.own.attempts for row in rows.values()) else None,
@@ -204,7 +204,7 @@ def _lesson_link(lesson: Lesson, left: Sequence[str] = ()) -> LessonLink:
 
 def lesson_page(reader: Reader, module: Module, lesson: Lesson, *, past_warning: bool = False) -> LessonPage:
     said = polls.load_lesson_answers(reader.db, reader.account, module, lesson)
-    gate = gates.gate(reader, lesson, past_warning=past_warning)
+    gate = gates.solution_gate(reader, lesson, past_warning=past_warning)
     progress = gradebook.load_progress(reader.db, reader.account)
     chosen = paths.find_path(module, paths.load_paths(reader.db, reader.account.id if reader.account else None))
     return lesson_view(module, lesson, progress, said, gate, account=reader.account, chosen=chosen)
@@ -244,7 +244,7 @@ def lesson_view(
         objectives=lesson.objectives,
         html=texts.fill_text(module, lesson, rows, account, left, is_heard=said is not None) if shown else Markup(),
         said=json.dumps(dict(said or {}), ensure_ascii=False),
-        contents=contents(lesson) if shown else (),
+        contents=heading_tree(lesson) if shown else (),
         exercises=tuple(rows[slug] for slug in following if slug not in placed),
         terms=_linked_terms(module, lesson) if shown else (),
         previous=_lesson_link(way[place - 1]) if place else None,
@@ -254,7 +254,7 @@ def lesson_view(
 
 
 @lru_cache(maxsize=512)
-def contents(lesson: Lesson) -> tuple[Entry, ...]:
+def heading_tree(lesson: Lesson) -> tuple[Entry, ...]:
     """The lesson's headings as a tree of two levels."""
     headings = [heading for heading in lesson.headings if heading.level <= MAX_HEADING_LEVEL]
     top = min((heading.level for heading in headings), default=0)
@@ -296,19 +296,21 @@ def glossary_page(module: Module) -> GlossaryPage:
 
 @lru_cache(maxsize=32)
 def _letters(module: Module) -> tuple[Letter, ...]:
-    terms = sorted((_term_view(module, term) for term in module.glossary.values()), key=lambda term: plain(term.word))
-    groups = groupby(terms, key=lambda term: plain(term.word)[:1].upper())
+    terms = sorted(
+        (_term_view(module, term) for term in module.glossary.values()), key=lambda term: word_sort_key(term.word)
+    )
+    groups = groupby(terms, key=lambda term: word_sort_key(term.word)[:1].upper())
     return tuple(Letter(letter, tuple(group)) for letter, group in groups)
 
 
-def plain(word: str) -> str:
+def word_sort_key(word: str) -> str:
     """A word as a dictionary sorts it: no accent, no capital, no hyphen."""
     return re.sub(r"[^a-z0-9]+", " ", unaccented(word)).strip()
 
 
 def search_page(module: Module, query: str) -> SearchPage:
     query = tidy_line(query)
-    found = search.find(module, query)
+    found = search.search_lessons(module, query)
     return SearchPage(module_link(module), query, found.read_as, found.hits, () if found.hits else _examples(module))
 
 

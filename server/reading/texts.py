@@ -64,7 +64,7 @@ def _exercise(module: Module, rows: Mapping[str, ExerciseRow], slug: str) -> str
 def _retrieval(module: Module, name: str, account: Account | None, day: date, is_heard: bool) -> str:
     if name not in module.retrievals:
         return ""
-    asked = retrievals.ask(module, name, account, day)
+    asked = retrievals.draw_retrieval(module, name, account, day)
     macros = _macros("reading/recalled.html")
     return str(macros.recalled(asked) if is_heard else macros.told(asked))
 

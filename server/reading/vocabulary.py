@@ -28,7 +28,7 @@ MAX_COMPARED = 40
 LETTERS = string.ascii_lowercase + string.digits
 
 
-def spelt(text: str) -> str:
+def normalise_spelling(text: str) -> str:
     """Small letters, accents composed: how words are kept."""
     return unicodedata.normalize("NFC", limit_marks(text)).lower()
 
@@ -37,7 +37,7 @@ class Vocabulary:
     """Built once over some texts, then only read; by several threads."""
 
     def __init__(self, texts: Iterable[str]) -> None:
-        words = sorted({word for text in texts for word in WORD.findall(spelt(text))})
+        words = sorted({word for text in texts for word in WORD.findall(normalise_spelling(text))})
         import snowballstemmer
 
         self._stemmer, self._lock = snowballstemmer.stemmer("french"), Lock()

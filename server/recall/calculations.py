@@ -54,7 +54,7 @@ def can_calculate(exercise: Exercise) -> bool:
     return exercise.hunts != "never" and isinstance(exercise.answers, NumericGrader | ChoiceGrader)
 
 
-def find_question(exercise: Exercise, misconception: str) -> str | None:
+def find_question_showing(exercise: Exercise, misconception: str) -> str | None:
     """Return the first question of an exercise in which a misconception shows: it depends on the fewest others."""
     grader = exercise.answers
     if isinstance(grader, NumericGrader):
@@ -65,10 +65,12 @@ def find_question(exercise: Exercise, misconception: str) -> str | None:
     return None
 
 
-def ask(course: Course, exercise_id: str, misconception: str, account: Account, day: date) -> AskedCalculation:
+def draw_calculation(
+    course: Course, exercise_id: str, misconception: str, account: Account, day: date
+) -> AskedCalculation:
     """Draw the question about a misconception for an account and a day. Raises NotFound."""
     exercise = course.exercises.get(exercise_id)
-    name = None if exercise is None or not can_calculate(exercise) else find_question(exercise, misconception)
+    name = None if exercise is None or not can_calculate(exercise) else find_question_showing(exercise, misconception)
     if exercise is None or exercise.answers is None or name is None:
         raise NotFound(NO_QUESTION)
     seed = seed_of("calculation", str(account.id), exercise_id, misconception, day.isoformat())
@@ -77,7 +79,7 @@ def ask(course: Course, exercise_id: str, misconception: str, account: Account, 
     return AskedCalculation(exercise, misconception, day, seed, question, paper.given)
 
 
-def mark(asked: AskedCalculation, typed: Sequence[str]) -> CalculationMark:
+def mark_calculation(asked: AskedCalculation, typed: Sequence[str]) -> CalculationMark:
     """Judge a typed number or the letters of options as in the exercise. Raises Invalid for what is no answer."""
     grader, question = asked.exercise.answers, asked.question
     assert grader is not None
@@ -100,7 +102,7 @@ def _right_words(asked: AskedCalculation) -> str:
     return " et ".join(right) if isinstance(right, list) else str(right)
 
 
-def answer(
+def submit_calculation(
     db: Session, course: Course, account: Account, asked: AskedCalculation, typed: Sequence[str]
 ) -> CalculationMark:
     """Mark an answer to a question of today or yesterday, and store it.
@@ -110,7 +112,7 @@ def answer(
     require_recent(asked.day)
     if tests := feedback.load_holds(db, account.id, asked.exercise.id).tests:
         raise Conflict(IN_TEST.format(title=tests[0].title))
-    marked = mark(asked, typed)
+    marked = mark_calculation(asked, typed)
     repository.add_answer(db, RecallAnswer(
         account_id=account.id, subject=subject_of(course, asked.exercise, asked.misconception),
         kind=QuestionKind.calculation, exercise=asked.exercise.id, misconception=asked.misconception,

@@ -60,7 +60,7 @@ def require_recent(day: date) -> None:
         raise Conflict(OTHER_DAY)
 
 
-def ask(module: Module, name: str, account: Account | None, day: date) -> AskedQuestion:
+def draw_retrieval(module: Module, name: str, account: Account | None, day: date) -> AskedQuestion:
     """Draw a question for an account and a day. Raises NotFound."""
     if name not in module.retrievals:
         raise NotFound(NO_QUESTION)
@@ -68,13 +68,13 @@ def ask(module: Module, name: str, account: Account | None, day: date) -> AskedQ
     return AskedQuestion(module.slug, name, day, seed, draw_question(module, name, seed))
 
 
-def answer(db: Session, module: Module, name: str, account: Account | None, day: date, typed: str) -> Marking:
+def submit_retrieval(db: Session, module: Module, name: str, account: Account | None, day: date, typed: str) -> Marking:
     """Mark an answer to a question of today or yesterday, and store the first one of the day.
 
     Raises NotFound, Conflict for another day, and Invalid for what is no answer.
     """
     require_recent(day)
-    asked = ask(module, name, account, day)
+    asked = draw_retrieval(module, name, account, day)
     try:
         marking = asked.question.mark(typed, asked.seed)
     except UnreadableAnswerError as error:

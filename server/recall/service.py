@@ -25,7 +25,7 @@ REMINDERS, OFF = "reminders", "off"
 
 
 @dataclass(frozen=True)
-class Candidate:
+class RecallCandidate:
     """A misconception about which a question may be asked."""
 
     exercise: str
@@ -33,15 +33,15 @@ class Candidate:
 
 
 @dataclass(frozen=True)
-class Recall:
+class RecallState:
     """What comes back to an account. `due` are subjects, the most forgotten first, each with what may be asked:
     misconceptions, or none where the subject is a retrieval question itself.
 
     `fading` are all subjects that are due, whether or not a day is long enough for them, with what was confused.
     """
 
-    due: Mapping[str, Sequence[Candidate]]
-    fading: Mapping[str, Sequence[Candidate]]
+    due: Mapping[str, Sequence[RecallCandidate]]
+    fading: Mapping[str, Sequence[RecallCandidate]]
     answered_today: int
     answers: Mapping[str, int]
     streak: int
@@ -56,7 +56,7 @@ def load_recall(
     solved: Collection[str],
     can_ask: Callable[[Exercise], bool],
     choices: Mapping[str, str],
-) -> Recall:
+) -> RecallState:
     """Load what comes back: of the solved exercises about which questions can be asked, and of lessons.
 
     A question of a lesson is scheduled from its first wrong answer on. Nothing is asked of an exercise during its test.
@@ -75,7 +75,7 @@ def load_recall(
     schedules: dict[str, Schedule] = {subject: schedule(history, now) for subject, history in reviews.items()}
     answered_today, counts = days.count(today), Counter(answer.subject for answer in answers)
     due = choose_due(schedules, now, answered_today)
-    return Recall(
+    return RecallState(
         due={
             subject: (*confused.get(subject, ()), *list_relatives(course, asked, subject, can_ask)) for subject in due
         },
@@ -93,19 +93,19 @@ def gather_reviews(
     past: Iterable[PastMistake],
     answers: Iterable[RecallAnswer],
     can_ask: Callable[[Exercise], bool],
-) -> tuple[Mapping[str, Sequence[Review]], Mapping[str, Sequence[Candidate]]]:
+) -> tuple[Mapping[str, Sequence[Review]], Mapping[str, Sequence[RecallCandidate]]]:
     """Return the reviews of each subject, and the mended misconceptions of it about which one may ask. Pure.
 
     An answer about what was never confused counts for a lesson's question that was missed, and for nothing else.
     """
     reviews: dict[str, list[Review]] = defaultdict(list)
-    confused: dict[str, list[Candidate]] = defaultdict(list)
+    confused: dict[str, list[RecallCandidate]] = defaultdict(list)
     for mistake in past:
         exercise = course.exercises[mistake.exercise]
         if mistake.mended is not None and can_ask(exercise):
             subject = subject_of(course, exercise, mistake.misconception)
             reviews[subject].append(Review(mistake.mended.sent_at, went_well=False))
-            confused[subject].append(Candidate(exercise.id, mistake.misconception))
+            confused[subject].append(RecallCandidate(exercise.id, mistake.misconception))
     for answer in answers:
         is_missed = not answer.is_right and retrievals.find_question(course, answer.subject) is not None
         if answer.subject in reviews or is_missed:
@@ -115,12 +115,12 @@ def gather_reviews(
 
 def list_relatives(
     course: Course, solved: Sequence[Exercise], subject: str, can_ask: Callable[[Exercise], bool]
-) -> Sequence[Candidate]:
+) -> Sequence[RecallCandidate]:
     """List the misconceptions of the same family in solved exercises: another program than the one confused."""
     if subject not in course.families:
         return ()
     return [
-        Candidate(exercise.id, name)
+        RecallCandidate(exercise.id, name)
         for exercise in solved
         if subject in exercise.filing.families.values() and can_ask(exercise)
         for name in list_misconceptions(exercise)

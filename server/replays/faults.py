@@ -6,16 +6,16 @@ from pathlib import Path
 
 from server.course import Course, Problem
 from server.course.code import MANIPULATIONS
-from server.replays.service import load, load_scene, names_in
+from server.replays.service import load_replay, load_scene, replay_names
 
 
 def faults(course: Course) -> Iterator[Problem]:
     """A problem for each that does not, where its own file went wrong."""
     for module in course.modules.values():
-        for name in names_in(module.folder):
+        for name in replay_names(module.folder):
             path = module.folder / "rejeux" / f"{name.replace('-', '_')}.py"
             try:
-                script = load(module.folder, name)
+                script = load_replay(module.folder, name)
                 script.run(script.read(()))
             except Exception as error:  # whatever an author's function raises is reported with its place
                 yield _problem(path, f"l’animation « {name} »", error)

@@ -14,7 +14,7 @@ from server.base.app_services import app_service
 from server.base.concurrency import FairLimiter, LimiterFullError
 from server.base.errors import RateLimited, ServiceError
 from server.base.http import client_address, error_document, problem_response
-from server.replays.service import Answer, Replays, Script
+from server.replays.service import CompressedReplay, ReplayLibrary, ReplayScript
 from server.web.rendering import with_etag
 
 MAX_WAITING = 32  # requests, the running one included
@@ -22,14 +22,14 @@ CLIENT_CLOSED_REQUEST = 499  # the client has closed the connection: nobody read
 router = APIRouter(include_in_schema=False)
 
 
-class Desk:
+class ReplayQueue:
     """Where readers wait for their turn: one computation at a time, and a queue that has an end."""
 
-    def __init__(self, replays: Replays) -> None:
+    def __init__(self, replays: ReplayLibrary) -> None:
         self.replays = replays
         self._turns = FairLimiter(1, MAX_WAITING - 1)
 
-    async def answer(self, request: Request, script: Script, values: Values) -> Answer | None:
+    async def answer(self, request: Request, script: ReplayScript, values: Values) -> CompressedReplay | None:
         """None when the reader has left in the meantime. Raises TooMany."""
         answer = self.replays.remembered(script, values)
         if answer is not None:
@@ -48,16 +48,16 @@ class Desk:
             self._turns.release(address)
 
 
-DeskOf = Annotated[Desk, Depends(app_service(Desk))]
+DeskOf = Annotated[ReplayQueue, Depends(app_service(ReplayQueue))]
 
 
 @router.get("/{module}/rejeux/{name}")
-async def replay(request: Request, desk: DeskOf, module: str, name: str) -> Response:
+async def compute_replay(request: Request, desk: DeskOf, module: str, name: str) -> Response:
     return await _respond(request, desk, desk.replays.find, module, name)
 
 
 @router.get("/{module}/manipulations/{name}")
-async def manipulation(request: Request, desk: DeskOf, module: str, name: str) -> Response:
+async def compute_manipulation(request: Request, desk: DeskOf, module: str, name: str) -> Response:
     return await _respond(request, desk, desk.replays.find_manipulation, module, name)
 
 
@@ -68,7 +68,7 @@ async def manipulation_script(request: Request, desk: DeskOf, module: str, name:
 
 
 async def _respond(
-    request: Request, desk: Desk, find: Callable[[str, str], Script], module: str, name: str
+    request: Request, desk: ReplayQueue, find: Callable[[str, str], ReplayScript], module: str, name: str
 ) -> Response:
     try:
         script = await run_in_threadpool(find, module, name)
@@ -78,7 +78,7 @@ async def _respond(
     return Response(status_code=CLIENT_CLOSED_REQUEST) if answer is None else _answer_response(request, answer)
 
 
-def _answer_response(request: Request, answer: Answer) -> Response:
+def _answer_response(request: Request, answer: CompressedReplay) -> Response:
     tag = f'"{answer.tag}"'
     headers = {"ETag": tag, "Cache-Control": "no-cache", "Vary": "Accept-Encoding"}
     if request.headers.get("if-none-match") == tag:

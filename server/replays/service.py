@@ -23,7 +23,7 @@ from graders.scene.replay import Replay
 from graders.typography import french
 from server.base.caches import LRUCache
 from server.base.errors import Invalid, NotFound
-from server.course.code import MANIPULATIONS, load_file
+from server.course.code import MANIPULATIONS, import_file
 from server.course.editions import MODULE_SLUG
 
 NAME = re.compile(r"[a-z0-9]+(-[a-z0-9]+)*")
@@ -37,7 +37,7 @@ RUN_CALL = re.compile(r"\bbench\.run\(")
 
 
 @dataclass(frozen=True, eq=False)
-class Script:
+class ReplayScript:
     """A replay as its author wrote it."""
 
     name: str
@@ -79,7 +79,7 @@ class Script:
 
 
 @dataclass(frozen=True)
-class Answer:
+class CompressedReplay:
     """JSON, compressed, and a tag that changes with it."""
 
     compressed: bytes
@@ -87,27 +87,27 @@ class Answer:
 
 
 #: A replay, and its settings.
-Key = tuple[Script, tuple[Value, ...]]
+Key = tuple[ReplayScript, tuple[Value, ...]]
 
 
-class Replays:
+class ReplayLibrary:
     """The replays of all courses, or of one; remembers the latest answers, up to so many bytes."""
 
     def __init__(self, curriculum: Path | None = None, memory_bytes: int = MEMORY_BYTES) -> None:
         self._curriculum = curriculum
-        self._answers: LRUCache[Key, Answer] = LRUCache(memory_bytes, lambda answer: len(answer.compressed))
+        self._answers: LRUCache[Key, CompressedReplay] = LRUCache(memory_bytes, lambda answer: len(answer.compressed))
 
     def names(self, module: str) -> tuple[str, ...]:
         """The replays of a module, as addresses name them."""
-        return names_in(self._module_folder(module)) if MODULE_SLUG.fullmatch(module) else ()
+        return replay_names(self._module_folder(module)) if MODULE_SLUG.fullmatch(module) else ()
 
-    def find(self, module: str, name: str) -> Script:
+    def find(self, module: str, name: str) -> ReplayScript:
         """Raises NotFound."""
         if name not in self.names(module):
             raise NotFound(NO_REPLAY)
-        return load(self._module_folder(module), name)
+        return load_replay(self._module_folder(module), name)
 
-    def find_manipulation(self, module: str, name: str) -> Script:
+    def find_manipulation(self, module: str, name: str) -> ReplayScript:
         """What a manipulation starts from, or what it asks to have computed. Raises NotFound."""
         return load_scene(self._manipulation(module, name) / "scene.py", name)
 
@@ -142,37 +142,37 @@ class Replays:
     def _module_folder(self, module: str) -> Path:
         return self._curriculum / module if self._curriculum else module_folder(module)
 
-    def remembered(self, script: Script, values: Values) -> Answer | None:
+    def remembered(self, script: ReplayScript, values: Values) -> CompressedReplay | None:
         return self._answers.get(_cache_key(script, values))
 
-    def compute(self, script: Script, values: Values) -> Answer:
+    def compute(self, script: ReplayScript, values: Values) -> CompressedReplay:
         """Slow (tenths of a second): call it in a thread, one at a time."""
         body = json.dumps(script.run(values), ensure_ascii=False, separators=(",", ":"), allow_nan=False).encode()
-        answer = Answer(gzip.compress(body, 6, mtime=0), hashlib.sha256(body).hexdigest()[:24])
+        answer = CompressedReplay(gzip.compress(body, 6, mtime=0), hashlib.sha256(body).hexdigest()[:24])
         return self._answers.put(_cache_key(script, values), answer)
 
 
-def _cache_key(script: Script, values: Values) -> Key:
+def _cache_key(script: ReplayScript, values: Values) -> Key:
     return script, tuple(values.by_name.values())
 
 
-def names_in(module: Path) -> tuple[str, ...]:
+def replay_names(module: Path) -> tuple[str, ...]:
     """The names of the replays in a module's folder `rejeux`; files that begin with _ are helpers."""
     files = sorted((module / "rejeux").glob("*.py"))
     return tuple(name for path in files if NAME.fullmatch(name := path.stem.replace("_", "-")))
 
 
-def load(module: Path, name: str) -> Script:
+def load_replay(module: Path, name: str) -> ReplayScript:
     """A replay read from its file; an error in the file is raised as it is. Raises Invalid for settings of its
     question that it does not have."""
     return load_scene(module / "rejeux" / f"{name.replace('-', '_')}.py", name)
 
 
 @lru_cache(maxsize=256)
-def load_scene(path: Path, name: str) -> Script:
+def load_scene(path: Path, name: str) -> ReplayScript:
     """The same, of any file that has that form."""
-    source = load_file(path)
+    source = import_file(path)
     prediction: Prediction | Placed | None = getattr(source, "PREDICTION", None)
-    script = Script(name, source.TITLE, source.ALT, dict(source.PARAMETERS), source.compute, prediction)
+    script = ReplayScript(name, source.TITLE, source.ALT, dict(source.PARAMETERS), source.compute, prediction)
     script.read(prediction.settings.items() if prediction else ())
     return script

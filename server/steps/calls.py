@@ -19,7 +19,7 @@ from server.base.errors import Invalid
 from server.base.validation import encode_bounded
 from server.sandbox import Value
 from server.sandbox.child.codec import ValueLimits, ValueTooBig, encode
-from server.text.plain import visible
+from server.text.plain import show_invisible_characters
 
 #: Maximum number of items written of an array, a list or a dictionary.
 MAX_ITEMS_WRITTEN = 16
@@ -112,7 +112,7 @@ def _describe_break(typed: str, error: SyntaxError) -> str:
     if opened < 0:
         return f"il y a un crochet ou une parenthèse de trop à la fin. {_VALUES}"
     place = max(1, error.offset or 1)
-    rest = visible(typed[place - 1 :][:20])
+    rest = show_invisible_characters(typed[place - 1 :][:20])
     return f"Python ne comprend pas la suite à partir du caractère {place}, « {rest} ». {_VALUES}"
 
 
@@ -139,7 +139,7 @@ def _format_value(value: Value) -> str:
     if isinstance(value, dict):
         pairs = ", ".join(f"{key!r}: {_format_value(item)}" for key, item in [*value.items()][:MAX_ITEMS_WRITTEN])
         return f"{{{pairs}{', …' * (len(value) > MAX_ITEMS_WRITTEN)}}}"
-    return visible(repr(value))
+    return show_invisible_characters(repr(value))
 
 
 def _parse_expression(typed: str) -> ast.expr:

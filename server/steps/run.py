@@ -32,7 +32,7 @@ from server.steps.questions import (
 from server.steps.schemas import EndOut, MarkOut, TraceOut
 from server.steps.trace_reader import MAX_VALUE_BYTES, TraceReader
 from server.steps.values import MalformedTrace
-from server.text.plain import visible
+from server.text.plain import show_invisible_characters
 
 KIB, MIB = 1 << 10, 1 << 20
 FILENAME, CELL = "solution.py", "cellule.py"
@@ -198,7 +198,7 @@ def _trace_program(
         )
     except ProgramFault as unloaded:
         trace = _empty_trace(program.source, program.filename, unloaded)
-        return trace.model_copy(update={"call": program.call, "stdout": visible(unloaded.stdout)})
+        return trace.model_copy(update={"call": program.call, "stdout": show_invisible_characters(unloaded.stdout)})
     with session:
         result = session.trace(program.function, *program.arguments, named=program.named)
     reader = TraceReader(len(_split_lines(program.source)))
@@ -219,7 +219,7 @@ def _trace_program(
         steps=reader.steps,
         end=end,
         left_out=omissions,
-        stdout=visible(session.stdout()),
+        stdout=show_invisible_characters(session.stdout()),
         mark=mark,
         milliseconds=0,
     )
@@ -243,7 +243,7 @@ def _find_own_exception(reply: tuple[Value, ...]) -> str:
     """Return the name of the exception of the student's own class that ended a played program, or an empty string."""
     match reply:
         case ([*_, ("e", [str(name), *_])],) | (([*_, ("e", [str(name), *_])], str(), *_),):
-            return visible(name)
+            return show_invisible_characters(name)
     return ""
 
 
@@ -280,4 +280,4 @@ def _empty_trace(source: bytes, filename: str, fault: ProgramFault, *, cut: bool
 
 def _split_lines(source: bytes) -> list[str]:
     """Split into lines as the interpreter counts them."""
-    return [visible(line) for line in re.split("\r\n|\r|\n", source.decode("utf-8-sig", "replace"))]
+    return [show_invisible_characters(line) for line in re.split("\r\n|\r|\n", source.decode("utf-8-sig", "replace"))]

@@ -18,7 +18,7 @@ from server.base.settings import Settings
 from server.base.validation import encode_bounded
 from server.classes import presence
 from server.course import Course, Exercise
-from server.course.reuse import Own, shelves
+from server.course.reuse import Own, build_library
 from server.database import Database, utc_now
 from server.gradebook import importable_files
 from server.gradebook import service as gradebook
@@ -154,7 +154,7 @@ class StepService:
         return [reused.id for reused in self.course.reused(exercise)]
 
     def _library(self, exercise: str, own: Own, tested: Collection[str]) -> tuple[LibraryFileData, ...]:
-        return tuple(map(LibraryFileData.from_file, shelves(self.course, exercise, own, tested)))
+        return tuple(map(LibraryFileData.from_file, build_library(self.course, exercise, own, tested)))
 
     async def _trace_with_token(
         self, account: Account, address: str, build: Callable[[Session], TraceRequest]

@@ -21,7 +21,7 @@ from server.steps.schemas import (
     TextOut,
     Value,
 )
-from server.text.plain import visible
+from server.text.plain import show_invisible_characters
 
 #: Bounds: characters of a name, the largest whole number that JSON carries, dimensions of an array.
 MAX_NAME_CHARACTERS, MAX_WHOLE_NUMBER, MAX_DIMENSIONS = 80, 2**53 - 1, 8
@@ -45,7 +45,7 @@ def read_text(record: Any, limit: int = MAX_NAME_CHARACTERS) -> str:
     """Read a text of bounded length; control characters become visible. Raises MalformedTrace."""
     if type(record) is not str or len(record) > limit:
         raise MalformedTrace("no text, or too long a one")
-    return visible(record)
+    return show_invisible_characters(record)
 
 
 def read_whole_number(record: Any, limit: int = MAX_WHOLE_NUMBER) -> int:

@@ -230,16 +230,16 @@ class Submissions:
         )
         return submission
 
-    def _draws(self, account: Account, size: int, stranger_address: str | None) -> list[limits.Draw]:
+    def _draws(self, account: Account, size: int, stranger_address: str | None) -> list[limits.TokenDraw]:
         """Return what a submission of `size` bytes takes: of its account and, unless in a class, of its address."""
         kib, bucket = VERDICT_KIB + -(-size // 1024), self._settings.storage_bucket
         draws = [
-            limits.Draw(limits.submission_key(account.id), self._settings.submission_bucket, TOO_FAST),
-            limits.Draw(f"storage:{account.id}", bucket, STORAGE_USED["account"], kib),
+            limits.TokenDraw(limits.submission_key(account.id), self._settings.submission_bucket, TOO_FAST),
+            limits.TokenDraw(f"storage:{account.id}", bucket, STORAGE_USED["account"], kib),
         ]
         if stranger_address is not None:
             shared = BucketSettings(STRANGERS_SHARES * bucket.burst, bucket.refill_seconds / STRANGERS_SHARES)
-            draws.append(limits.Draw(f"storage-from:{stranger_address}", shared, STORAGE_USED["address"], kib))
+            draws.append(limits.TokenDraw(f"storage-from:{stranger_address}", shared, STORAGE_USED["address"], kib))
         return draws
 
     def requeue(self, db: Session, submission: Submission, account: Account) -> bool:

@@ -44,7 +44,7 @@ class TexError(Exception):
         self.position = position
 
 
-class Engine:
+class KatexEngine:
     """One JavaScript context on one thread of its own."""
 
     def __init__(self, source: Path) -> None:
@@ -70,17 +70,17 @@ class Engine:
 
 
 @lru_cache(maxsize=1)
-def engine() -> Engine | None:
+def shared_engine() -> KatexEngine | None:
     """The engine, or None where the front end has not been built (npm out of reach at install time)."""
-    return Engine(KATEX) if KATEX.is_file() else None
+    return KatexEngine(KATEX) if KATEX.is_file() else None
 
 
 drawn: LRUCache[Formula, str] = LRUCache(MAX_CACHED_FORMULAS)
 
 
-def prepare(formulas: Iterable[Formula]) -> None:
+def render_ahead(formulas: Iterable[Formula]) -> None:
     """Draw what will be asked for, many at a time. What is refused will be told when it is asked for."""
-    current = engine()
+    current = shared_engine()
     if current is None:
         return
     missing = [formula for formula in dict.fromkeys(formulas) if drawn.get(formula) is None]
@@ -91,9 +91,9 @@ def prepare(formulas: Iterable[Formula]) -> None:
                 drawn.put(formula, answer)
 
 
-def render(tex: str, *, display: bool) -> str:
+def render_formula(tex: str, *, display: bool) -> str:
     """HTML (with MathML inside for screen readers). Raises TexError. Without KaTeX, the TeX itself, readable."""
-    current = engine()
+    current = shared_engine()
     if current is None:
         tag = "div" if display else "span"
         return f'<{tag} class="tex"><code>{html.escape(tex.strip())}</code></{tag}>'

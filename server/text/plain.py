@@ -12,7 +12,7 @@ STRANGE = re.compile(
 CONTROL_PICTURES = 0x2400
 
 
-def visible(text: str) -> str:
+def show_invisible_characters(text: str) -> str:
     """The same text with its invisible characters spelled out (␛, ⟦U+202E⟧); line ends become plain ones."""
     return STRANGE.sub(_spell, text.replace("\r\n", "\n"))
 

@@ -10,13 +10,13 @@ from server.text.markup import Names, Source, Text
 
 
 @lru_cache(maxsize=4096)
-def prose(text: str, names: Callable[[], Names]) -> str:
+def author_html(text: str, names: Callable[[], Names]) -> str:
     """HTML of an author's text, whose faults were looked for at start-up."""
     return Text(Source(text, Path("questions.toml"), names=names)).html
 
 
-def line(text: str, names: Callable[[], Names]) -> str:
+def author_line_html(text: str, names: Callable[[], Names]) -> str:
     """The same without the paragraph around it, where it is a single one."""
-    body = prose(text, names).strip()
+    body = author_html(text, names).strip()
     inside = body.removeprefix("<p>").removesuffix("</p>")
     return inside if body == f"<p>{inside}</p>" and "<p>" not in inside else body

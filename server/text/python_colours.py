@@ -57,10 +57,10 @@ def colour_lines(code: str) -> Sequence[str]:
     What was coloured lately is remembered: who has the page of a long file made again and again keeps nobody waiting.
     """
     known = _cache.get(code)
-    return known if known is not None else _cache.put(code, colour_afresh(code.removesuffix("\n")))
+    return known if known is not None else _cache.put(code, colour_lines_uncached(code.removesuffix("\n")))
 
 
-def colour_afresh(code: str) -> tuple[str, ...]:
+def colour_lines_uncached(code: str) -> tuple[str, ...]:
     """Colour lines as `colour_lines` does, and remember nothing. The last line of `code` has no end."""
     parts, end = list[str](), 0
     for style, text in islice(split_tokens(code), MOST_TOKENS):
@@ -75,7 +75,7 @@ def colour_afresh(code: str) -> tuple[str, ...]:
     return tuple("".join(parts).split("\n"))
 
 
-def colour(code: str) -> str:
+def colour_block(code: str) -> str:
     """Return a whole `<pre>` element, as `server.text.highlight` does."""
     body = "\n".join(colour_lines(code))
     return f'<pre class="code" tabindex="0"><code>{body}\n</code></pre>\n'

@@ -10,7 +10,7 @@ from functools import lru_cache
 from markdown_it import MarkdownIt
 
 from server.base.caches import LRUCache
-from server.text.plain import visible
+from server.text.plain import show_invisible_characters
 
 
 @lru_cache(maxsize=1)
@@ -22,7 +22,7 @@ MAX_CACHED_CHARACTERS = 2_000_000  # characters of HTML
 _cache: LRUCache[str, str] = LRUCache(MAX_CACHED_CHARACTERS, len)
 
 
-def said(text: str) -> str:
+def message_html(text: str) -> str:
     """HTML that is safe to show, whoever has written the text; its invisible characters are spelled out.
 
     What was rendered lately is remembered: a page shows a hundred messages, of which the worst take 14 ms each.
@@ -32,5 +32,5 @@ def said(text: str) -> str:
 
 
 def render_message(text: str) -> str:
-    """Render a message as `said` does, and remember nothing."""
-    return str(_renderer().render(visible(text)))
+    """Render a message as `message_html` does, and remember nothing."""
+    return str(_renderer().render(show_invisible_characters(text)))

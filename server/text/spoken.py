@@ -14,7 +14,7 @@ BETWEEN = {("mtr", "mtr"): " ; ", ("mtd", "mtd"): ", "}
 VOID = {"br", "hr", "img", "input", "wbr"}
 
 
-def spoken(html: str) -> str:
+def html_to_spoken_text(html: str) -> str:
     """Plain text in one line; empty where the HTML has no formula, and needs no help."""
     if "<math" not in html:
         return ""

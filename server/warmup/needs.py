@@ -10,7 +10,7 @@ from uuid import UUID
 
 from server.board.schemas import FEWEST_TO_PROJECT
 from server.recall.scheduling import Review, schedule
-from server.recall.service import Candidate
+from server.recall.service import RecallCandidate
 
 
 @dataclass(frozen=True)
@@ -19,7 +19,7 @@ class StudentMemory:
     is not mended yet."""
 
     reviews: Mapping[str, Sequence[Review]]
-    confused: Mapping[str, Sequence[Candidate]]
+    confused: Mapping[str, Sequence[RecallCandidate]]
     unmended: Collection[str]
 
 
@@ -31,7 +31,7 @@ class SubjectNeed:
     subject: str
     students: int
     met: int
-    candidates: tuple[Candidate, ...]
+    candidates: tuple[RecallCandidate, ...]
 
 
 def rank_needs(memories: Mapping[UUID, StudentMemory], now: datetime) -> Sequence[SubjectNeed]:
@@ -42,7 +42,7 @@ def rank_needs(memories: Mapping[UUID, StudentMemory], now: datetime) -> Sequenc
     """
     to_see: Counter[str] = Counter()
     met: Counter[str] = Counter()
-    candidates: dict[str, Counter[Candidate]] = defaultdict(Counter)
+    candidates: dict[str, Counter[RecallCandidate]] = defaultdict(Counter)
     for memory in memories.values():
         for subject in {*memory.reviews, *memory.unmended}:
             met[subject] += 1
@@ -56,7 +56,7 @@ def rank_needs(memories: Mapping[UUID, StudentMemory], now: datetime) -> Sequenc
     return sorted(needs, key=lambda need: (-need.students, -need.met, need.subject))
 
 
-def _by_number(counts: Counter[Candidate]) -> tuple[Candidate, ...]:
+def _by_number(counts: Counter[RecallCandidate]) -> tuple[RecallCandidate, ...]:
     return tuple(
         sorted(counts, key=lambda candidate: (-counts[candidate], candidate.exercise, candidate.misconception))
     )

@@ -21,14 +21,14 @@ from server.classes.service import require_open
 from server.course import Course, Exercise
 from server.database import Database, utc_now
 from server.gradebook.mistakes import PastMistake, past_mistakes
-from server.hunts.service import HuntService, may_have_hunts, name_hunts
+from server.hunts.service import HuntService, hunts_of_misconceptions, may_have_hunts
 from server.identity.models import Account
 from server.lesson.service import load_projection_rules
 from server.polls import repository as polls
 from server.recall import repository as recall
 from server.recall import retrievals
 from server.recall.models import QuestionKind, RecallAnswer
-from server.recall.service import Candidate, gather_reviews, list_relatives
+from server.recall.service import RecallCandidate, gather_reviews, list_relatives
 from server.recall.subjects import subject_of
 from server.rights import service as rights
 from server.rights.models import Right
@@ -91,7 +91,7 @@ class WarmUpService:
         found = retrievals.find_question(self.course, need.subject)
         if found is not None:
             return await run_in_threadpool(retrieval_question, *found, need, seed)
-        comparison = await self.hunts.compare(account, name_hunts(need.candidates), address)
+        comparison = await self.hunts.compare(account, hunts_of_misconceptions(need.candidates), address)
         return None if comparison is None else comparison_question(self.course, need, comparison, seed)
 
     def _store(self, class_id: UUID, day: date, questions: Sequence[WarmUpQuestion]) -> None:
@@ -145,13 +145,13 @@ def _memory(
     course: Course, past: Sequence[PastMistake], answers: Sequence[RecallAnswer], may_ask: MayAsk
 ) -> StudentMemory:
     reviews, confused = gather_reviews(course, past, answers, may_ask)
-    met: dict[str, list[Candidate]] = {subject: list(own) for subject, own in confused.items()}
+    met: dict[str, list[RecallCandidate]] = {subject: list(own) for subject, own in confused.items()}
     unmended = set()
     for mistake in past:
         if mistake.mended is None:
             subject = subject_of(course, course.exercises[mistake.exercise], mistake.misconception)
             unmended.add(subject)
-            met.setdefault(subject, []).append(Candidate(mistake.exercise, mistake.misconception))
+            met.setdefault(subject, []).append(RecallCandidate(mistake.exercise, mistake.misconception))
     return StudentMemory(reviews, met, unmended)
 
 

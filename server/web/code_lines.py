@@ -9,7 +9,7 @@ from markupsafe import Markup
 
 from server.comments.schemas import Conversation
 from server.identity.models import Account
-from server.text.plain import visible
+from server.text.plain import show_invisible_characters
 from server.text.python_colours import colour_lines
 from server.web.threads import ThreadView, thread_views
 
@@ -38,7 +38,7 @@ def code_view(code: str, talks: Sequence[Conversation], account: Account | None)
     for talk in talks:
         if talk.lines is not None:
             below.setdefault(talk.lines.last, []).append(talk)
-    *numbered, rest = visible(code).removesuffix("\n").split("\n", MOST_NUMBERED)
+    *numbered, rest = show_invisible_characters(code).removesuffix("\n").split("\n", MOST_NUMBERED)
     if len(numbered) < MOST_NUMBERED:
         numbered, rest = [*numbered, rest], ""
     lines = tuple(

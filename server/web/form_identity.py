@@ -28,7 +28,7 @@ from server.base.http import SAFE_METHODS, local_path, session_token, split_addr
 from server.database import Database
 from server.identity.dependencies import load_session_account
 from server.identity.models import Account
-from server.text.plain import visible
+from server.text.plain import show_invisible_characters
 
 ACCOUNT_FIELD = "pour"
 ACCOUNT_HEADER = "Balise-Compte"  # of scripts, whose requests are not always forms
@@ -146,7 +146,7 @@ async def require_same_account(request: Request) -> None:
     )  # a field left empty is none
     if account is None:
         raise SignedOut(SIGNED_OUT, fields, has_file=has_file, account=None)
-    name = visible(account.name)
+    name = show_invisible_characters(account.name)
     button = "" if has_file else SEND_AS.format(name=name)
     detail = OTHER_ACCOUNT.format(name=name)
     raise AccountChanged(detail, fields, has_file=has_file, account=account, button=button)

@@ -24,10 +24,10 @@ from server.course import Course, Module
 from server.identity.models import Account
 from server.marks import means
 from server.marks.own import column_mark_text
-from server.text.plain import visible
-from server.text.python_colours import colour
-from server.text.said import said
-from server.text.spoken import spoken
+from server.text.plain import show_invisible_characters
+from server.text.python_colours import colour_block
+from server.text.said import message_html
+from server.text.spoken import html_to_spoken_text
 from server.web import assets, threads, verdicts, views, words
 from server.web.form_identity import account_key, name_account_in_forms
 from server.web.schemas import AccountView, CurrentModuleView
@@ -47,7 +47,8 @@ def jinja_environment() -> Environment:
         lstrip_blocks=True,
     )
     jinja.filters.update(
-        french=french, sentence=sentence, visible=visible, ticks=ticks, python=python, said=written, spoken=spoken,
+        french=french, sentence=sentence, visible=show_invisible_characters, ticks=ticks, python=python,
+        said=written, spoken=html_to_spoken_text,
         iso_moment=words.iso_moment, short_moment=words.short_moment, long_day=words.long_day,
         decimal=means.format_number,
         points_or_dash=points_or_dash,
@@ -70,7 +71,7 @@ def points_or_dash(points: float | None) -> str:
 
 def ticks(message: str) -> Markup:
     """Plain text in which `…` marks code: everything else is escaped, and its invisible characters shown."""
-    parts = str(escape(visible(message))).split("`")
+    parts = str(escape(show_invisible_characters(message))).split("`")
     if len(parts) % 2 == 0:
         return Markup("`".join(parts))
     return Markup("".join(f"<code>{part}</code>" if odd % 2 else part for odd, part in enumerate(parts)))
@@ -92,12 +93,12 @@ def sentence(message: str) -> str:
 
 def python(code: str) -> Markup:
     """Return Python with colours, a student's too: the text is escaped, and read in linear time."""
-    return Markup(colour(visible(code)))
+    return Markup(colour_block(show_invisible_characters(code)))
 
 
 def written(message: str) -> Markup:
     """Render a message that one person wrote to another."""
-    return Markup(said(message))
+    return Markup(message_html(message))
 
 
 def account_view(account: Account | None) -> AccountView:

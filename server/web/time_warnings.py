@@ -15,7 +15,7 @@ from server.classes import repository as classes
 from server.classes.models import ClassRole, Status
 from server.classes.schemas import Member
 from server.database import utc_now
-from server.text.plain import visible
+from server.text.plain import show_invisible_characters
 from server.web.words import long_moment, plural
 
 NOBODY = UUID(int=0)
@@ -118,7 +118,11 @@ def _hidden(assignment: Assignment, rules: Rules) -> Iterator[str]:
 
 def _groups(assignment: Assignment, students: Collection[Collection[str]]) -> Iterator[str]:
     """Groups without students: the assignment is given to nobody there."""
-    empty = [f"« {visible(label)} »" for label in assignment.groups if not any(label in own for own in students)]
+    empty = [
+        f"« {show_invisible_characters(label)} »"
+        for label in assignment.groups
+        if not any(label in own for own in students)
+    ]
     if len(empty) == len(assignment.groups) and empty:
         yield f"Personne n’est dans le groupe {' ni dans '.join(empty)} : ce devoir n’est donné à aucun élève."
     elif empty:
@@ -151,12 +155,12 @@ def _exemptions(
     for each in active:
         if each.account_id is None:
             who, rules = (
-                f"Le groupe « {visible(each.label or '')} »",
+                f"Le groupe « {show_invisible_characters(each.label or '')} »",
                 _rules_of_label(assignment, active, each.label or ""),
             )
         elif each.account_id in names:
             name, groups = names[each.account_id]
-            who, rules = visible(name), rules_in_force(assignment, active, each.account_id, groups)
+            who, rules = show_invisible_characters(name), rules_in_force(assignment, active, each.account_id, groups)
         else:
             continue
         if not rules.is_concerned:

@@ -9,7 +9,7 @@ import pytest
 
 from graders.core.contract.kits import scenario_kit
 from server.authoring import new
-from server.course import Course, load
+from server.course import Course, load_course
 from server.sandbox import Sandbox
 from tests.support.outside import taken_in
 from tests.support.quick import the_course
@@ -46,4 +46,4 @@ def sandbox() -> Iterator[Sandbox]:
 def course(place: Path) -> Iterator[Course]:
     the_course()  # the shipped one is read before another is taken in, which would be part of it
     with taken_in(place):
-        yield load(place / "curriculum", code=place, render=False)
+        yield load_course(place / "curriculum", code=place, render=False)

@@ -12,8 +12,8 @@ import pytest
 from graders.core.contract.local import LOCAL
 from server.authoring import editions
 from server.authoring.new import NameRefused
-from server.course import Course, load
-from server.course.editions import edition_of, following, latest
+from server.course import Course, load_course
+from server.course.editions import edition_of, latest_editions, next_edition_slug
 from server.web.editions import exercise_in_edition, later_editions
 from tests.support.outside import taken_in
 
@@ -21,8 +21,8 @@ from tests.support.outside import taken_in
 def test_names_tell_the_edition() -> None:
     assert edition_of("l21") == ("l21", 1)
     assert edition_of("l21e12") == ("l21", 12)
-    assert [following(slug) for slug in ("l21", "l21e2", "l21e9")] == ["l21e2", "l21e3", "l21e10"]
-    assert latest(["l21", "l21e10", "l21e9", "m2"]) == {"l21e10", "m2"}
+    assert [next_edition_slug(slug) for slug in ("l21", "l21e2", "l21e9")] == ["l21e2", "l21e3", "l21e10"]
+    assert latest_editions(["l21", "l21e10", "l21e9", "m2"]) == {"l21e10", "m2"}
 
 
 def test_a_copied_module_holds_together_and_grades(place: Path, tmp_path: Path) -> None:
@@ -32,7 +32,7 @@ def test_a_copied_module_holds_together_and_grades(place: Path, tmp_path: Path) 
         files = editions.copy_to_next_edition("l21", course)
         assert all("l21" not in path.parts for path in (one.relative_to(course) for one in files))
         assert editions.copy_to_next_edition("l21", course)[0].relative_to(course).parts[1] == "l21e3"
-        read = load(course / "curriculum", code=course, render=False)
+        read = load_course(course / "curriculum", code=course, render=False)
         assert [one.message for one in read.problems if "n’a pas d’exercice" not in one.message] == []
         assert [module.slug for module in read.latest] == ["l21e3"]
         assert [one.slug for one in later_editions(read, "l21e2")] == ["l21e2", "l21e3"]

@@ -9,7 +9,7 @@ import pytest
 
 from graders.core.declared.declaration import read_declaration
 from server.cli import main
-from server.course import load
+from server.course import load_course
 from server.grading.sandbox_grader import SandboxPrograms
 from server.sandbox import Sandbox
 from server.studio.import_drafts import Draft, ImportRefused
@@ -177,7 +177,7 @@ def test_what_is_imported_is_a_folder_that_grades(
     assert "Carrés : 3 cas lus" in told
     assert "laissé : question 1, test 3 : aucune fonction" in told
     with taken_in(course):
-        read = load(course / "curriculum", code=course, render=False)
+        read = load_course(course / "curriculum", code=course, render=False)
         assert [problem for problem in read.problems if "n’a pas d’exercice" not in problem.message] == []
         exercise = read.exercises["l31/carres"]
         assert [function.signature for function in exercise.functions] == ["carre(n)", "table(n)"]

@@ -12,10 +12,10 @@ from graders.core.contract.local import LOCAL
 from server.authoring import new
 from server.base.version import VERSION
 from server.cli.authors import KINDS
-from server.cli.check import cases
+from server.cli.check import list_cases
 from server.course import Course
 from server.grading.sandbox_grader import SandboxPrograms
-from server.replays.service import load as load_replay
+from server.replays.service import load_replay
 from server.sandbox import Sandbox
 from tests.authoring.conftest import WRITTEN
 
@@ -45,7 +45,7 @@ def test_what_is_written_says_which_version_wrote_it(place: Path) -> None:
 def test_what_is_known_of_each_exercise_gets_what_it_must(course: Course, sandbox: Sandbox) -> None:
     tried = 0
     for exercise in course.exercises.values():
-        for case in cases(exercise):
+        for case in list_cases(exercise):
             programs = SandboxPrograms(sandbox, exercise.policy) if exercise.kit == SCENARIOS else LOCAL
             judgement = exercise.grader.grade(case.write(3), programs, seed=3, version=exercise.version)
             assert case.judge(judgement) == "", (exercise.id, case.subject)

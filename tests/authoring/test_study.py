@@ -101,7 +101,7 @@ def test_the_command_tells_the_groups_and_refuses_one_that_is_not_there(
     sqlite: Database, settings: Settings, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     monkeypatch.setenv("BALISE_DATABASE_URL", settings.url)
-    monkeypatch.setattr(command, "load_course", the_course)
+    monkeypatch.setattr(command, "load_unrendered_course", the_course)
     monkeypatch.setattr(command, "start_probing", lambda **_: None)
     monkeypatch.setattr(command, "local_grader", lambda *_: nullcontext(InThisProcess()))
     assert main(["study", EXERCISE]) == 0
@@ -131,7 +131,7 @@ def test_a_group_becomes_a_misconception_to_word(tmp_path: Path) -> None:
     here = replace(exercise, make=lambda: grader)
     found = study.UnexplainedGroup("ab12", 4, 3, ("composer",), None, exercise.version, None, b"", ())
     catalogue, file = study.write_misconception(found, here, "def composer(a, b):\n    return a\n")
-    shape = toml_file.read(catalogue, shapes.MisconceptionsFile)
+    shape = toml_file.read_toml(catalogue, shapes.MisconceptionsFile)
     assert shape.misconception[-1].id == file.stem == "erreur_ab12"
     assert study.PLACEHOLDER in shape.misconception[-1].title
     *_, last = read_misconceptions(folder, "")

@@ -9,7 +9,7 @@ from uuid import uuid4
 import pytest
 
 from server.base import admission
-from server.base.admission import INTERVAL, LATELY, MAX_WAITING, MEMBER_SECONDS, PER_PASS, Admission
+from server.base.admission import INTERVAL, LATELY, MAX_WAITING, MEMBER_SECONDS, PER_PASS, RequestAdmission
 from server.base.turns import record_sender
 
 HEAD = b"GET /l20 HTTP/1.1\r\nHost: a\r\n%s\r\n\r\n"
@@ -40,7 +40,7 @@ class Loop:
 
     def __post_init__(self) -> None:
         self.now = 0.0
-        self.admission = Admission(lambda _seconds, action: self.actions.append(action), lambda: self.now)
+        self.admission = RequestAdmission(lambda _seconds, action: self.actions.append(action), lambda: self.now)
 
     def come(
         self, name: str, header: bytes = b"X: y", address: str = "192.0.2.1", *, is_gone: bool = False

@@ -10,7 +10,7 @@ import pytest
 from fastapi.routing import iter_route_contexts
 
 from server.base.arrival import arrival_time
-from server.base.middleware import BoundedBody
+from server.base.middleware import BodyLimitMiddleware
 from tests.support.service import Site
 
 HOST = (b"host", b"testserver")
@@ -61,7 +61,7 @@ def test_the_arrival_is_when_the_whole_body_is_there(site: Site) -> None:
         arrivals.append(datetime.now(UTC))
 
     scope = {"type": "http", "method": "POST", "path": "/", "headers": []}
-    bounded = BoundedBody(app, most=100)
+    bounded = BodyLimitMiddleware(app, most=100)
     with site.client._portal_factory() as portal:
         portal.call(bounded, scope, receive, None)
     assert arrivals == sorted(arrivals)

@@ -9,7 +9,7 @@ from collections.abc import Iterator
 
 from starlette.types import Message
 
-from server.base.bulk import BulkResponse
+from server.base.bulk import OneAtATimeStream
 from tests.support.quick import in_a_loop
 
 PIECES = [b"a", b"", b"bc", b"d"]
@@ -40,7 +40,7 @@ def test_one_piece_of_all_downloads_is_computed_at_a_time() -> None:
             sent.append(message)
 
         scope = {"type": "http", "method": "GET", "path": "/", "headers": [], "asgi": {"spec_version": "2.4"}}
-        await BulkResponse(pieces(), {}, "application/zip")(scope, receive, send)
+        await OneAtATimeStream(pieces(), {}, "application/zip")(scope, receive, send)
         return b"".join(message.get("body", b"") for message in sent)
 
     async def download_all() -> list[bytes]:

@@ -17,11 +17,11 @@ from server.base.turns import (
     HALF_LIFE,
     IN_PROGRESS,
     MAX_WAITING,
-    FairTurns,
-    Flow,
+    FairTurnsMiddleware,
     ProcessorClock,
-    Turns,
-    Usage,
+    ProcessorUsage,
+    RequestFlow,
+    RequestTurns,
     flow_of,
     out_of_turn,
     record_sender,
@@ -38,19 +38,19 @@ class Scene:
 
     def __init__(self) -> None:
         self.processor = self.now = 0.0
-        self.usage = Usage(lambda: self.now)
-        self.turns = Turns(ProcessorClock(lambda: self.processor), self.usage)
+        self.usage = ProcessorUsage(lambda: self.now)
+        self.turns = RequestTurns(ProcessorClock(lambda: self.processor), self.usage)
         self.begun, self.refused = list[str](), list[str]()
         self.ends: dict[str, Callable[[], None]] = {}
 
     async def come(self, *names: str, crowd: str = "") -> None:
         """A request for each name, of which the part before the first digit is the account's."""
         for name in names:
-            task = asyncio.create_task(self._begin(name, Flow(name.rstrip("0123456789"), crowd)))
+            task = asyncio.create_task(self._begin(name, RequestFlow(name.rstrip("0123456789"), crowd)))
             self.tasks = [*getattr(self, "tasks", []), task]
         await self.settle()
 
-    async def _begin(self, name: str, flow: Flow) -> None:
+    async def _begin(self, name: str, flow: RequestFlow) -> None:
         try:
             self.ends[name] = await self.turns.begin(flow)
         except Overloaded:
@@ -187,11 +187,11 @@ def test_a_flow_is_an_account_or_the_visitors_of_an_address() -> None:
     ada, guest = uuid4(), uuid4()
     record_sender("of-ada", ada, is_guest=False)
     record_sender("of-a-guest", guest, is_guest=True)
-    assert flow_of(scope_of(cookie="a=b; balise_session=of-ada")) == Flow(ada.hex)
-    assert flow_of(scope_of(authorization="Bearer of-ada")) == Flow(ada.hex)
-    assert flow_of(scope_of(cookie="balise_session=of-a-guest")) == Flow(guest.hex, CROWD)
+    assert flow_of(scope_of(cookie="a=b; balise_session=of-ada")) == RequestFlow(ada.hex)
+    assert flow_of(scope_of(authorization="Bearer of-ada")) == RequestFlow(ada.hex)
+    assert flow_of(scope_of(cookie="balise_session=of-a-guest")) == RequestFlow(guest.hex, CROWD)
     for strange in ({}, {"cookie": "balise_session=made-up"}, {"authorization": "Basic of-ada"}):
-        assert flow_of(scope_of(**strange)) == Flow(f"visitors of {SCHOOL}", CROWD)
+        assert flow_of(scope_of(**strange)) == RequestFlow(f"visitors of {SCHOOL}", CROWD)
 
 
 def test_a_session_is_known_from_its_first_request_on(site: Site) -> None:
@@ -224,7 +224,7 @@ def test_a_turn_ends_as_the_answer_begins_or_as_the_request_waits(monkeypatch: p
         await asyncio.Event().wait()
 
     async def scene() -> None:
-        fair = FairTurns(app, lambda request, error: pytest.fail(str(error)))
+        fair = FairTurnsMiddleware(app, lambda request, error: pytest.fail(str(error)))
         for _ in range(IN_PROGRESS):
             await fair._turns.begin(flow_of(scope_of()))
 
@@ -256,7 +256,7 @@ def test_a_page_that_nobody_waits_for_any_more_is_not_made(monkeypatch: pytest.M
         begun.append(scope["path"])
 
     async def scene() -> None:
-        fair = FairTurns(app, lambda request, error: pytest.fail(str(error)))
+        fair = FairTurnsMiddleware(app, lambda request, error: pytest.fail(str(error)))
         ends = [await fair._turns.begin(flow_of(scope_of())) for _ in range(IN_PROGRESS)]
         ends.append(await fair._turns.begin(flow_of(scope_of())))
 
@@ -297,9 +297,9 @@ def test_a_refused_page_costs_nothing_and_a_form_says_what_was_typed(
     answers = list[Any]()
 
     async def scene() -> None:
-        fair = FairTurns(lambda *_: pytest.fail("served"), lambda request, error: PlainTextResponse("whole"))
+        fair = FairTurnsMiddleware(lambda *_: pytest.fail("served"), lambda request, error: PlainTextResponse("whole"))
 
-        async def refuse(flow: Flow) -> None:
+        async def refuse(flow: RequestFlow) -> None:
             raise Overloaded("Plus tard.", retry_after=5)
 
         async def send(message: Any) -> None:
@@ -332,7 +332,7 @@ def test_who_has_waited_for_something_else_takes_a_turn_again(monkeypatch: pytes
         done.append("page")
 
     async def scene() -> None:
-        fair = FairTurns(app, lambda request, error: pytest.fail(str(error)))
+        fair = FairTurnsMiddleware(app, lambda request, error: pytest.fail(str(error)))
         for _ in range(IN_PROGRESS):
             await fair._turns.begin(flow_of(scope_of()))
         request = asyncio.create_task(fair({**scope_of(), "method": "POST"}, lambda: pytest.fail("read"), None))  # type: ignore[arg-type]
@@ -352,14 +352,14 @@ def test_who_has_waited_for_something_else_takes_a_turn_again(monkeypatch: pytes
 
 def test_what_is_refused_before_its_turn_is_answered_in_turn(site: Site, monkeypatch: pytest.MonkeyPatch) -> None:
     """Of each refusal by a middleware the page is made in a turn, and in a thread (`tests.support.write_lock`)."""
-    begun = list[Flow]()
-    begin = Turns.begin
+    begun = list[RequestFlow]()
+    begin = RequestTurns.begin
 
-    async def counted(self: Turns, flow: Flow) -> Callable[[], None]:
+    async def counted(self: RequestTurns, flow: RequestFlow) -> Callable[[], None]:
         begun.append(flow)
         return await begin(self, flow)
 
-    monkeypatch.setattr(Turns, "begin", counted)
+    monkeypatch.setattr(RequestTurns, "begin", counted)
     kind = {"content-type": "application/x-www-form-urlencoded"}
     answers = [
         site.client.post("/connexion", headers={"sec-fetch-site": "cross-site"}),

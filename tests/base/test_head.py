@@ -7,7 +7,7 @@ from typing import Any
 
 import pytest
 
-from server.base.middleware import HeadAsGet
+from server.base.middleware import HeadAsGetMiddleware
 from tests.support.coroutines import run_apart
 from tests.support.service import EXERCISE, Site
 
@@ -44,6 +44,6 @@ def test_a_stream_is_told_that_its_reader_has_left() -> None:
     async def never() -> Any:
         await asyncio.Event().wait()
 
-    run_apart(HeadAsGet(stream)({"type": "http", "method": "HEAD"}, never, record))
+    run_apart(HeadAsGetMiddleware(stream)({"type": "http", "method": "HEAD"}, never, record))
     assert [message["type"] for message in sent] == ["http.response.start", "http.response.body"]
     assert not sent[1]["body"]

@@ -18,7 +18,7 @@ from fastapi.routing import iter_route_contexts
 from pydantic import BaseModel
 
 from server.base.files import ROOT
-from server.base.validation import CutAt
+from server.base.validation import TruncateTo
 from tests.support.readers import READERS
 from tests.support.service import Site
 
@@ -76,7 +76,7 @@ def inputs_of(app: FastAPI) -> tuple[set[str], set[str]]:
 
 
 def is_bounded(metadata: Iterable[Any]) -> bool:
-    return any(isinstance(each, MaxLen | CutAt) and each.max_length <= MAX_BOUND for each in metadata)
+    return any(isinstance(each, MaxLen | TruncateTo) and each.max_length <= MAX_BOUND for each in metadata)
 
 
 def raw_readers(tree: ast.AST, name: str, forms: frozenset[str] = frozenset()) -> Iterator[str]:
@@ -104,7 +104,7 @@ def names_in(annotation: ast.AST | None) -> set[str]:
 
 def test_what_routes_take_is_read_by_registered_readers_and_by_no_other(site: Site) -> None:
     inputs, unbounded = inputs_of(site.app)
-    assert not unbounded, "a text of an address or of a header has a `max_length`, or is `CutAt` one"
+    assert not unbounded, "a text of an address or of a header has a `max_length`, or is `TruncateTo` one"
     for path in sorted((ROOT / "server").rglob("*.py")):
         if not ASIDE & set(path.parts) and MAY_READ.search(source := path.read_text(encoding="utf-8")):
             module = ".".join(path.relative_to(ROOT).with_suffix("").parts)

@@ -16,7 +16,7 @@ from sqlalchemy import select
 
 from server.base import traces
 from server.base.files import ROOT
-from server.base.middleware import RequestLog
+from server.base.middleware import RequestLogMiddleware
 from server.cli import main
 from server.queue.models import Job
 from tests.support.service import Site
@@ -79,9 +79,9 @@ def test_a_request_is_told_by_its_route_and_follows_a_trusted_proxy_alone(
     theirs = "00-0af7651916cd43dd8448eb211c80319c-b7ad6b7169203331-01"
     for proxied in (False, True):
         told.clear()
-        trail = next(one for one in site.app.user_middleware if one.cls is RequestLog)
+        trail = next(one for one in site.app.user_middleware if one.cls is RequestLogMiddleware)
         monkeypatch.setitem(trail.kwargs, "proxied", proxied)
-        middle = RequestLog(site.app.router, proxied)
+        middle = RequestLogMiddleware(site.app.router, proxied)
         monkeypatch.setattr(site.app, "middleware_stack", middle)
         site.client.get("/bienvenue/balise_un-secret", headers={traces.TRACE: theirs})
         (span, *_) = [one for one in told.get_finished_spans() if one.name.startswith("GET")]

@@ -22,7 +22,7 @@ from graders.core.contract.values import Arguments, Value
 from graders.core.declared.declaration import MAX_CASES, MAX_CHECKS, read_declaration
 from graders.core.declared.grading import DeclaredGrader
 from graders.core.declared.scenario_values import value_text
-from server.course import load
+from server.course import load_course
 from server.grading.sandbox_grader import SandboxGrader, SandboxPrograms
 from server.sandbox import Sandbox
 from server.studio.authored import POLICY
@@ -102,7 +102,7 @@ def _text(value: Value) -> str:
 
 
 def rows(rounds: int) -> list[Row]:
-    course = load()
+    course = load_course()
     packaged = course.exercises[EXERCISE].grader
     assert isinstance(packaged, CodeGrader)
     declared, calls = redeclare(packaged)

@@ -20,7 +20,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass, field
 
 from graders.core.code.grading import CodeGrader
-from server.course import load
+from server.course import load_course
 from server.course.models import Course
 from server.grading.sandbox_grader import SandboxGrader
 from server.sandbox import Sandbox
@@ -149,7 +149,7 @@ class Found:
 
 
 def measured(rounds: int, exercises: Sequence[str], *, traced: bool = False) -> Found:
-    course, watch, pace = load(render=False), Watch(), Pace()
+    course, watch, pace = load_course(render=False), Watch(), Pace()
     with Sandbox(course.kits) as sandbox:
         field_of = contenders(course, sandbox, exercises)
         for one in field_of:

@@ -28,7 +28,7 @@ from uuid import UUID
 import httpx
 
 from graders.core.code.grading import CodeGrader
-from server.course import load
+from server.course import load_course
 from tests.benchmarks.light import PROGRAMS, Answer, Line, settle, spent
 from tests.benchmarks.measure import additions, figure, median, p95, table
 
@@ -101,7 +101,7 @@ class Measured:
 
 def code_of(exercise: str, mistake: str = "") -> str:
     """The exercise's solution, or the whole file of a catalogued mistake: what its folder holds of that may be less."""
-    grader = load(render=False).exercises[exercise].grader
+    grader = load_course(render=False).exercises[exercise].grader
     assert isinstance(grader, CodeGrader)
     return next(one.source for one in grader.misconceptions if one.id == mistake) if mistake else grader.solution
 

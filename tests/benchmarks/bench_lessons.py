@@ -34,7 +34,7 @@ from random import Random
 from uuid import UUID
 
 from server.base.http import SESSION_COOKIE
-from server.course import load
+from server.course import load_course
 from tests.benchmarks.bench_http import PROJECT, serving
 from tests.benchmarks.bench_pages import ACCEPT, GOALS, WARM_UP, Outside, clock_of, timed
 from tests.benchmarks.crowd.browser import Browser
@@ -229,7 +229,7 @@ def look_at_pages(services: Sequence[Service], sent: Mapping[str, Programs], rou
 
 def measured(asked: Asked) -> Figures:
     raise_limit()
-    course, pace = load(render=False), Pace()
+    course, pace = load_course(render=False), Pace()
     sent, services = programs(course, TODAY), []
     with ExitStack() as stack:
         folders = [Path(stack.enter_context(tempfile.TemporaryDirectory())) for _ in range(1 + bool(asked.beside))]

@@ -19,7 +19,7 @@ from fractions import Fraction
 from pathlib import Path
 
 from graders.core.code.grading import CodeGrader
-from server.course import load
+from server.course import load_course
 from tests.benchmarks.bench_http import REFERENCE, serving, token_of
 from tests.benchmarks.light import Line, crowd, settle, spent
 from tests.benchmarks.measure import additions, figure, median, p95, table
@@ -71,7 +71,7 @@ def measured(
     exercise: str = EXERCISE, students: int = STUDENTS, seconds: float = SECONDS, right: float = RIGHT
 ) -> Many:
     """On a server of its own, which has warmed up."""
-    grader = load(render=False).exercises[exercise].grader
+    grader = load_course(render=False).exercises[exercise].grader
     assert isinstance(grader, CodeGrader)
     files = mixed(grader.solution, [one.source for one in grader.misconceptions], right)
     with tempfile.TemporaryDirectory() as folder, serving(Path(folder)) as (address, pid):

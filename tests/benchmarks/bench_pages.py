@@ -27,7 +27,7 @@ from fastapi import FastAPI
 
 from server.app import create_app
 from server.base.settings import Settings
-from server.course import load
+from server.course import load_course
 from server.course.models import Course
 from tests.benchmarks.bench_http import serving
 from tests.benchmarks.measure import Goal, Pace, Row, figure, median, p95, table
@@ -230,7 +230,7 @@ class Figures:
 
 
 def measured(rounds: int, only: str = "") -> Figures:
-    course, pace = load(render=False), Pace()
+    course, pace = load_course(render=False), Pace()
     with tempfile.TemporaryDirectory() as folder:
         data = Path(folder)
         made = school(data, course)

@@ -23,7 +23,7 @@ from server.base.app_services import get_service
 from server.base.http import SESSION_COOKIE
 from server.base.settings import Settings
 from server.board import repository, service
-from server.course import Course, load
+from server.course import Course, load_course
 from server.database import Database, utc_now
 from server.database.migrate import upgrade
 from server.identity.models import Account, BrowserSession, Role
@@ -109,7 +109,7 @@ def main() -> None:
     parser = argparse.ArgumentParser()
     parser.add_argument("--rounds", type=int, default=20)
     arguments = parser.parse_args()
-    course = widened(load(render=False), MODULE, max(exercises for _, exercises in SIZES))
+    course = widened(load_course(render=False), MODULE, max(exercises for _, exercises in SIZES))
     rows = []
     with tempfile.TemporaryDirectory() as folder:
         for students, exercises in SIZES:

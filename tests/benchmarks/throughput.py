@@ -11,7 +11,7 @@ from multiprocessing.synchronize import Barrier
 
 import numpy as np
 
-from server.course import load
+from server.course import load_course
 from server.grading.sandbox_grader import SandboxGrader
 from server.sandbox import Policy, Sandbox
 from tests.benchmarks.programs import PROGRAMS
@@ -35,7 +35,7 @@ def submissions(stack: ExitStack, threads: int) -> Task:
 
 def gradings(stack: ExitStack, threads: int) -> Task:
     """A right answer to a small exercise, with its checks: one session, some dozens of calls, comparisons."""
-    course = load(render=False)
+    course = load_course(render=False)
     sandbox = stack.enter_context(Sandbox(course.kits, spares=threads))
     grader = SandboxGrader(course, sandbox)
     source = course.exercises[EXERCISE].solution.encode()

@@ -9,7 +9,7 @@ import pytest
 
 from server.cells import run
 from server.cells.faults import faults
-from server.course import load
+from server.course import load_course
 from tests.support.quick import the_course
 
 PAGE = """+++
@@ -59,7 +59,7 @@ def test_a_cell_that_fails_is_told_with_its_place(tmp_path: Path) -> None:
     }.items():
         (module / name).parent.mkdir(parents=True, exist_ok=True)
         (module / name).write_text(text, encoding="utf-8")
-    course = load(tmp_path, render=False)
+    course = load_course(tmp_path, render=False)
     found = [(problem.path, problem.line, problem.message) for problem in faults(course)]
     lines = PAGE.splitlines()
     assert [(path, line) for path, line, _ in found] == [

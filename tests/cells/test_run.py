@@ -25,7 +25,7 @@ FAR = replace(cells.POLICY, cpu_seconds=60.0, wall_seconds=300.0)
 
 @pytest.fixture(scope="module")
 def run(course_sandbox: Sandbox) -> Run:
-    return lambda code: cells.run(course_sandbox, "l20", code.encode())
+    return lambda code: cells.run_cell(course_sandbox, "l20", code.encode())
 
 
 @pytest.fixture(autouse=True)

@@ -7,7 +7,7 @@ import pytest
 from server.base.errors import Invalid
 from server.classes.encodings import damaged_word, decode_text, repair_word
 from server.classes.full_names import split_full_name
-from server.classes.headers import recognise
+from server.classes.headers import recognise_header
 from server.classes.roster import ReadingChoice, UnreadColumns, read_roster
 from tests.support.spreadsheets import ods, workbook, xlsx, xlsx_sheets
 from tests.support.tables import folded
@@ -352,7 +352,7 @@ def test_names_that_cannot_be_cut_stay_whole_and_are_told() -> None:
     ],
 )  # fmt: skip
 def test_a_header_is_known_by_its_meaning(header: str, field: str | None) -> None:
-    assert recognise(header).field == field
+    assert recognise_header(header).field == field
 
 
 @pytest.mark.parametrize(

@@ -59,14 +59,16 @@ def exercise(course: Course, folder: Path, *checks: Check, solution: str = SOLUT
     return replace(course.exercises["l20/poses"], make=lambda: grader)
 
 
-def tally(one: Exercise) -> alterations.Tally:
+def tally(one: Exercise) -> alterations.MutantTally:
     """As the command does, in this process and one after the other."""
     subject = alterations.load_subject(one)
-    trials = [alterations.work(HERE, (subject, each)) for each in alterations.find_alterations(subject.code.solution)]
+    trials = [
+        alterations.run_job(HERE, (subject, each)) for each in alterations.find_alterations(subject.code.solution)
+    ]
     return alterations.tally(subject, trials)
 
 
-def diffs(found: list[alterations.Trial]) -> list[str]:
+def diffs(found: list[alterations.MutantTrial]) -> list[str]:
     return [f"{one.alteration.removed[0]} → {one.alteration.added[0]}" for one in found]
 
 
@@ -119,9 +121,9 @@ def test_a_survivor_of_our_own_is_under_the_goal_however_few_they_are() -> None:
     ours, other = (next(one for one in made if one.is_course_mistake is own) for own in (True, False))
 
     def well(caught: int, survived: int, alteration: Any) -> bool:
-        trials = [alterations.Trial(other, MutantStatus.CAUGHT)] * caught
-        trials += [alterations.Trial(alteration, MutantStatus.SURVIVED)] * survived
-        return alterations.Tally("l20/jouet", trials, ()).passes
+        trials = [alterations.MutantTrial(other, MutantStatus.CAUGHT)] * caught
+        trials += [alterations.MutantTrial(alteration, MutantStatus.SURVIVED)] * survived
+        return alterations.MutantTally("l20/jouet", trials, ()).passes
 
     assert well(97, 3, other)
     assert not well(96, 3, other)
@@ -165,7 +167,7 @@ def test_behind_the_walls_what_never_ends_is_caught_too(
 def test_it_is_for_exercises_of_code(course: Course, monkeypatch: Any, capsys: Any) -> None:
     standing = WallReport("seccomp", WallStatus.STANDING, "", required=True)
     monkeypatch.setattr("server.cli.sandboxes.probe", lambda **_: [standing])
-    monkeypatch.setattr("server.cli.local.load", lambda **_: course)
+    monkeypatch.setattr("server.cli.local.load_course", lambda **_: course)
     assert main(["check", "--mutants", "l20/verification"]) == 2
     assert "pas de solution en Python" in capsys.readouterr().err
     assert alterations.run(Course({}, ()), ()) == 0

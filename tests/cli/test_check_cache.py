@@ -16,9 +16,9 @@ from graders.discovery import discover
 from server.authoring import new
 from server.base.files import default_cache_dir
 from server.cli import check, check_cache
-from server.course import load
-from server.course.closure import Imports
-from server.course.service import load as load_whole
+from server.course import load_course
+from server.course.closure import ImportGraph
+from server.course.service import load_course as load_whole
 from tests.support.outside import taken_in
 
 Run = Callable[..., tuple[int, list[str]]]
@@ -54,11 +54,11 @@ def run(place: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixt
     def in_order(course: Any, work: Any, jobs: Sequence[Any], *_: Any) -> Iterator[Any]:
         return (work(Grader(course), job) for job in jobs)
 
-    monkeypatch.setattr(check.parallel, "in_order", in_order)
+    monkeypatch.setattr(check.parallel, "run_in_order", in_order)
     monkeypatch.setattr(check, "start_probing", lambda **_: None)
     monkeypatch.setattr(check, "require_safe_sandbox", lambda _: None)
     found = discover(rooms=[place / "graders"])
-    monkeypatch.setattr(check, "load", partial(load_whole, place / "curriculum", discovery=found))
+    monkeypatch.setattr(check, "load_course", partial(load_whole, place / "curriculum", discovery=found))
 
     def run(*exercises: str, fresh: bool = False, remember: bool = False) -> tuple[int, list[str]]:
         capsys.readouterr()
@@ -94,8 +94,8 @@ def test_what_is_unchanged_is_not_tried_again(run: Run, place: Path, monkeypatch
 
 def test_any_file_that_it_was_found_from_counts(place: Path) -> None:
     def digest() -> str:
-        course = load(place / "curriculum", code=place, render=False)
-        return check_cache.exercise_digest(course.exercises["l21/gain"], Imports(*COURSES.folders))
+        course = load_course(place / "curriculum", code=place, render=False)
+        return check_cache.exercise_digest(course.exercises["l21/gain"], ImportGraph(*COURSES.folders))
 
     before = digest()
     assert digest() == before

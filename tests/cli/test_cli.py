@@ -44,7 +44,7 @@ def walls_that_stand(monkeypatch: pytest.MonkeyPatch) -> None:
 @pytest.fixture(autouse=True)
 def _course_that_is_read_once(monkeypatch: pytest.MonkeyPatch, course: Course) -> None:
     """A command in a process of its own reads it for itself."""
-    monkeypatch.setattr("server.cli.local.load", lambda **_: course)
+    monkeypatch.setattr("server.cli.local.load_course", lambda **_: course)
 
 
 def verdict_of(text: str) -> dict[str, Any]:
@@ -89,7 +89,7 @@ def test_what_cannot_be_graded_has_its_own_status(
     monkeypatch.setattr("server.cli.sandboxes.probe", lambda **_: [hole])
     assert main(["grade", EXERCISE, str(right)]) == 2
     assert "rien n’a été refusé" in capsys.readouterr().err
-    monkeypatch.setattr("server.cli.serve.load", lambda **_: course)
+    monkeypatch.setattr("server.cli.serve.load_course", lambda **_: course)
     assert main(["serve", "--port", "0", "--data", str(tmp_path / "data")]) == 2
     assert "rien n’a été refusé" in capsys.readouterr().err
     monkeypatch.setattr("server.cli.doctor.probe", lambda **_: [hole])
@@ -184,11 +184,14 @@ def test_check_tries_all_that_is_known_of_an_exercise_and_notices_what_is_wrong(
 ) -> None:
     """That all of it is well is the work of `tests/content/curriculum/test_course.py`."""
     exercise = course.exercises[EXERCISE]
-    known = [case.subject for case in check.cases(exercise)]
+    known = [case.subject for case in check.list_cases(exercise)]
     assert len(known) == 2 + len(exercise.grader.misconceptions) + len(list(exercise.grader.specimens()))
     grader = SandboxGrader(course, course_sandbox)
     good, all_right, all_wrong = (
-        {case.subject: check.examine(tried, exercise, case, 2026).fault for case in islice(check.cases(exercise), 3)}  # type: ignore[arg-type]
+        {
+            case.subject: check.examine(tried, exercise, case, 2026).fault
+            for case in islice(check.list_cases(exercise), 3)
+        }  # type: ignore[arg-type]
         for tried in (grader, Shifted(grader, exercise.solution), Shifted(grader, "x = 1\n"))
     )
     assert good == dict.fromkeys(known[:3], "")
@@ -204,9 +207,9 @@ def test_check_notices_a_film_that_cannot_be_played() -> None:
     verdict = fake_verdict("x = 1", 1)
     film = {"kind": "localisation", "start": [1, 1], "commands": [], "cells": [], "beliefs": []}
     broken = Judgement(verdict, {}, {"b": {**film, "kind": "rien"}})
-    assert "le film de b ne se rejoue pas (KeyError" in check.unwatchable("l20/predire2d", broken)
+    assert "le film de b ne se rejoue pas (KeyError" in check.unwatchable_films("l20/predire2d", broken)
     walk = {**film, "commands": [[1, 0]], "cells": [[1, 2]]}
-    assert check.unwatchable("l20/predire2d", Judgement(verdict, {}, {"b": walk})) == ""
+    assert check.unwatchable_films("l20/predire2d", Judgement(verdict, {}, {"b": walk})) == ""
 
 
 ANSWERED = "l20/calcul_odometrie"
@@ -240,7 +243,7 @@ def test_questions_are_told_for_a_seed_and_only_where_there_are_some(capsys: Any
 
 @pytest.mark.usefixtures("walls_that_stand")
 def test_check_refuses_an_unknown_exercise(course: Course, monkeypatch: Any) -> None:
-    monkeypatch.setattr(check, "load", lambda **_: course)
+    monkeypatch.setattr(check, "load_course", lambda **_: course)
     assert main(["check", "--fresh", "l20/inconnu"]) == 2
 
 
@@ -250,7 +253,7 @@ def test_a_broken_exercise_is_a_failure_of_check(monkeypatch: Any, tmp_path: Pat
     from server.course import Problem
 
     broken = Course({}, (Problem(tmp_path / "exercise.toml", 3, "titre manquant"),))
-    monkeypatch.setattr(command, "load", lambda **_: broken)
+    monkeypatch.setattr(command, "load_course", lambda **_: broken)
     assert (
         command.run(Namespace(exercises=[], fairness=None, mutants=False, fresh=True, remember=False, course=None)) == 1
     )

@@ -16,7 +16,7 @@ from server.database.migrate import require_current, upgrade
 def test_a_worker_waits_until_the_schema_is_upgraded(settings: Settings, monkeypatch: pytest.MonkeyPatch) -> None:
     with closing(Database(settings.url)) as older:
         upgrade(older.engine, "0016")
-    with pytest.raises(CannotRun, match="plus ancienne"), commands.opened(settings):
+    with pytest.raises(CannotRun, match="plus ancienne"), commands.open_database(settings):
         pass
     waits: list[float] = []
 
@@ -26,6 +26,6 @@ def test_a_worker_waits_until_the_schema_is_upgraded(settings: Settings, monkeyp
             upgrade(migrated.engine, "0020" if len(waits) == 1 else "head")
 
     monkeypatch.setattr(commands, "sleep", wait)  # not that of other threads
-    with commands.opened(settings, await_schema=True) as database:
+    with commands.open_database(settings, await_schema=True) as database:
         require_current(database.engine)
     assert len(waits) == 2

@@ -35,7 +35,7 @@ def squared(grader: SandboxGrader, number: int) -> tuple[int, int]:
 
 
 def test_results_come_in_the_order_of_the_jobs_from_other_processes() -> None:
-    found = list(parallel.in_order(NONE, squared, range(20), "Essai"))
+    found = list(parallel.run_in_order(NONE, squared, range(20), "Essai"))
     assert [square for square, _ in found] == [number * number for number in range(20)]
     assert os.getpid() not in {process for _, process in found}
 
@@ -43,7 +43,7 @@ def test_results_come_in_the_order_of_the_jobs_from_other_processes() -> None:
 def test_jobs_need_not_travel() -> None:
     """A closure, which could not be sent to another process."""
     jobs = [lambda k=k: k + 1 for k in range(3)]
-    assert list(parallel.in_order(NONE, lambda _, job: job(), jobs, "Essai")) == [1, 2, 3]
+    assert list(parallel.run_in_order(NONE, lambda _, job: job(), jobs, "Essai")) == [1, 2, 3]
 
 
 def placed(grader: SandboxGrader, job: tuple[str, int]) -> tuple[tuple[str, int], int]:
@@ -54,7 +54,7 @@ def placed(grader: SandboxGrader, job: tuple[str, int]) -> tuple[tuple[str, int]
 def test_jobs_of_one_group_are_done_by_one_process_while_every_core_works() -> None:
     """The last group that is begun may be shared, so that no core waits."""
     jobs = [(name, k) for k in range(6) for name in "abcd"]
-    found = list(parallel.in_order(NONE, placed, jobs, "Essai", group_key=lambda job: job[0]))
+    found = list(parallel.run_in_order(NONE, placed, jobs, "Essai", group_key=lambda job: job[0]))
     assert [job for job, _ in found] == jobs
     where = {name: {process for job, process in found if job[0] == name} for name in "abcd"}
     assert sum(len(processes) == 1 for processes in where.values()) >= 4 - parallel.usable_cores()
@@ -71,20 +71,20 @@ def test_one_group_alone_is_shared_by_all() -> None:
         begun.append(job)
         return job, os.getpid()
 
-    found = list(parallel.in_order(NONE, met, jobs, "Essai", group_key=lambda job: job[0]))
+    found = list(parallel.run_in_order(NONE, met, jobs, "Essai", group_key=lambda job: job[0]))
     assert [job for job, _ in found] == jobs
     assert len({process for _, process in found}) == parallel.usable_cores()
 
 
 def test_what_is_raised_is_told_and_a_death_too() -> None:
     with pytest.raises(ValueError, match="un défaut"):
-        list(parallel.in_order(NONE, squared, [1, 99], "Essai"))
+        list(parallel.run_in_order(NONE, squared, [1, 99], "Essai"))
     with pytest.raises(CannotRun, match="tué"):
-        list(parallel.in_order(NONE, squared, [98], "Essai"))
+        list(parallel.run_in_order(NONE, squared, [98], "Essai"))
 
 
 def test_it_may_be_left_before_its_end() -> None:
-    with closing(parallel.in_order(NONE, squared, range(50), "Essai")) as found:
+    with closing(parallel.run_in_order(NONE, squared, range(50), "Essai")) as found:
         assert next(found)[0] == 0
 
 

@@ -16,7 +16,7 @@ import pytest
 from server.base.settings import misspelt_variables
 from server.cli import CannotRun, main, stored_tokens
 from server.cli.configuration import read_settings
-from server.cli.remote import server_of, token_of
+from server.cli.remote import resolve_server, resolve_token
 from tests.support.service import EXERCISE
 
 SERVER = "https://balise.example"
@@ -79,27 +79,27 @@ def test_one_that_it_does_not_know_is_not_kept(
 def test_the_flag_then_the_environment_then_what_was_kept(monkeypatch: pytest.MonkeyPatch) -> None:
     stored_tokens.save(SERVER, "gardé")
     monkeypatch.setenv("BALISE_TOKEN", "environnement")
-    assert token_of("drapeau", SERVER) == "drapeau"
-    assert token_of(None, SERVER) == "environnement"
+    assert resolve_token("drapeau", SERVER) == "drapeau"
+    assert resolve_token(None, SERVER) == "environnement"
     monkeypatch.setenv("BALISE_TOKEN", "")
     stored_tokens.save(SERVER, "garde")
-    assert token_of(None, SERVER) == "garde"
+    assert resolve_token(None, SERVER) == "garde"
 
 
 def test_what_was_kept_for_a_server_is_sent_to_no_other() -> None:
     stored_tokens.save(SERVER, "garde")
     for other in ("http://balise.example", "https://balise.example:8443", "https://autre.example"):
         with pytest.raises(CannotRun, match="il manque un jeton"):
-            token_of(None, other)
+            resolve_token(None, other)
 
 
 def test_without_a_server_the_last_one_is_meant() -> None:
     with pytest.raises(CannotRun, match="à quel serveur"):
-        server_of(None)
+        resolve_server(None)
     for server in (SERVER, "https://autre.example", SERVER):
         stored_tokens.save(server, "garde")
-    assert server_of(None) == SERVER
-    assert server_of("http://ici:8000/") == "http://ici:8000"
+    assert resolve_server(None) == SERVER
+    assert resolve_server("http://ici:8000/") == "http://ici:8000"
 
 
 def test_a_submission_needs_no_flag_after_a_login(tokens_seen: list[str], tmp_path: Path, capsys: Any) -> None:

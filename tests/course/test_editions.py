@@ -10,13 +10,13 @@ import pytest
 from server.cli import CannotRun
 from server.cli.check import _select
 from server.course import Course
-from server.course.editions import number_of
+from server.course.editions import module_number
 from server.reading.service import home_view
 from tests.support.quick import the_course
 
 
 def test_a_module_stands_where_its_number_says() -> None:
-    assert [number_of(slug) for slug in ("l19", "l20e2", "maths7")] == [19, 20, 7]
+    assert [module_number(slug) for slug in ("l19", "l20e2", "maths7")] == [19, 20, 7]
 
 
 def test_a_module_is_checked_whole_by_its_name() -> None:

@@ -225,8 +225,8 @@ def test_no_formula_is_drawn_when_the_service_starts(
         raise AssertionError("a formula was drawn")
 
     write_page(course_folder, "une", "Un $x$.\n")
-    monkeypatch.setattr("server.text.katex.render", refuse)
-    monkeypatch.setattr("server.text.katex.prepare", refuse)
+    monkeypatch.setattr("server.text.katex.render_formula", refuse)
+    monkeypatch.setattr("server.text.katex.render_ahead", refuse)
     assert problems(course_folder, render=False, check=True) == []
 
 

@@ -10,9 +10,9 @@ import pytest
 
 from graders.discovery import Discovery
 from server.course import Course
-from server.course.closure import Imports
-from server.course.library import Library
-from server.course.service import load
+from server.course.closure import ImportGraph
+from server.course.library import ModuleLibrary
+from server.course.service import load_course
 from server.course.start_cache import StartCache
 from tests.support.quick import the_course
 from tests.support.small_course import CourseFolder
@@ -22,13 +22,13 @@ from tests.support.small_course import CourseFolder
 def looks(monkeypatch: pytest.MonkeyPatch) -> list[Path]:
     """The modules of which the texts were looked at."""
     seen: list[Path] = []
-    check = Library.check
+    check = ModuleLibrary.check
 
-    def counted(library: Library, *, formulas: bool) -> Any:
+    def counted(library: ModuleLibrary, *, formulas: bool) -> Any:
         seen.append(library.folder)
         return check(library, formulas=formulas)
 
-    monkeypatch.setattr(Library, "check", counted)
+    monkeypatch.setattr(ModuleLibrary, "check", counted)
     return seen
 
 
@@ -106,7 +106,7 @@ def test_what_an_older_version_has_remembered_is_no_damage(
 
 @pytest.mark.parametrize("exercise", ["l20/tp_slam", "l20/calcul_kabsch"])
 def test_an_exercise_that_is_read_alone_is_that_of_the_course(exercise: str) -> None:
-    whole, alone = the_course(), load(render=False, only=exercise)
+    whole, alone = the_course(), load_course(render=False, only=exercise)
     assert alone.exercises.keys() == {exercise, *(one.id for one in whole.reused(exercise))}
     assert {name: one.version for name, one in alone.exercises.items()} == {
         name: whole.exercises[name].version for name in alone.exercises
@@ -118,11 +118,13 @@ def test_an_exercise_that_is_read_alone_is_that_of_the_course(exercise: str) -> 
 
 
 def test_what_is_no_exercise_is_read_as_nothing() -> None:
-    assert not any(load(render=False, only=name).exercises for name in ("l20/inconnu", "l99/poses", "l20", "../../etc"))
+    assert not any(
+        load_course(render=False, only=name).exercises for name in ("l20/inconnu", "l99/poses", "l20", "../../etc")
+    )
 
 
 def load_small(folder: CourseFolder, memory: StartCache) -> Any:
-    return load(
+    return load_course(
         folder.curriculum, code=folder.root, discovery=folder.graders("a", "b"), render=False, check=True, memory=memory
     )
 
@@ -135,7 +137,7 @@ def test_imports_are_remembered_by_what_a_file_holds(tmp_path: Path) -> None:
 
     def closure() -> set[str]:
         memory = StartCache(kept)
-        found = set(Imports(tmp_path, memory=memory).closure("graders.near"))
+        found = set(ImportGraph(tmp_path, memory=memory).closure("graders.near"))
         memory.save("", {})
         return found
 

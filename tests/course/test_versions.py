@@ -14,11 +14,11 @@ import pytest
 
 from graders.core.contract.verdict import Outcome
 from server.base.files import ROOT
-from server.course.closure import Imports
+from server.course.closure import ImportGraph
 from server.course.models import Exercise
 from server.course.schemas import ExerciseFile
-from server.course.toml_file import read
-from server.course.version import grading_files, version
+from server.course.toml_file import read_toml
+from server.course.version import exercise_version, grading_files
 from server.grading.sandbox_grader import SandboxGrader
 from server.sandbox import Sandbox
 from tests.support.quick import the_course
@@ -163,7 +163,7 @@ def test_how_an_import_may_be_written(tmp_path: Path, source: str, follows: bool
     }
     for name, text in written.items():
         (folder / f"{name}.py").write_text(text)
-    found = Imports(tmp_path).closure("graders.m9.near")
+    found = ImportGraph(tmp_path).closure("graders.m9.near")
     assert ("graders.m9.far" in found) is follows
     assert found.keys() >= {"graders.m9", "graders.m9.near"}
 
@@ -173,10 +173,10 @@ def test_each_file_that_grades_a_real_exercise_changes_its_version(tmp_path: Pat
     for name in ("graders", "reference", "curriculum/l20/exercices", "curriculum/l20/kit"):
         shutil.copytree(ROOT / name, tmp_path / name, ignore=shutil.ignore_patterns("__pycache__"))
     folder = tmp_path / "curriculum" / "l20" / "exercices" / slug
-    card = read(folder / "exercise.toml", ExerciseFile)
+    card = read_toml(folder / "exercise.toml", ExerciseFile)
     exercise = the_course().exercises[f"l20/{slug}"]
-    imports = Imports(tmp_path)  # what is written below changes no import
-    before = version(imports, [tmp_path], folder, card, exercise.grader, exercise.kit)
+    imports = ImportGraph(tmp_path)  # what is written below changes no import
+    before = exercise_version(imports, [tmp_path], folder, card, exercise.grader, exercise.kit)
     assert before == exercise.version, "a place on the disk is no part of it"
     grading = {path for _, path in grading_files(imports, [tmp_path], folder, card, exercise.grader, exercise.kit)}
     everything = {path for name in ("graders", "reference") for path in (tmp_path / name).rglob("*") if path.is_file()}
@@ -184,17 +184,17 @@ def test_each_file_that_grades_a_real_exercise_changes_its_version(tmp_path: Pat
     for path in sorted(grading):
         kept = path.read_bytes()
         path.write_bytes(kept + b"\n#\n")
-        assert version(imports, [tmp_path], folder, card, exercise.grader, exercise.kit) != before, path
+        assert exercise_version(imports, [tmp_path], folder, card, exercise.grader, exercise.kit) != before, path
         path.write_bytes(kept)
     assert everything - grading
     for path in everything - grading:
         path.write_bytes(path.read_bytes() + b"\n#\n")
-    assert version(imports, [tmp_path], folder, card, exercise.grader, exercise.kit) == before
+    assert exercise_version(imports, [tmp_path], folder, card, exercise.grader, exercise.kit) == before
 
 
 @cache
-def imports_here() -> Imports:
-    return Imports(ROOT)
+def imports_here() -> ImportGraph:
+    return ImportGraph(ROOT)
 
 
 def closure_of(exercise: Exercise) -> set[str]:

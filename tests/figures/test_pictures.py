@@ -12,7 +12,7 @@ import pytest
 from server.base.errors import InternalFailure, Overloaded
 from server.base.helpers import HelperError
 from server.figures.drawing_requests import WARM_UP_PAYLOAD, DrawingRequest
-from server.figures.pictures import MAX_PAYLOAD_BYTES, Pictures
+from server.figures.pictures import MAX_PAYLOAD_BYTES, PictureRenderer
 from server.figures.store import PictureStore
 from tests.support.quick import in_a_loop
 
@@ -48,14 +48,14 @@ def order(name: str) -> DrawingRequest:
     return DrawingRequest(name.encode(), name.encode().hex().zfill(64))
 
 
-def looks(pictures: Pictures, name: str, flow: str = "here", rank: int = 0) -> asyncio.Task[bytes]:
+def looks(pictures: PictureRenderer, name: str, flow: str = "here", rank: int = 0) -> asyncio.Task[bytes]:
     return asyncio.create_task(pictures.get(order(name), flow, rank))
 
 
-def play(folder: Path, scene: Callable[[Drawer, Pictures], Awaitable[None]], *, most_waiting: int = 64) -> None:
+def play(folder: Path, scene: Callable[[Drawer, PictureRenderer], Awaitable[None]], *, most_waiting: int = 64) -> None:
     async def whole() -> None:
         drawer = Drawer()
-        pictures = Pictures(drawer, PictureStore(folder), most_waiting=most_waiting)
+        pictures = PictureRenderer(drawer, PictureStore(folder), most_waiting=most_waiting)
         await asyncio.wait_for(scene(drawer, pictures), 300)
         await pictures.close()
 
@@ -63,7 +63,7 @@ def play(folder: Path, scene: Callable[[Drawer, Pictures], Awaitable[None]], *, 
 
 
 def test_all_who_look_at_once_have_one_drawing_made(tmp_path: Path) -> None:
-    async def scene(drawer: Drawer, pictures: Pictures) -> None:
+    async def scene(drawer: Drawer, pictures: PictureRenderer) -> None:
         first = looks(pictures, "a")
         await drawer.begun.wait()
         others = [looks(pictures, name) for name in ("a", "b") * 50]
@@ -79,7 +79,7 @@ def test_all_who_look_at_once_have_one_drawing_made(tmp_path: Path) -> None:
 
 
 def test_whoever_leaves_does_not_stop_it_for_the_others(tmp_path: Path) -> None:
-    async def scene(drawer: Drawer, pictures: Pictures) -> None:
+    async def scene(drawer: Drawer, pictures: PictureRenderer) -> None:
         first = looks(pictures, "a")
         await drawer.begun.wait()
         second = looks(pictures, "a")
@@ -95,7 +95,7 @@ def test_whoever_leaves_does_not_stop_it_for_the_others(tmp_path: Path) -> None:
 
 
 def test_what_nobody_waits_for_any_more_is_drawn_and_kept(tmp_path: Path) -> None:
-    async def scene(drawer: Drawer, pictures: Pictures) -> None:
+    async def scene(drawer: Drawer, pictures: PictureRenderer) -> None:
         gone = looks(pictures, "a")
         await drawer.begun.wait()
         gone.cancel()
@@ -107,7 +107,7 @@ def test_what_nobody_waits_for_any_more_is_drawn_and_kept(tmp_path: Path) -> Non
 
 
 def test_what_all_have_left_before_it_was_begun_leaves_the_queue(tmp_path: Path) -> None:
-    async def scene(drawer: Drawer, pictures: Pictures) -> None:
+    async def scene(drawer: Drawer, pictures: PictureRenderer) -> None:
         first = looks(pictures, "a")
         await drawer.begun.wait()
         gone, leaving, staying = (looks(pictures, name) for name in "bcc")
@@ -124,7 +124,7 @@ def test_what_all_have_left_before_it_was_begun_leaves_the_queue(tmp_path: Path)
 
 
 def test_who_looks_as_the_last_one_leaves_has_it_drawn(tmp_path: Path) -> None:
-    async def scene(drawer: Drawer, pictures: Pictures) -> None:
+    async def scene(drawer: Drawer, pictures: PictureRenderer) -> None:
         first = looks(pictures, "a")
         await drawer.begun.wait()
         leaving = looks(pictures, "b")
@@ -139,7 +139,7 @@ def test_who_looks_as_the_last_one_leaves_has_it_drawn(tmp_path: Path) -> None:
 
 
 def test_a_process_that_cannot_be_made_ready_stops_nothing(tmp_path: Path) -> None:
-    async def scene(drawer: Drawer, pictures: Pictures) -> None:
+    async def scene(drawer: Drawer, pictures: PictureRenderer) -> None:
         drawer.go.set()
         drawer.fails.add(WARM_UP_PAYLOAD.decode())
         pictures.warm()
@@ -151,7 +151,7 @@ def test_a_process_that_cannot_be_made_ready_stops_nothing(tmp_path: Path) -> No
 
 
 def test_a_failure_is_told_to_all_who_wait_and_not_remembered(tmp_path: Path) -> None:
-    async def scene(drawer: Drawer, pictures: Pictures) -> None:
+    async def scene(drawer: Drawer, pictures: PictureRenderer) -> None:
         drawer.fails.add("a")
         waiting = [looks(pictures, "a")]
         await drawer.begun.wait()
@@ -167,13 +167,13 @@ def test_a_failure_is_told_to_all_who_wait_and_not_remembered(tmp_path: Path) ->
     play(tmp_path, scene)
 
 
-async def until_waiting(pictures: Pictures, number: int) -> None:
+async def until_waiting(pictures: PictureRenderer, number: int) -> None:
     while pictures._limiter.waiting != number:
         await asyncio.sleep(0.001)
 
 
 def test_the_queue_has_an_end_but_not_for_a_picture_that_is_coming(tmp_path: Path) -> None:
-    async def scene(drawer: Drawer, pictures: Pictures) -> None:
+    async def scene(drawer: Drawer, pictures: PictureRenderer) -> None:
         coming = [looks(pictures, "a")]
         await drawer.begun.wait()
         for waiting, name in enumerate("bc", 1):
@@ -193,7 +193,7 @@ def test_the_queue_has_an_end_but_not_for_a_picture_that_is_coming(tmp_path: Pat
 
 
 def test_a_crowd_at_one_address_makes_room_for_another(tmp_path: Path) -> None:
-    async def scene(drawer: Drawer, pictures: Pictures) -> None:
+    async def scene(drawer: Drawer, pictures: PictureRenderer) -> None:
         first = looks(pictures, "a")
         second = looks(pictures, "f", "there")
         while drawer.at_once < 2:
@@ -213,7 +213,7 @@ def test_a_crowd_at_one_address_makes_room_for_another(tmp_path: Path) -> None:
 
 
 def test_no_flow_nor_rank_keeps_all_others_waiting(tmp_path: Path) -> None:
-    async def scene(drawer: Drawer, pictures: Pictures) -> None:
+    async def scene(drawer: Drawer, pictures: PictureRenderer) -> None:
         crowd = [looks(pictures, str(k), "guests", rank=2) for k in range(9)]
         await drawer.begun.wait()
         await until_waiting(pictures, 8)
@@ -233,11 +233,11 @@ def test_no_flow_nor_rank_keeps_all_others_waiting(tmp_path: Path) -> None:
 
 
 def test_what_was_drawn_before_a_restart_is_not_drawn_again(tmp_path: Path) -> None:
-    async def scene(drawer: Drawer, pictures: Pictures) -> None:
+    async def scene(drawer: Drawer, pictures: PictureRenderer) -> None:
         drawer.go.set()
         assert await looks(pictures, "a") == b"<a>"
 
-    async def after(drawer: Drawer, pictures: Pictures) -> None:
+    async def after(drawer: Drawer, pictures: PictureRenderer) -> None:
         assert await looks(pictures, "a") == b"<a>"
         assert not drawer.drawn
 
@@ -248,7 +248,7 @@ def test_what_was_drawn_before_a_restart_is_not_drawn_again(tmp_path: Path) -> N
 def test_a_picture_that_cannot_be_kept_is_shown_nevertheless(tmp_path: Path) -> None:
     (tmp_path / "file").touch()
 
-    async def scene(drawer: Drawer, pictures: Pictures) -> None:
+    async def scene(drawer: Drawer, pictures: PictureRenderer) -> None:
         drawer.go.set()
         assert await looks(pictures, "a") == b"<a>"
 
@@ -256,7 +256,7 @@ def test_a_picture_that_cannot_be_kept_is_shown_nevertheless(tmp_path: Path) -> 
 
 
 def test_what_is_too_large_to_be_drawn_is_not_asked(tmp_path: Path) -> None:
-    async def scene(drawer: Drawer, pictures: Pictures) -> None:
+    async def scene(drawer: Drawer, pictures: PictureRenderer) -> None:
         with pytest.raises(InternalFailure):
             await pictures.get(DrawingRequest(b"x" * (MAX_PAYLOAD_BYTES + 1), "0" * 64), "here", 0)
         assert not drawer.drawn
@@ -267,7 +267,7 @@ def test_what_is_too_large_to_be_drawn_is_not_asked(tmp_path: Path) -> None:
 def test_the_end_of_the_service_waits_for_nobody(tmp_path: Path) -> None:
     async def scene() -> None:
         drawer = Drawer()
-        pictures = Pictures(drawer, PictureStore(tmp_path))
+        pictures = PictureRenderer(drawer, PictureStore(tmp_path))
         coming = looks(pictures, "a")
         await drawer.begun.wait()
         await asyncio.wait_for(pictures.close(), 300)

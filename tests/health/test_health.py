@@ -22,7 +22,7 @@ from server.base import logs
 from server.base.app_services import add_services, get_service
 from server.base.counters import TEMPLATE_RENEWALS
 from server.base.logs import JsonLines
-from server.base.middleware import RequestLog
+from server.base.middleware import RequestLogMiddleware
 from server.base.version import VERSION
 from server.database import utc_now
 from server.grading.supervisor import WorkerSupervisor
@@ -230,7 +230,7 @@ def test_a_trusted_proxy_names_requests_and_nobody_else(proxied: bool, given: st
         await send({"type": "http.response.body", "body": b""})
 
     headers = {"X-Request-ID": given.replace("\r\n", " ")}
-    name = TestClient(RequestLog(app, proxied)).get("/", headers=headers).headers["x-request-id"]
+    name = TestClient(RequestLogMiddleware(app, proxied)).get("/", headers=headers).headers["x-request-id"]
     assert (name == given) is kept
     assert logs.REQUEST_ID_PATTERN.fullmatch(name)
     assert not logs.current_request_id()

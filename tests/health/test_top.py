@@ -89,7 +89,7 @@ def test_latest_logged_errors_are_shown_on_one_line_each(site: Site, administrat
 def shown(site: Site, administrator: dict[str, str], monkeypatch: pytest.MonkeyPatch, capsys: Any) -> Any:
     """What `balise top --server` writes."""
     client = TestClient(site.app, headers=administrator)
-    monkeypatch.setattr("server.cli.remote.client_of", lambda _server, _token: client)
+    monkeypatch.setattr("server.cli.remote.make_client", lambda _server, _token: client)
 
     def write(*more: str) -> str:
         assert main(["top", "--server", "https://balise.example", "--token", "t", *more]) == 0
@@ -151,6 +151,6 @@ def test_durations_are_formatted_for_people() -> None:
 def test_refused_access_is_explained(site: Site, monkeypatch: pytest.MonkeyPatch, capsys: Any) -> None:
     for headers, why in (({"Authorization": "Bearer balise_faux"}, "jeton"), (site.token(), "administrateur")):
         client = TestClient(site.app, headers=headers)
-        monkeypatch.setattr("server.cli.remote.client_of", lambda _server, _token, client=client: client)
+        monkeypatch.setattr("server.cli.remote.make_client", lambda _server, _token, client=client: client)
         assert main(["top", "--server", "https://balise.example", "--token", "t", "--once"]) == 2
         assert why in capsys.readouterr().err

@@ -12,11 +12,11 @@ from server.hunts import run
 from server.hunts.questions import (
     ComparisonRequest,
     HuntName,
-    HuntOffer,
     HuntQuestion,
     InputTrial,
     LineTrial,
     OfferedHunt,
+    OfferRequest,
     PredictionTrial,
     ReviewRequest,
     TrialOutcome,
@@ -34,7 +34,7 @@ def runner(course_sandbox: Sandbox) -> HuntRunner:
 
 
 def offer(runner: HuntRunner, *hunts: HuntName, seed: int = 5) -> OfferedHunt | None:
-    return runner.answer(HuntQuestion(hunts=HuntOffer(hunts=hunts, seed=seed))).offer
+    return runner.answer(HuntQuestion(hunts=OfferRequest(hunts=hunts, seed=seed))).offer
 
 
 def try_input(runner: HuntRunner, **typed: str) -> TrialOutcome:

@@ -16,7 +16,7 @@ from server.assignments.feedback import FeedbackHolds, HoldingTest
 from server.base.app_services import add_services, get_service
 from server.course import Course
 from server.grading.grading_task import GradingInput
-from server.hunts.questions import Argument, HuntName, HuntOffer, HuntQuestion, HuntReply, OfferedHunt, TrialOutcome
+from server.hunts.questions import Argument, HuntName, HuntQuestion, HuntReply, OfferedHunt, OfferRequest, TrialOutcome
 from server.hunts.service import HuntService, may_have_hunts
 from server.recall.models import RecallAnswer
 from tests.support.service import Site
@@ -40,7 +40,7 @@ class Process:
 
     async def __call__(self, question: bytes, *, reader: str, flow: str, rank: int = 0) -> bytes:
         self.asked.append(HuntQuestion.model_validate_json(question))
-        is_offer = isinstance(self.asked[-1].hunts, HuntOffer)
+        is_offer = isinstance(self.asked[-1].hunts, OfferRequest)
         reply = HuntReply(offer=OFFER) if is_offer else HuntReply(outcome=self.outcome)
         return reply.model_dump_json().encode()
 

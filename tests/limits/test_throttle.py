@@ -65,4 +65,4 @@ def test_a_bucket_stays_between_what_it_held_and_its_burst(
     tokens: float, elapsed: float, burst: int, refill: float
 ) -> None:
     held = min(tokens, burst)
-    assert held <= throttle.refilled(held, elapsed, BucketSettings(burst, refill)) <= burst
+    assert held <= throttle.tokens_after(held, elapsed, BucketSettings(burst, refill)) <= burst

@@ -32,7 +32,7 @@ from server.lesson.models import LiveLesson
 from server.mails import outbox, service, smtp
 from server.mails.errors import MailError
 from server.mails.models import MailDelivery, MailState, MailSubscription
-from server.mails.post import MailPost
+from server.mails.post import MailSender
 from tests.support.classes import new_class, person, seat
 from tests.support.client import TestClient
 from tests.support.crowd import Sent, store
@@ -118,7 +118,7 @@ class Desk:
         self.browser = self.martin.browser(site)
         self.path = f"/classes/{self.made.id}"
         self.settings = settings = get_service(site.app, Settings)
-        self.post = MailPost(
+        self.post = MailSender(
             site.database, settings, ReviewMails(get_service(site.app, Course), settings),
             clock=lambda: self.now,
         )  # fmt: skip
@@ -305,7 +305,7 @@ def test_a_server_that_refuses_is_tried_again_a_bounded_number_of_times(desk: De
         assert desk.post.work() == 0
         assert desk.post.work() == 0, "not before the pause is over"
         assert desk.deliveries()[0].tries == tries
-        desk.now += outbox.pause_after(tries)
+        desk.now += outbox.retry_delay(tries)
     assert desk.deliveries()[0].state == MailState.refused
     served.replies.clear()
     desk.now += timedelta(days=1)
@@ -334,7 +334,7 @@ def test_a_process_that_dies_after_the_handover_sends_nothing_twice(desk: Desk, 
         on_handover()
         raise KeyboardInterrupt
 
-    dying = MailPost(
+    dying = MailSender(
         desk.site.database, desk.settings, ReviewMails(get_service(desk.site.app, Course), desk.settings),
         die, lambda: desk.now,
     )  # fmt: skip
@@ -356,7 +356,7 @@ def test_a_mail_that_is_stopped_while_it_leaves_does_not_leave(desk: Desk, serve
             service.unsubscribe(db, desk.made.id, desk.martin.id)
         smtp.send(settings, message, on_handover)
 
-    post = MailPost(
+    post = MailSender(
         desk.site.database, desk.settings, ReviewMails(get_service(desk.site.app, Course), desk.settings),
         stop_meanwhile, lambda: desk.now,
     )  # fmt: skip

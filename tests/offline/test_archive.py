@@ -22,8 +22,8 @@ import pytest
 from server.base.errors import NotFound, Overloaded, WrongMoment
 from server.course import Module
 from server.offline import site
-from server.offline.addresses import ON_THE_SERVER, Places
-from server.offline.service import Archives
+from server.offline.addresses import ON_THE_SERVER, ArchivePaths
+from server.offline.service import OfflineArchives
 from server.reading.downloads import Downloads
 from tests.support.quick import the_course
 
@@ -76,8 +76,8 @@ def lessened(module: Module) -> Module:
 def opened() -> dict[str, bytes]:
     course = the_course()
     module = lessened(course.modules["l20"])
-    pictures = dict.fromkeys(site.pictured(module), PICTURE)
-    with zipfile.ZipFile(io.BytesIO(site.archive(course, module, pictures, Downloads(course)))) as archive:
+    pictures = dict.fromkeys(site.needed_pictures(module), PICTURE)
+    with zipfile.ZipFile(io.BytesIO(site.build_archive_zip(course, module, pictures, Downloads(course)))) as archive:
         assert archive.testzip() is None
         return {name: archive.read(name) for name in archive.namelist()}
 
@@ -115,7 +115,7 @@ def test_a_manipulation_that_needs_no_server_comes_along() -> None:
     assert start == 'globalThis.baliseHands["ressorts"]'
     assert json.loads(brought)["scripts"].keys() == {"main.js", "calcul.js"}
     course = the_course()
-    whole = site.Site(course, course.modules["l20"], {}, Downloads(course))
+    whole = site.OfflineSite(course, course.modules["l20"], {}, Downloads(course))
     alone = set(whole._manipulations())
     assert alone >= {"elastique", "passant", "ressorts"}
     assert alone.isdisjoint({"carte", "particules"})
@@ -177,10 +177,10 @@ def test_a_page_can_be_read_aloud(name: str) -> None:
 def test_the_same_course_makes_the_same_bytes() -> None:
     course = the_course()
     module = course.modules["l20"]
-    assert site.version(module) == site.version(module)
-    made = site.Site(course, lessened(module), {}, Downloads(course))
+    assert site.content_digest(module) == site.content_digest(module)
+    made = site.OfflineSite(course, lessened(module), {}, Downloads(course))
     assert made._addresses  # the places are told before a page is written
-    places = Places("/static/abc", {"/l20": "index.html", "/l20/lire/slam": "lire/slam.html"})
+    places = ArchivePaths("/static/abc", {"/l20": "index.html", "/l20/lire/slam": "lire/slam.html"})
     text = '<a href="/l20/lire/slam#x">a</a> <a href="/classes">b</a> <img src="/static/abc/i.svg"> <a href="#y">c</a>'
     away = '<a href="slam.html#x">a</a> <a href="../sur-le-serveur.html">b</a>'
     assert places.relative(text, "lire/a.html") == f'{away} <img src="../static/i.svg"> <a href="#y">c</a>'
@@ -204,9 +204,9 @@ class Drawn:
 @pytest.fixture
 def quick_site(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("server.offline.service.RETRY_SECONDS", 0.0)
-    monkeypatch.setattr(site, "archive", lambda *_: b"PK-made")
-    monkeypatch.setattr(site, "version", lambda _module: "abc123")
-    monkeypatch.setattr(site, "pictured", lambda _module: [("a", "light"), ("a", "dark")])
+    monkeypatch.setattr(site, "build_archive_zip", lambda *_: b"PK-made")
+    monkeypatch.setattr(site, "content_digest", lambda _module: "abc123")
+    monkeypatch.setattr(site, "needed_pictures", lambda _module: [("a", "light"), ("a", "dark")])
 
 
 def told_to_the_end(story: Coroutine[Any, Any, None]) -> None:
@@ -222,7 +222,7 @@ def test_an_archive_is_made_once_and_kept(tmp_path: Path) -> None:
 
     async def story() -> None:
         course, drawn = the_course(), Drawn()
-        archives: Any = Archives(course, drawn, Downloads(course), tmp_path)  # type: ignore[arg-type]
+        archives: Any = OfflineArchives(course, drawn, Downloads(course), tmp_path)  # type: ignore[arg-type]
         module = archives.module("l20")
         assert await archives.look(module) is None
         with pytest.raises(WrongMoment):
@@ -246,7 +246,7 @@ def test_an_archive_is_made_once_and_kept(tmp_path: Path) -> None:
 def test_one_that_fails_is_told_and_may_be_tried_again(tmp_path: Path) -> None:
     async def story() -> None:
         course = the_course()
-        archives: Any = Archives(course, Drawn(fails=True), Downloads(course), tmp_path)  # type: ignore[arg-type]
+        archives: Any = OfflineArchives(course, Drawn(fails=True), Downloads(course), tmp_path)  # type: ignore[arg-type]
         module = archives.module("l20")
         await archives.prepare(module)
         first = archives._making["l20"]

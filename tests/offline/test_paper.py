@@ -20,14 +20,14 @@ PICTURE = b"<svg xmlns='http://www.w3.org/2000/svg' viewBox='0 0 1 1'/>"
 
 
 def pictures(course: Course) -> site.Pictures:
-    return dict.fromkeys(site.pictured(course.modules["l20"]), PICTURE)
+    return dict.fromkeys(site.needed_pictures(course.modules["l20"]), PICTURE)
 
 
 def test_the_printer_gets_all_pictures_at_once_and_no_way_to_other_files() -> None:
     page = (
         '<a class="x" href="slam.html#un">S</a> <a href="#ici">I</a> <a href="https://a.fr">A</a> <img loading="lazy">'
     )
-    assert paper.prepared(page) == '<a class="x">S</a> <a href="#ici">I</a> <a href="https://a.fr">A</a> <img>'
+    assert paper.page_for_print(page) == '<a class="x">S</a> <a href="#ici">I</a> <a href="https://a.fr">A</a> <img>'
 
 
 def test_on_paper_a_module_has_the_answers_and_no_script() -> None:
@@ -35,7 +35,7 @@ def test_on_paper_a_module_has_the_answers_and_no_script() -> None:
     module = course.modules["l20"]
     lessons = tuple(one for one in module.lessons if one.solution)
     only = replace(module, lessons=lessons, exercises=(), glossary={})
-    made = site.Site(course, only, {}, Downloads(course), on_paper=True)
+    made = site.OfflineSite(course, only, {}, Downloads(course), on_paper=True)
     (copy,) = (page for place, page in made._pages() if place == "lire/epreuve-corrige.html")
     assert "En ligne seulement" not in copy
     assert "6{,}368" in copy
@@ -51,7 +51,9 @@ def test_an_archive_has_nothing_of_what_the_answers_of_a_paper_show() -> None:
     closed, printed = (
         {
             place
-            for _, place in site.Site(course, only, pictures(course), Downloads(course), on_paper=paper)._addresses()
+            for _, place in site.OfflineSite(
+                course, only, pictures(course), Downloads(course), on_paper=paper
+            )._addresses()
         }
         for paper in (False, True)
     )
@@ -77,16 +79,16 @@ def test_a_browser_that_prints_nothing_is_told(tmp_path: Path, script: str) -> N
 
 
 @pytest.mark.slow
-@pytest.mark.skipif(paper.browser() is None, reason="no Chromium on this machine")
+@pytest.mark.skipif(paper.find_chromium() is None, reason="no Chromium on this machine")
 def test_pages_are_printed(tmp_path: Path) -> None:
     course = the_course()
     counted: list[int] = []
-    made = paper.write(
+    made = paper.write_pdfs(
         course,
         course.modules["l20"],
         pictures(course),
         tmp_path / "pdf",
-        command=str(paper.browser()),
+        command=str(paper.find_chromium()),
         slugs=SLUGS,
         advance=lambda: counted.append(1),
     )

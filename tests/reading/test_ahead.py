@@ -46,7 +46,7 @@ def test_one_part_that_cannot_be_prepared_is_told_and_the_others_are(
     lessons = [Part("a", read), Part("b", read, broken=True), Part("c", read)]
     exercises = {one.id: one for one in (Part("x", read, broken=True), Part("y", read))}
     course: Any = SimpleNamespace(modules={"l20": SimpleNamespace(lessons=lessons)}, exercises=exercises)
-    ahead.read_ahead(course)
+    ahead.preload_course(course)
     assert read == ["a", "c", "y"]
     assert [record.args for record in caplog.records] == [("b",), ("x",)]
 

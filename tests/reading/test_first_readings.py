@@ -55,7 +55,7 @@ def gate(monkeypatch: pytest.MonkeyPatch) -> threading.Event:
     monkeypatch.setattr(Text, "rendered", property(waiting(lambda text: text.__dict__["rendered"])))
     monkeypatch.setattr(search, "_indexes", {})
     monkeypatch.setattr(search, "Index", waiting(search.Index))
-    monkeypatch.setattr(downloads, "load_file", waiting(downloads.load_file))
+    monkeypatch.setattr(downloads, "import_file", waiting(downloads.import_file))
     return opened
 
 

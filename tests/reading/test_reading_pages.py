@@ -16,7 +16,7 @@ from server.base.settings import Settings
 from server.course.lengths import length_in_words
 from server.database import Database
 from server.figures.service import Figures
-from server.reading.service import plain
+from server.reading.service import word_sort_key
 from tests.support.client import TestClient
 from tests.support.quick import migrated, standing_app
 from tests.support.small_course import CourseFolder
@@ -291,4 +291,4 @@ def test_lengths_in_words(minutes: int, words: str) -> None:
 
 def test_words_are_sorted_as_in_a_dictionary() -> None:
     words = ["SLAM par graphe", "état", "scan matching", "A*", "étape", "Nav2"]
-    assert sorted(words, key=plain) == ["A*", "étape", "état", "Nav2", "scan matching", "SLAM par graphe"]
+    assert sorted(words, key=word_sort_key) == ["A*", "étape", "état", "Nav2", "scan matching", "SLAM par graphe"]

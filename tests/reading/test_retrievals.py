@@ -124,15 +124,15 @@ def test_numbers_are_of_an_account_and_a_day(site: Site) -> None:
     module, day = the_course().modules["l20"], retrievals.today()
     ada, bob = person(site).account, person(site).account
     questions = [(ada, day), (bob, day), (ada, day + timedelta(days=1)), (None, day)]
-    drawn = [retrievals.ask(module, "localiser/copies", who, when).question for who, when in questions]
-    assert drawn[0] == retrievals.ask(module, "localiser/copies", ada, day).question
+    drawn = [retrievals.draw_retrieval(module, "localiser/copies", who, when).question for who, when in questions]
+    assert drawn[0] == retrievals.draw_retrieval(module, "localiser/copies", ada, day).question
     assert len({question.text for question in drawn}) > 1
 
 
 def test_the_first_answer_of_a_day_is_stored_and_others_are_marked(site: Site) -> None:
     ada, module, day = person(site), the_course().modules["l20"], retrievals.today()
     browser = ada.browser(site)
-    asked = retrievals.ask(module, "localiser/cap", ada.account, day)
+    asked = retrievals.draw_retrieval(module, "localiser/cap", ada.account, day)
     form = {"question": "localiser/cap", "jour": day.isoformat()}
     wrong = browser.post("/l20/rappels", data={**form, "reponse": "-3"}, headers=JSON).json()
     assert wrong["right"] is False

@@ -15,7 +15,7 @@ from hypothesis import strategies as st
 
 from graders.typography import unaccented
 from server.reading.schemas import HitView
-from server.reading.search import Index, Passage, find, prepare, words
+from server.reading.search import Index, Passage, load_index, query_words, search_lessons
 from server.reading.vocabulary import ALIKE, Vocabulary
 from tests.support.quick import the_course
 from tests.support.small_course import CourseFolder
@@ -50,7 +50,7 @@ def search(course_folder: CourseFolder) -> Search:
     )
     course_folder.write("curriculum/m9/glossaire.toml", GLOSSARY)
     module = course_folder.load().modules["m9"]
-    return lambda query: find(module, query).hits
+    return lambda query: search_lessons(module, query).hits
 
 
 def hrefs(hits: tuple[HitView, ...]) -> list[str]:
@@ -187,7 +187,7 @@ def test_no_query_breaks_the_search(query: str) -> None:
         bare = hit.snippet.replace("<mark>", "").replace("</mark>", "")
         assert "<" not in bare
         assert "\x02" not in hit.snippet
-    assert len(words(query)) <= 8
+    assert len(query_words(query)) <= 8
 
 
 @settings(deadline=None)
@@ -221,7 +221,7 @@ def test_stems_are_the_same_in_threads() -> None:
 def test_no_query_takes_long() -> None:
     """Words of one or two letters, all of a query, stood for thousands of words in each of sixty phrases."""
     course = the_course()
-    index = prepare(course.modules["l20"])
+    index = load_index(course.modules["l20"])
     worst = ("de la le les un une des du", "pr co re de in ex da ca", "calculq donnq partq rangq tournq comptq dessq")
     usual = min(_seconds(index, "robot") for _ in range(5))
     for query in worst:
@@ -237,6 +237,6 @@ def _seconds(index: Index, query: str) -> float:
 
 @pytest.mark.parametrize("query", ["IndexError", "indexerror", "NameError", "zerodivisionerror"])
 def test_errors_are_found_by_their_names(query: str) -> None:
-    hits = find(the_course().modules["l20"], query).hits
+    hits = search_lessons(the_course().modules["l20"], query).hits
     assert hits[0].part.lower() == query.lower()
     assert hits[0].href == f"/l20/glossaire#e-{query.lower()}"

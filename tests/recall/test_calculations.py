@@ -34,22 +34,22 @@ def mistakes_of(course: Course, exercise_id: str) -> list[str]:
 @pytest.mark.parametrize("exercise_id", [EXERCISE, "l20/calcul_kabsch", "l20/verification"])
 def test_each_mistake_has_a_question_that_tells_it_from_the_right_answer(course: Course, exercise_id: str) -> None:
     for name in mistakes_of(course, exercise_id):
-        asked = calculations.ask(course, exercise_id, name, ADA, retrievals.today())
+        asked = calculations.draw_calculation(course, exercise_id, name, ADA, retrievals.today())
         grader = asked.exercise.answers
         assert grader is not None
         right = grader.right_answers(asked.seed)[asked.question.id]
         letters = right if isinstance(right, list) else [str(right)]
-        assert calculations.mark(asked, letters).is_right, name
+        assert calculations.mark_calculation(asked, letters).is_right, name
         if isinstance(grader, NumericGrader):
             wrong = [str(grader.mistaken(name, asked.seed, follow=False)[asked.question.id])]
         else:
             wrong = [piece.id for piece in asked.question.pieces if piece.id not in letters][:1]
-        marked = calculations.mark(asked, wrong)
+        marked = calculations.mark_calculation(asked, wrong)
         assert not marked.is_right
         assert marked.message
         for typed in ([], ["douze ans"]):
             with pytest.raises(Invalid):
-                calculations.mark(asked, typed)
+                calculations.mark_calculation(asked, typed)
 
 
 def test_a_calculation_comes_back_with_fresh_numbers_and_not_during_a_test(site: Site) -> None:
@@ -60,8 +60,8 @@ def test_a_calculation_comes_back_with_fresh_numbers_and_not_during_a_test(site:
     assert "1 question" in browser.get("/").text.replace("\u202f", " ").replace("\xa0", " ")
     assert f'name="erreur" value="{name}"' in browser.get(PATH).text
     day = retrievals.today()
-    asked = calculations.ask(course, EXERCISE, name, ada.account, day)
-    later = calculations.ask(course, EXERCISE, name, ada.account, day + timedelta(days=1))
+    asked = calculations.draw_calculation(course, EXERCISE, name, ada.account, day)
+    later = calculations.draw_calculation(course, EXERCISE, name, ada.account, day + timedelta(days=1))
     assert [datum.text for datum in asked.given] != [datum.text for datum in later.given]
     form = {"exercice": EXERCISE, "erreur": name, "jour": day.isoformat()}
     refused = browser.post(f"{PATH}/calculs", data={**form, "valeur": "douze"}).text

@@ -12,7 +12,7 @@ from graders.core.contract.findings import Judgement
 from server.base.app_services import add_services, get_service
 from server.grading.grading_task import GradingInput
 from server.hunts.questions import LineTrial, TrialOutcome
-from server.hunts.service import HuntService, choose_kind
+from server.hunts.service import HuntService, choose_question_kind
 from server.recall import retrievals
 from server.recall.models import RecallAnswer
 from server.submissions.models import Submission
@@ -86,7 +86,7 @@ def test_a_missed_question_of_a_lesson_comes_back_with_other_numbers(site: Site)
     ada, module, day = person(site), the_course().modules["l20"], retrievals.today()
     browser = ada.browser(site)
     for name, reply in (("localiser/cap", "-3"), ("localiser/copies", None)):
-        right = retrievals.ask(module, name, ada.account, day).question.answer
+        right = retrievals.draw_retrieval(module, name, ada.account, day).question.answer
         form = {"question": name, "jour": day.isoformat(), "reponse": str(right) if reply is None else reply}
         browser.post("/l20/rappels", data=form, headers={"Accept": "application/json"})
     assert 'id="deux-minutes"' not in browser.get("/").text, "not on the day itself"
@@ -102,7 +102,7 @@ def test_a_missed_question_of_a_lesson_comes_back_with_other_numbers(site: Site)
     refused = browser.post(f"{PATH}/questions/l20", data={**form, "reponse": "douze"})
     assert 'value="douze"' in refused.text
     assert "Vérifier" in refused.text
-    right = retrievals.ask(module, "localiser/cap", ada.account, day).question.answer
+    right = retrievals.draw_retrieval(module, "localiser/cap", ada.account, day).question.answer
     page = browser.post(f"{PATH}/questions/l20", data={**form, "reponse": str(right)}).text
     assert "✓ Juste." in page
     assert "Terminer" in page
@@ -113,9 +113,9 @@ def test_a_missed_question_of_a_lesson_comes_back_with_other_numbers(site: Site)
 
 def test_questions_about_a_mistake_are_of_each_possible_kind_in_turn() -> None:
     offer = OFFER.model_copy(update={"wrong_lines": 1})
-    assert [choose_kind(offer, turn) for turn in range(4)] == ["hunt", "prediction", "line", "hunt"]
+    assert [choose_question_kind(offer, turn) for turn in range(4)] == ["hunt", "prediction", "line", "hunt"]
     alone = OFFER.model_copy(update={"predictable": False})
-    assert [choose_kind(alone, turn) for turn in range(2)] == ["hunt", "hunt"]
+    assert [choose_question_kind(alone, turn) for turn in range(2)] == ["hunt", "hunt"]
 
 
 def test_a_wrong_line_is_an_answer_and_giving_up_shows_the_lines(site: Site, process: Process) -> None:

@@ -19,8 +19,8 @@ from graders.scene.parameters import Values
 from server.app import create_app
 from server.base.errors import Invalid, NotFound, RateLimited
 from server.base.settings import Settings
-from server.replays.routes import MAX_WAITING, Desk
-from server.replays.service import Answer, Replays, Script
+from server.replays.routes import MAX_WAITING, ReplayQueue
+from server.replays.service import CompressedReplay, ReplayLibrary, ReplayScript
 from tests.support.client import TestClient
 from tests.support.quick import migrated, the_course
 
@@ -35,12 +35,12 @@ def compute(values, rng):
 
 
 @pytest.fixture
-def replays(tmp_path: Path) -> Replays:
+def replays(tmp_path: Path) -> ReplayLibrary:
     folder = tmp_path / "m9" / "rejeux"
     folder.mkdir(parents=True)
     (folder / "un_essai.py").write_text(SCRIPT, encoding="utf-8")
     (folder / "_aide.py").write_text("", encoding="utf-8")
-    return Replays(tmp_path)
+    return ReplayLibrary(tmp_path)
 
 
 @pytest.fixture(scope="module")
@@ -52,12 +52,12 @@ def client(tmp_path_factory: pytest.TempPathFactory) -> Iterator[TestClient]:
     database.close()
 
 
-def read(answer: Answer) -> dict[str, Any]:
+def read(answer: CompressedReplay) -> dict[str, Any]:
     found: dict[str, Any] = json.loads(gzip.decompress(answer.compressed))
     return found
 
 
-def test_a_new_file_is_a_new_replay(replays: Replays) -> None:
+def test_a_new_file_is_a_new_replay(replays: ReplayLibrary) -> None:
     assert replays.names("m9") == ("un-essai",)
     script = replays.find("m9", "un-essai")
     body = read(replays.compute(script, script.read([("n", "5")])))
@@ -67,7 +67,7 @@ def test_a_new_file_is_a_new_replay(replays: Replays) -> None:
     assert [one["name"] for one in body["parameters"]] == ["n", "tirage"]
 
 
-def test_the_same_settings_give_the_same_bytes_and_another_draw_gives_others(replays: Replays) -> None:
+def test_the_same_settings_give_the_same_bytes_and_another_draw_gives_others(replays: ReplayLibrary) -> None:
     script = replays.find("m9", "un-essai")
     first, again = (replays.compute(script, script.read([])) for _ in range(2))
     other = replays.compute(script, script.read([("tirage", "1")]))
@@ -76,7 +76,7 @@ def test_the_same_settings_give_the_same_bytes_and_another_draw_gives_others(rep
 
 
 @pytest.mark.parametrize(("module", "name"), [("m9", "_aide"), ("m9", "autre"), ("m8", "un-essai"), ("..", "un-essai")])
-def test_what_is_not_there_is_not_found(replays: Replays, module: str, name: str) -> None:
+def test_what_is_not_there_is_not_found(replays: ReplayLibrary, module: str, name: str) -> None:
     with pytest.raises(NotFound):
         replays.find(module, name)
 
@@ -84,16 +84,18 @@ def test_what_is_not_there_is_not_found(replays: Replays, module: str, name: str
 @pytest.mark.parametrize(
     "query", [[("x", "1")], [("n", "3"), ("n", "4")], [("n", "0")], [("n", "1" * 100)], [("N", "3")], [("", "")]]
 )
-def test_a_query_that_asks_for_what_is_not_declared_is_refused(replays: Replays, query: list[tuple[str, str]]) -> None:
+def test_a_query_that_asks_for_what_is_not_declared_is_refused(
+    replays: ReplayLibrary, query: list[tuple[str, str]]
+) -> None:
     with pytest.raises(Invalid):
         replays.find("m9", "un-essai").read(query)
 
 
-def test_answers_are_remembered_up_to_so_many_bytes(replays: Replays, tmp_path: Path) -> None:
+def test_answers_are_remembered_up_to_so_many_bytes(replays: ReplayLibrary, tmp_path: Path) -> None:
     script = replays.find("m9", "un-essai")
     settings = [script.read([("tirage", str(k))]) for k in range(8)]
     size = len(replays.compute(script, settings[0]).compressed)
-    small = Replays(tmp_path, memory_bytes=4 * size)
+    small = ReplayLibrary(tmp_path, memory_bytes=4 * size)
     for values in settings:
         small.compute(script, values)
         small.compute(script, values)
@@ -141,14 +143,14 @@ def test_other_addresses_are_not_found(client: TestClient, address: str) -> None
     assert answer.json()["detail"]
 
 
-class Slow(Replays):
+class Slow(ReplayLibrary):
     """Counts how many computations run at once; each waits for the test."""
 
     def __init__(self, curriculum: Path) -> None:
         super().__init__(curriculum)
         self.running, self.most, self.done, self.go = 0, 0, 0, threading.Event()
 
-    def compute(self, script: Script, values: Values) -> Answer:
+    def compute(self, script: ReplayScript, values: Values) -> CompressedReplay:
         self.running += 1
         self.most = max(self.most, self.running)
         assert self.go.wait(300)
@@ -168,13 +170,15 @@ class Reader(Request):
         return self.gone
 
 
-def test_one_computation_at_a_time_a_short_queue_and_none_for_who_has_left(replays: Replays, tmp_path: Path) -> None:
+def test_one_computation_at_a_time_a_short_queue_and_none_for_who_has_left(
+    replays: ReplayLibrary, tmp_path: Path
+) -> None:
     slow = Slow(tmp_path)
     script = slow.find("m9", "un-essai")
     settings = [script.read([("tirage", str(k))]) for k in range(MAX_WAITING + 1)]
 
-    async def crowd() -> list[Answer | BaseException | None]:
-        desk = Desk(slow)
+    async def crowd() -> list[CompressedReplay | BaseException | None]:
+        desk = ReplayQueue(slow)
         readers = [Reader(gone=k % 2 == 1) for k in range(MAX_WAITING)]
         waiting = [
             asyncio.ensure_future(desk.answer(reader, script, values))

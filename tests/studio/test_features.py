@@ -16,7 +16,7 @@ from server.behaviour.fingerprints import FINGERPRINT, FingerprintScheduler, Fin
 from server.behaviour.models import BehaviourGroup, Fingerprint
 from server.classes.models import ClassRole
 from server.grading.sandbox_grader import SandboxPrograms
-from server.hunts.questions import HuntName, HuntOffer, HuntQuestion, InputTrial
+from server.hunts.questions import HuntName, HuntQuestion, InputTrial, OfferRequest
 from server.hunts.run import HuntRunner
 from server.hunts.service import HuntService
 from server.identity.models import Role
@@ -172,7 +172,7 @@ def test_each_kind_of_argument_is_hunted(
     name = HuntName(exercise="l20/essai_222222", misconception="fausse")
     data = {name.exercise: {**declaration, "erreurs": [mistake]}}
     runner = HuntRunner(course_sandbox)
-    offer = runner.answer(HuntQuestion(hunts=HuntOffer(hunts=(name,), seed=1), declarations=data)).offer
+    offer = runner.answer(HuntQuestion(hunts=OfferRequest(hunts=(name,), seed=1), declarations=data)).offer
     assert offer is not None
     for given in (typed, {argument.name: argument.witness for argument in offer.arguments}):
         trial = InputTrial(hunt=offer.hunt, typed=given)

@@ -58,9 +58,9 @@ def _slow(case: Any) -> Any:
 @cache
 def the_course() -> Course:
     """The real course, its texts left as they are, its graders of code steady (see `tests.support.reenactments`)."""
-    from server.course import load
+    from server.course import load_course
 
-    course = load(render=False)
+    course = load_course(render=False)
     modules = {name: replace(one, exercises=tuple(map(_steady, one.exercises))) for name, one in course.modules.items()}
     return replace(course, modules=modules)
 

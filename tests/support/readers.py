@@ -36,7 +36,7 @@ from server.base.school_time import parse_field
 from server.base.validation import encode_bounded, parse_uuid
 from server.board.extracts import anonymise_extract, extract_function
 from server.classes.codes import parse_code
-from server.classes.encodings import read_again
+from server.classes.encodings import redecode
 from server.classes.folding import normalise_name
 from server.classes.roster import read_roster
 from server.classes.schemas import validate_class_name, validate_guest_name
@@ -78,7 +78,7 @@ from server.studio.import_drafts import ImportRefused
 from server.studio.importing import import_file
 from server.submissions.service import code_digest
 from server.text.lines import require_line, tidy_lines
-from server.text.python_colours import colour_afresh
+from server.text.python_colours import colour_lines_uncached
 from server.text.said import render_message
 from server.web.form_identity import decode_fields, name_account_in_forms
 from server.web.form_version import version_of
@@ -156,7 +156,7 @@ def _imported_file(text: str) -> None:
 
 @cache
 def _index() -> search.Index:
-    return search.prepare(the_course().modules["l20"])
+    return search.load_index(the_course().modules["l20"])
 
 
 #: Names and choices of addresses and forms: compared with what there is, and read as a UUID where it is one.
@@ -371,7 +371,7 @@ READERS: tuple[Reader, ...] = (
     Reader("a list", _encoded(read_roster), BODY, TEXTS, "raw:server.api.classes.import_list"),
     Reader(
         "a list read again",
-        lambda text: read_again(text, "cp1252", "utf-8"),
+        lambda text: redecode(text, "cp1252", "utf-8"),
         BODY,
         TEXTS,
         "raw:server.desk.people.list_import._field raw:server.desk.people.list_import.read_list_form "
@@ -397,7 +397,7 @@ READERS: tuple[Reader, ...] = (
         "raw:server.pages.own_run.run_own_call "
         "raw:server.pages.routes.save raw:server.pages.routes.submit",
     ),
-    Reader("a program in colours", colour_afresh, CODE, {**TEXTS, **PROGRAMS}),
+    Reader("a program in colours", colour_lines_uncached, CODE, {**TEXTS, **PROGRAMS}),
     Reader("a program before it is opened", _encoded(lambda code: require_text(code, Policy())), CODE, ANYTHING),
     Reader("a program's imports", _encoded(lambda code: import_set_of_program(code, None)), CODE, PROGRAMS),
     Reader(
@@ -488,10 +488,10 @@ READERS: tuple[Reader, ...] = (
         TEXTS,
         """
         raw:server.api.routes.Api.matches raw:server.base.http.cookie_value raw:server.base.http.problem_document
-        raw:server.base.middleware.AcceptEncoding.__call__
-        raw:server.base.middleware.BoundedBody.__call__ raw:server.client.routes.download
-        raw:server.base.http.bearer_token raw:server.base.turns.FairTurns.__call__
-        raw:server.base.middleware.BoundedBody._read raw:server.base.middleware.RequestLog.__call__
+        raw:server.base.middleware.AcceptEncodingMiddleware.__call__
+        raw:server.base.middleware.BodyLimitMiddleware.__call__ raw:server.client.routes.download
+        raw:server.base.http.bearer_token raw:server.base.turns.FairTurnsMiddleware.__call__
+        raw:server.base.middleware.BodyLimitMiddleware._read raw:server.base.middleware.RequestLogMiddleware.__call__
         raw:server.base.middleware._is_forged raw:server.base.middleware._visitor
         raw:server.base.root_path.RootPathMiddleware.__call__ raw:server.base.root_path.RootPathMiddleware._inside
         raw:server.base.root_path.service_url raw:server.desk.people.routes.show_class

@@ -12,9 +12,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from server.replays.service import Replays
+from server.replays.service import ReplayLibrary
 
-REPLAYS = Replays()
+REPLAYS = ReplayLibrary()
 
 
 @cache

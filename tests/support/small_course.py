@@ -59,9 +59,9 @@ class CourseFolder:
         self.write(f"graders/m9/{slug}/solution.py", SOLUTION)
 
     def load(self, discovery: Discovery | None = None, **options: bool) -> Course:
-        from server.course import load
+        from server.course import load_course
 
-        return load(self.curriculum, code=self.root, discovery=discovery or self.graders("a", "b"), **options)
+        return load_course(self.curriculum, code=self.root, discovery=discovery or self.graders("a", "b"), **options)
 
     def graders(self, *slugs: str) -> Discovery:
         """What discovery would find: a definition for each."""

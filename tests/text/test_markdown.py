@@ -155,13 +155,13 @@ def test_formulas_may_be_drawn_from_many_threads() -> None:
     katex.drawn.clear()
     formulas = [f"x_{{{number}}}" for number in range(60)]
     with ThreadPoolExecutor(8) as pool:
-        drawn = list(pool.map(lambda tex: katex.render(tex, display=False), formulas))
-    assert drawn == [katex.render(tex, display=False) for tex in formulas]
+        drawn = list(pool.map(lambda tex: katex.render_formula(tex, display=False), formulas))
+    assert drawn == [katex.render_formula(tex, display=False) for tex in formulas]
     assert all(f">{number}<" in one for number, one in enumerate(drawn))
 
 
 def test_without_katex_formulas_stay_readable(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(katex, "engine", lambda: None)
+    monkeypatch.setattr(katex, "shared_engine", lambda: None)
     katex.drawn.clear()
     assert "<code>a &lt; \\theta</code>" in html("$a < \\theta$")
     katex.drawn.clear()

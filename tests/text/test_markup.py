@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from graders.typography import elided
-from server.text.markup.tex import readable
+from server.text.markup.tex import tex_as_plain_text
 from tests.support.quick import the_course
 from tests.support.small_course import CourseFolder
 from tests.support.texts_on_disk import FIGURES, GLOSSARY, read_page, without_formulas, write_page
@@ -259,7 +259,7 @@ def test_typography(course_folder: CourseFolder) -> None:
     ],
 )
 def test_tex_as_a_line_of_text(tex: str, text: str) -> None:
-    assert readable(tex) == text
+    assert tex_as_plain_text(tex) == text
 
 
 def test_sections_are_plain_text_in_which_links_and_numbers_are_said(course_folder: CourseFolder) -> None:

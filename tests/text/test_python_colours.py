@@ -12,7 +12,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from server.text import highlight, python_colours
-from server.text.python_colours import MOST_TOKENS, colour, colour_afresh, colour_lines
+from server.text.python_colours import MOST_TOKENS, colour_block, colour_lines, colour_lines_uncached
 
 CODE = '''@np.vectorize
 def f(a: int) -> str:
@@ -66,7 +66,7 @@ def text_of(lines: list[str]) -> str:
 
 
 def test_what_has_a_colour_has_its_class() -> None:
-    drawn = colour(CODE)
+    drawn = colour_block(CODE)
     pairs = re.findall(r'<span class="(\w+)">([^<]*)</span>', drawn)
     assert {style for style, _ in pairs} <= highlight.COLOURED
     found = {html.unescape(text): style for style, text in pairs}
@@ -94,7 +94,7 @@ def test_no_text_takes_more_than_linear_time(shape: str) -> None:
         code, best = SHAPES[shape](size), float("inf")
         for _ in range(3):
             began = time.process_time()
-            colour_afresh(code)
+            colour_lines_uncached(code)
             best = min(best, time.process_time() - began)
         return best
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 import pytest
 
 from server.text.markup.text import no_names
-from server.text.prose import line
-from server.text.spoken import spoken
+from server.text.prose import author_line_html
+from server.text.spoken import html_to_spoken_text
 
 
 @pytest.mark.parametrize(
@@ -20,10 +20,10 @@ from server.text.spoken import spoken
     ],
 )
 def test_formulas_are_said_once(text: str, said: str) -> None:
-    assert spoken(line(text, no_names)) == said
+    assert html_to_spoken_text(author_line_html(text, no_names)) == said
 
 
 def test_a_matrix_is_said_row_by_row() -> None:
     cell = "<mtd><mstyle><mn>{}</mn></mstyle></mtd>".format
     rows = "".join(f"<mtr>{cell(a)}{cell(b)}</mtr>" for a, b in ((1, 2), (3, 4)))
-    assert spoken(f"<math><mo>(</mo><mtable>{rows}</mtable><mo>)</mo></math>") == "(1, 2 ; 3, 4)"
+    assert html_to_spoken_text(f"<math><mo>(</mo><mtable>{rows}</mtable><mo>)</mo></math>") == "(1, 2 ; 3, 4)"

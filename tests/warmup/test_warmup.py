@@ -30,7 +30,7 @@ from server.hunts.service import HuntService
 from server.identity.models import Role
 from server.recall.models import QuestionKind, RecallAnswer
 from server.recall.scheduling import Review
-from server.recall.service import Candidate
+from server.recall.service import RecallCandidate
 from server.warmup.making import retrieval_question
 from server.warmup.models import WarmUp
 from server.warmup.needs import StudentMemory, SubjectNeed, rank_needs
@@ -171,7 +171,7 @@ def test_what_fewer_than_five_confused_is_not_projected(
 def test_subjects_of_most_students_come_first_and_those_that_nobody_is_to_see_do_not() -> None:
     now = utc_now()
     long_ago, just_now = now - timedelta(days=9), now - timedelta(minutes=5)
-    candidate = Candidate(EXERCISE, WRONG)
+    candidate = RecallCandidate(EXERCISE, WRONG)
 
     def memory(**reviews: Sequence[Review]) -> StudentMemory:
         return StudentMemory(reviews, {name: [candidate] for name in reviews}, ())

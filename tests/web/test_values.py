@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from server.text.plain import visible
+from server.text.plain import show_invisible_characters
 from server.web.rendering import jinja_environment, ticks
 from server.web.values import MAX_ROWS, ValueView, inputs_as_code, value_view, value_view_pair
 from server.web.words import format_mark, format_points, plural
@@ -131,7 +131,7 @@ def test_a_value_cut_short_cannot_be_replayed() -> None:
 
 @pytest.mark.parametrize("strange", ["\x1b[31m", "\u202e", "\u2066", "\u200b", "\ufeff", "\x00", "\x7f", "\U000e0041"])
 def test_invisible_characters_are_spelled_out(strange: str) -> None:
-    text = visible(f"a{strange}b")
+    text = show_invisible_characters(f"a{strange}b")
     assert strange not in text
     assert text.startswith("a")
     assert len(text) > 2
@@ -140,8 +140,8 @@ def test_invisible_characters_are_spelled_out(strange: str) -> None:
 @settings(deadline=None, max_examples=60)
 @given(st.text())
 def test_visible_text_is_stable_and_keeps_what_can_be_seen(text: str) -> None:
-    once = visible(text)
-    assert visible(once) == once
+    once = show_invisible_characters(text)
+    assert show_invisible_characters(once) == once
     if text.isascii() and text.isprintable():
         assert once == text
 

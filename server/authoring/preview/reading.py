@@ -8,7 +8,7 @@ from types import MappingProxyType
 
 from graders.courses import CURRICULUM, GRADERS
 from graders.discovery import discover
-from server.course import Course, Problem, load
+from server.course import Course, Problem, load_course
 from server.course.start_cache import StartCache
 
 
@@ -16,7 +16,7 @@ def read_course(place: Path, memory: StartCache | None = None, *, render: bool =
     """Imports it, and looks at its texts; code that stops Python while it is imported is a fault like another."""
     try:
         found = discover(rooms=[place / GRADERS])
-        return load(place / CURRICULUM, discovery=found, render=render, check=True, memory=memory)
+        return load_course(place / CURRICULUM, discovery=found, render=render, check=True, memory=memory)
     except BaseException as error:
         if isinstance(error, KeyboardInterrupt):
             raise

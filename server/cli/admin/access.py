@@ -9,7 +9,7 @@ from server.base.settings import Settings
 from server.base.validation import parse_uuid
 from server.cli import CannotRun
 from server.cli.admin import journal
-from server.cli.admin.answer import Answer, told, who
+from server.cli.admin.answer import Answer, account_json, account_label
 from server.database import Database
 from server.identity import administration, links, repository, tokens
 from server.identity.models import ApiToken, BrowserSession
@@ -20,7 +20,7 @@ NAME_LENGTH = 12
 UNKNOWN = "{login} n’a ni session ni jeton « {name} »."
 
 
-def sessions(database: Database, _settings: Settings, arguments: Namespace) -> Answer:
+def list_sessions(database: Database, _settings: Settings, arguments: Namespace) -> Answer:
     with database.read() as db:
         account = links.find_account_by_login(db, arguments.login)
         open_sessions = repository.load_sessions(db, account.id)
@@ -28,17 +28,19 @@ def sessions(database: Database, _settings: Settings, arguments: Namespace) -> A
         f"  {_name(session)} : depuis {iso_moment(session.created_at)}, jusqu’à {iso_moment(session.expires_at)}"
         for session in open_sessions
     ]
-    end = f"{who(account)} : {plural(len(open_sessions), 'session ouverte', 'sessions ouvertes')}."
-    return Answer([*lines, end], {**told(account), "sessions": [_session(session) for session in open_sessions]})
+    end = f"{account_label(account)} : {plural(len(open_sessions), 'session ouverte', 'sessions ouvertes')}."
+    return Answer(
+        [*lines, end], {**account_json(account), "sessions": [_session(session) for session in open_sessions]}
+    )
 
 
-def listed_tokens(database: Database, _settings: Settings, arguments: Namespace) -> Answer:
+def list_tokens(database: Database, _settings: Settings, arguments: Namespace) -> Answer:
     with database.read() as db:
         account = links.find_account_by_login(db, arguments.login)
         api_tokens = tokens.load_tokens(db, account)
     lines = [f"  {token.id} : « {token.label} », {_served(token.last_used_at)}" for token in api_tokens]
-    end = f"{who(account)} : {plural(len(api_tokens), 'jeton')}."
-    return Answer([*lines, end], {**told(account), "tokens": [_token(token) for token in api_tokens]})
+    end = f"{account_label(account)} : {plural(len(api_tokens), 'jeton')}."
+    return Answer([*lines, end], {**account_json(account), "tokens": [_token(token) for token in api_tokens]})
 
 
 def revoke(database: Database, _settings: Settings, arguments: Namespace) -> Answer:
@@ -62,7 +64,9 @@ def revoke(database: Database, _settings: Settings, arguments: Namespace) -> Ans
                 except NotFound as error:
                     raise NotFound(missing) from error
         journal.record(db, AuditAction.access_revoked, account, after={"accesses": count})
-    return Answer([f"{who(account)} : {plural(count, 'accès révoqué', 'accès révoqués')}."], {"revoked": count})
+    return Answer(
+        [f"{account_label(account)} : {plural(count, 'accès révoqué', 'accès révoqués')}."], {"revoked": count}
+    )
 
 
 def _name(session: BrowserSession) -> str:

@@ -6,7 +6,7 @@ from datetime import timedelta
 from server.audit.models import AuditAction
 from server.base.settings import Settings
 from server.cli.admin import journal
-from server.cli.admin.answer import ROLES, Answer, told, who
+from server.cli.admin.answer import ROLES, Answer, account_json, account_label
 from server.database import Database
 from server.identity import administration, links, repository
 from server.identity.models import Role
@@ -21,8 +21,11 @@ def create(database: Database, settings: Settings, arguments: Namespace) -> Answ
         account = administration.create_account(db, arguments.login, arguments.name, Role(arguments.role))
         token = links.create_password_link(db, account, timedelta(days=days))
         journal.record(db, AuditAction.account_created, account, after={"role": account.role})
-    first = f"Compte créé : {who(account)}, {ROLES[account.role]}. Son premier mot de passe se choisit par ce lien, qui"
-    return _link(f"{first} ne sert qu’une fois, pendant {plural(days, 'jour')} :", token, arguments, told(account))
+    label = f"{account_label(account)}, {ROLES[account.role]}"
+    first = f"Compte créé : {label}. Son premier mot de passe se choisit par ce lien, qui"
+    return _link(
+        f"{first} ne sert qu’une fois, pendant {plural(days, 'jour')} :", token, arguments, account_json(account)
+    )
 
 
 def reset_link(database: Database, settings: Settings, arguments: Namespace) -> Answer:
@@ -30,8 +33,8 @@ def reset_link(database: Database, settings: Settings, arguments: Namespace) -> 
         account, token = links.create_reset_link(db, arguments.login, settings)
         journal.record(db, AuditAction.password_link_made, account)
     hours = plural(settings.password_link_hours, "heure")
-    line = f"Pour {who(account)} : ce lien ne sert qu’une fois, et pendant {hours}."
-    return _link(line, token, arguments, told(account))
+    line = f"Pour {account_label(account)} : ce lien ne sert qu’une fois, et pendant {hours}."
+    return _link(line, token, arguments, account_json(account))
 
 
 def invite(database: Database, settings: Settings, arguments: Namespace) -> Answer:
@@ -51,13 +54,13 @@ def _link(
     return Answer([line, link], {**data, "link": link}, "" if arguments.server else BEHIND)
 
 
-def role(database: Database, _settings: Settings, arguments: Namespace) -> Answer:
+def change_role(database: Database, _settings: Settings, arguments: Namespace) -> Answer:
     with database.write() as db:
         account = links.find_account_by_login(db, arguments.login)
         before = account.role
         administration.change_role(db, account, Role(arguments.role))
         journal.record(db, AuditAction.role_changed, account, before={"role": before}, after={"role": account.role})
-    return Answer([f"{who(account)} : {ROLES[account.role]}."], told(account))
+    return Answer([f"{account_label(account)} : {ROLES[account.role]}."], account_json(account))
 
 
 def disable(database: Database, _settings: Settings, arguments: Namespace) -> Answer:
@@ -65,8 +68,8 @@ def disable(database: Database, _settings: Settings, arguments: Namespace) -> An
         account = links.find_account_by_login(db, arguments.login)
         administration.disable(db, account)
         journal.record(db, AuditAction.account_disabled, account)
-    line = f"{who(account)} : suspendu. Ses sessions et ses jetons ont pris fin ; son travail reste."
-    return Answer([line], told(account))
+    line = f"{account_label(account)} : suspendu. Ses sessions et ses jetons ont pris fin ; son travail reste."
+    return Answer([line], account_json(account))
 
 
 def enable(database: Database, _settings: Settings, arguments: Namespace) -> Answer:
@@ -74,16 +77,17 @@ def enable(database: Database, _settings: Settings, arguments: Namespace) -> Ans
         account = links.find_account_by_login(db, arguments.login)
         administration.enable(account)
         journal.record(db, AuditAction.account_enabled, account)
-    return Answer([f"{who(account)} : rétabli, avec le mot de passe qu’il avait."], told(account))
+    return Answer([f"{account_label(account)} : rétabli, avec le mot de passe qu’il avait."], account_json(account))
 
 
-def accounts(database: Database, _settings: Settings, arguments: Namespace) -> Answer:
+def list_accounts(database: Database, _settings: Settings, arguments: Namespace) -> Answer:
     role = Role(arguments.role) if arguments.role else None
     with database.read() as db:
         found = repository.search_accounts(db, role=role, search=arguments.search, limit=arguments.most + 1)
     shown, more = found[: arguments.most], len(found) > arguments.most
     lines = [
-        f"  {who(account)} : {ROLES[account.role]}{', suspendu' if account.disabled_at else ''}" for account in shown
+        f"  {account_label(account)} : {ROLES[account.role]}{', suspendu' if account.disabled_at else ''}"
+        for account in shown
     ]
     end = f"{plural(len(shown), 'compte')}{' ; il y en a d’autres (--most, --search)' if more else ''}."
-    return Answer([*lines, end], {"accounts": [told(account) for account in shown], "more": more})
+    return Answer([*lines, end], {"accounts": [account_json(account) for account in shown], "more": more})

@@ -49,7 +49,7 @@ def _text(value: object) -> str:
     raise TypeError(f"{value!r} is not told in JSON")
 
 
-def told(account: Account) -> dict[str, Any]:
+def account_json(account: Account) -> dict[str, Any]:
     """An account, without anything secret."""
     return {
         "id": account.id,
@@ -61,5 +61,5 @@ def told(account: Account) -> dict[str, Any]:
     }
 
 
-def who(account: Account) -> str:
+def account_label(account: Account) -> str:
     return f"{account.name} ({account.handle})"

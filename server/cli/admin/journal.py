@@ -52,7 +52,7 @@ def _system_user() -> str:
         return str(os.getuid())
 
 
-def log(database: Database, _settings: Settings, arguments: Namespace) -> Answer:
+def show_log(database: Database, _settings: Settings, arguments: Namespace) -> Answer:
     """List the newest actions of administrators."""
     with database.read() as db:
         entries = repository.load_server_entries(db, limit=arguments.most)

@@ -7,7 +7,7 @@ from server.audit.models import AuditAction
 from server.base.settings import Settings
 from server.cli import CannotRun
 from server.cli.admin import journal
-from server.cli.admin.answer import Answer, told, who
+from server.cli.admin.answer import Answer, account_json, account_label
 from server.course import Course
 from server.database import Database, utc_now
 from server.gradebook import requeuing
@@ -21,7 +21,7 @@ from server.submissions.service import Submissions
 from server.web.words import plural
 
 
-def standings(database: Database, _settings: Settings, _arguments: Namespace) -> Answer:
+def recount_standings(database: Database, _settings: Settings, _arguments: Namespace) -> Answer:
     total, changed = gradebook.rebuild_all_standings(database)
     journal.record_now(database, AuditAction.standings_rebuilt, after={"corrected": changed})
     corrected = plural(changed, "ligne corrigée", "lignes corrigées")
@@ -39,8 +39,11 @@ def purge(database: Database, settings: Settings, arguments: Namespace) -> Answe
         journal.record_now(database, AuditAction.accounts_purged, after={"accounts": len(found)})
     more = len(found) == PURGE_BATCH
     end = plural(len(found), "compte effacé", "comptes effacés") if arguments.yes else _to_erase(len(found))
-    lines = [*(f"  {who(account)}" for account in found), f"{end}{' ; recommencez pour la suite' if more else ''}."]
-    return Answer(lines, {"accounts": list(map(told, found)), "erased": arguments.yes, "more": more})
+    lines = [
+        *(f"  {account_label(account)}" for account in found),
+        f"{end}{' ; recommencez pour la suite' if more else ''}.",
+    ]
+    return Answer(lines, {"accounts": list(map(account_json, found)), "erased": arguments.yes, "more": more})
 
 
 def _to_erase(count: int) -> str:
@@ -54,12 +57,12 @@ def erase(database: Database, settings: Settings, arguments: Namespace) -> Answe
         account = links.find_account_by_login(db, arguments.login)
         erasures.require_student(db, account)
         shown = erasures.preview(db, account, None, now)
-    person = who(account)
+    person = account_label(account)
     if arguments.cancel:
         with database.write() as db:
             erasures.cancel_erasure(db, account, None, account)
             journal.record(db, AuditAction.erasure_cancelled, account)
-        return Answer([f"{person} : effacement annulé."], {**told(account), "cancelled": True})
+        return Answer([f"{person} : effacement annulé."], {**account_json(account), "cancelled": True})
     counts = [
         plural(shown.attempts, "essai"),
         plural(shown.marks, "note saisie", "notes saisies"),
@@ -75,7 +78,7 @@ def erase(database: Database, settings: Settings, arguments: Namespace) -> Answe
         when = f"à leur publication, et au plus tard dans {plural(settings.erasure_days, 'jour')}"
         lines.append(f"Résultats à publier d’abord : {', '.join(shown.tests)}. L’effacement se fait {when}.")
     end = "effacé" if done else "effacement demandé" if arguments.yes else "rien n’est effacé sans --yes"
-    data = {**told(account), "attempts": shown.attempts, "marks": shown.marks, "messages": shown.messages}
+    data = {**account_json(account), "attempts": shown.attempts, "marks": shown.marks, "messages": shown.messages}
     return Answer([*lines, f"{person} : {end}."], {**data, "tests": shown.tests, "erased": done})
 
 

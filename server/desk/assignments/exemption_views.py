@@ -43,7 +43,7 @@ from server.desk.assignments.views import TAB, assignment_href, format_date, may
 from server.marks.cells import french_csv
 from server.rights.models import Right
 from server.rights.service import ClassAccess
-from server.text.plain import visible
+from server.text.plain import show_invisible_characters
 from server.web.form_version import version_of
 from server.web.time_warnings import time_warnings
 from server.web.words import short_moment
@@ -227,7 +227,7 @@ def _explanation_steps(name: str, told: Sequence[ExplainedValue], *, staff: bool
 
 def _origin_words(told: ExplainedValue, *, staff: bool) -> str:
     if told.origin == "label":
-        return f"Un aménagement pour le groupe « {visible(told.label)} »"
+        return f"Un aménagement pour le groupe « {show_invisible_characters(told.label)} »"
     return ORIGIN_WORDS[told.origin] if staff or told.origin != "student" else "Un aménagement pour vous"
 
 

@@ -20,14 +20,14 @@ from server.database import Database
 from server.desk.lesson.review import ReviewPage, review_page
 from server.desk.views import class_href
 from server.lesson import repository as lessons
-from server.lesson.service import end_of
+from server.lesson.service import lesson_end
 from server.mails import repository, service, smtp
 from server.mails.outbox import OutgoingMail
-from server.mails.post import MailPost
+from server.mails.post import MailSender
 from server.rights import service as rights
 from server.rights.models import Right
 from server.rights.service import ClassAccess
-from server.text.plain import visible
+from server.text.plain import show_invisible_characters
 from server.web.rendering import jinja_environment
 from server.web.words import long_moment, plural, short_moment
 
@@ -49,7 +49,7 @@ def latest_week(now: datetime) -> datetime:
 class ReviewMails:
     """The mails of « Après la séance »: one after each lesson, one a week where there is something to tell.
 
-    Implements `server.mails.post.Composer`.
+    Implements `server.mails.post.MailComposer`.
     """
 
     def __init__(self, course: Course, settings: Settings) -> None:
@@ -62,7 +62,7 @@ class ReviewMails:
             return ()
         ended: dict[UUID, list[tuple[str, datetime]]] = {}
         for lesson in lessons.load_ended(db, {row.class_id for row, _ in confirmed}, now - WINDOW, now):
-            ended.setdefault(lesson.class_id, []).append((f"{LESSON}{lesson.id}", end_of(lesson)))
+            ended.setdefault(lesson.class_id, []).append((f"{LESSON}{lesson.id}", lesson_end(lesson)))
         week = latest_week(now)
         of_week = [(f"{WEEK}{school_time.to_local(week):%G-W%V}", week)] if now - week < WINDOW else []
         due = {
@@ -125,7 +125,7 @@ class ReviewMails:
         }
         jinja, sender = jinja_environment(), smtp.sender_address(self._settings)
         message = EmailMessage(policy=SMTP)
-        message["Subject"] = " ".join(visible(subject).split())[:SUBJECT_LENGTH]
+        message["Subject"] = " ".join(show_invisible_characters(subject).split())[:SUBJECT_LENGTH]
         message["From"] = Address("Balise", addr_spec=sender)
         message["To"] = Address(addr_spec=subscription.address)
         message["Date"] = now
@@ -158,4 +158,4 @@ def start_mails(database: Database, settings: Settings, course: Course) -> Calla
     """Send mails from a thread of this process, where a server takes them; return what stops it."""
     if not smtp.is_set(settings):
         return lambda: None
-    return MailPost(database, settings, ReviewMails(course, settings)).start()
+    return MailSender(database, settings, ReviewMails(course, settings)).start()

@@ -29,7 +29,7 @@ from server.desk.schemas import ClassHead
 from server.desk.views import class_head, class_href
 from server.lesson import repository as lessons
 from server.lesson.models import LiveLesson
-from server.lesson.service import end_of
+from server.lesson.service import lesson_end
 from server.rights.models import Right
 from server.rights.service import ClassAccess
 from server.web.views import lesson_href
@@ -135,12 +135,12 @@ def review_page(
 ) -> ReviewPage:
     """Build the review of a lesson, or of the last seven days."""
     school_class = access.school_class
-    earlier = () if lesson is None else lessons.load_before(db, lesson, MEMORY)
+    earlier = () if lesson is None else lessons.load_earlier_lessons(db, lesson, MEMORY)
     besides = {name for each in (lesson, *earlier) if each is not None for name in each.exercises}
     progress = load_progress(db, course, school_class, now, besides=sorted(besides))
     exercises = progress.scope.exercises if lesson is None else tuple(lesson.exercises)
     since = now - WEEK if lesson is None else lesson.started_at
-    until = now if lesson is None else min(now, end_of(lesson))
+    until = now if lesson is None else min(now, lesson_end(lesson))
     review = build_review(progress, exercises, since, until, _load_partners(db, school_class), is_week=lesson is None)
     named_before = _days_named_before(progress, earlier)
     links = BoardLinks(course, class_href(school_class), progress.students)
@@ -215,7 +215,7 @@ def _days_named_before(progress: ClassProgress, earlier: Sequence[LiveLesson]) -
     """Return on which day the page of an earlier lesson said to see a student, the latest of them."""
     days: dict[UUID, str] = {}
     for lesson in earlier:
-        for account in list_to_see(progress, lesson.exercises, lesson.started_at, end_of(lesson)):
+        for account in list_to_see(progress, lesson.exercises, lesson.started_at, lesson_end(lesson)):
             days.setdefault(account, short_day(school_time.to_local(lesson.started_at)))
     return days
 

@@ -100,7 +100,7 @@ def run_lesson(
         elif action == "vu":
             student, _, exercise = eleve.partition(" ")
             identity = parse_uuid(student, NOT_A_MEMBER)
-            service.visit_student(reader.db, school_class, account.id, identity, exercise, now)
+            service.record_visit(reader.db, school_class, account.id, identity, exercise, now)
         else:
             raise Invalid(UNKNOWN_ACTION)
     except (Conflict, Invalid) as refused:

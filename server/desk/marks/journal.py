@@ -15,7 +15,7 @@ from server.audit import service as audit
 from server.audit.models import ACTION_LABELS, SERVER_ACTIONS, AuditAction
 from server.audit.schemas import AuditEntry, AuditFilter
 from server.audit.wording import describe_changes
-from server.base.bulk import BulkResponse
+from server.base.bulk import OneAtATimeStream
 from server.classes import repository as classes
 from server.classes.models import ClassRole
 from server.course import Course
@@ -117,9 +117,9 @@ def download(
     name = f"balise-{ascii_slug(access.school_class.name, 'classe')}-journal-{utc_now():%Y-%m-%d}.{extension}"
     headers = {"Content-Disposition": f'attachment; filename="{name}"', "Cache-Control": "private, no-store"}
     if extension == "json":
-        return BulkResponse(_json_lines(entries), media_type="application/json", headers=headers)
+        return OneAtATimeStream(_json_lines(entries), media_type="application/json", headers=headers)
     lines = french_csv(HEADER, (_csv_line(entry) for entry in entries))
-    return BulkResponse(lines, media_type="text/csv; charset=utf-8", headers=headers)
+    return OneAtATimeStream(lines, media_type="text/csv; charset=utf-8", headers=headers)
 
 
 def _csv_line(entry: AuditEntry) -> tuple[Cell, ...]:

@@ -7,7 +7,7 @@ from uuid import UUID
 from fastapi import APIRouter, Query, Request
 from fastapi.responses import HTMLResponse, Response, StreamingResponse
 
-from server.base.bulk import BulkResponse
+from server.base.bulk import OneAtATimeStream
 from server.base.errors import Invalid, NotFound
 from server.base.validation import parse_uuid
 from server.course.dependencies import CourseOf
@@ -88,7 +88,7 @@ def download_copies(
         "Cache-Control": "private, no-store",
     }
     files = archive_files(database, copies)
-    return BulkResponse(stream_zip(files, gradebook.at), media_type="application/zip", headers=headers)
+    return OneAtATimeStream(stream_zip(files, gradebook.at), media_type="application/zip", headers=headers)
 
 
 @router.get("/classes/{class_id}/carnet/{student}")

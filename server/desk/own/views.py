@@ -46,7 +46,7 @@ from server.marks.schemas import ActiveDecision, ActiveOverride, ExerciseMark
 from server.marks.states import STATE_WORDS, UNMARKED_STATES, MarkState
 from server.rights.models import Right
 from server.rights.service import ClassAccess
-from server.text.plain import visible
+from server.text.plain import show_invisible_characters
 from server.web.views import exercise_href
 from server.web.words import WHOLE, format_mark, plural
 
@@ -249,7 +249,7 @@ def _own_exercise(
         sent = known.sent.get(row.exercise, 0) if assigned.assignment.id in known.sittings else 0
         return OwnExercise(title, href, *withheld_standing(sent, over=over), "")
     if found.override is not None:
-        reason = visible(found.override.reason)
+        reason = show_invisible_characters(found.override.reason)
         return OwnExercise(title, href, *_override_standing(found.override), f"note de votre enseignant : {reason}")
     late = found.days_late
     return OwnExercise(

@@ -9,7 +9,7 @@ from typing import Any
 from starlette.datastructures import FormData, UploadFile
 
 from server.base.errors import Invalid
-from server.classes.encodings import AS_IS, ENCODINGS, read_again
+from server.classes.encodings import AS_IS, ENCODINGS, redecode
 from server.classes.headers import FIELD_WORDS, ColumnReading
 from server.classes.roster import ReadingChoice
 from server.classes.sheets import ReadRows
@@ -51,7 +51,7 @@ def read_list_form(fields: FormData) -> ListForm:
     content = upload.file.read() if is_uploaded and isinstance(upload, UploadFile) else b""
     read_as, wanted = _field(fields, "lu"), _field(fields, "accents")
     if not is_uploaded and read_as in ENCODINGS and wanted in ENCODINGS and wanted != read_as:
-        text, read_as = read_again(text, read_as, wanted), wanted
+        text, read_as = redecode(text, read_as, wanted), wanted
     columns = tuple(str(name)[:MAX_FIELD] for name in fields.getlist("colonne"))[:MAX_COLUMNS]
     first_line = _field(fields, "premiere")
     choice = ReadingChoice(

@@ -10,7 +10,7 @@ from fastapi.responses import HTMLResponse, Response
 
 from server.base.errors import Conflict, Invalid
 from server.base.http import MAX_ADDRESS, local_path
-from server.base.validation import CutAt, parse_uuid
+from server.base.validation import TruncateTo, parse_uuid
 from server.classes.service import UNKNOWN_CLASS
 from server.course.dependencies import CourseOf
 from server.database import Database
@@ -30,7 +30,7 @@ from server.web.views import find_module
 
 router = APIRouter(include_in_schema=False)
 
-NextAddress = Annotated[str, CutAt(MAX_ADDRESS)]
+NextAddress = Annotated[str, TruncateTo(MAX_ADDRESS)]
 
 
 @router.get(COURSES_PATH)

@@ -14,7 +14,7 @@ from starlette.concurrency import run_in_threadpool
 from server.base.errors import NotFound, Unavailable
 from server.base.http import MAX_ADDRESS, client_address, local_path
 from server.base.root_path import root_path
-from server.base.validation import CutAt
+from server.base.validation import TruncateTo
 from server.database import Database
 from server.database.dependencies import DatabaseOf
 from server.federation import arrivals, entries, pending, providers
@@ -44,7 +44,7 @@ T = TypeVar("T")
 
 MAX_TEXT = 2000  # characters of a member of an answer
 Text = Annotated[str, Query(max_length=MAX_TEXT)]
-Target = Annotated[str, CutAt(MAX_ADDRESS)]
+Target = Annotated[str, TruncateTo(MAX_ADDRESS)]
 TRIAL_PATH = f"{PLATFORM_PATH}/essai"
 NO_STORE = {"Cache-Control": "no-store"}
 TOO_MANY_ENTRIES = "Trop de connexions commencées d’ici : réessayez dans {seconds} s."

@@ -9,23 +9,23 @@ from functools import cached_property
 from threading import RLock
 from typing import TYPE_CHECKING
 
-from server.text.markup.outline import Cell, Outline, Section, completed
-from server.text.markup.text import Fault, LessonName, Names, Picture, Source, Target, still_of
+from server.text.markup.outline import Cell, Outline, Section, complete_empty_links
+from server.text.markup.text import Fault, LabelTarget, LessonName, Names, Picture, Source, still_of
 
 if TYPE_CHECKING:
-    from server.text.markup.render import Rendered
+    from server.text.markup.render import RenderedHtml
 
 __all__ = [
     "Cell",
     "Fault",
     "Heading",
+    "LabelTarget",
     "LessonName",
     "Names",
     "Outline",
     "Picture",
     "Section",
     "Source",
-    "Target",
     "Text",
 ]  # fmt: skip
 
@@ -57,12 +57,14 @@ class Text:
 
     @cached_property
     def outline(self) -> Outline:
-        from server.text.markup.reader import outline  # what reads Markdown is loaded for the first text that is read
+        from server.text.markup.reader import (
+            read_outline,  # what reads Markdown is loaded for the first text that is read
+        )
 
-        return outline(self.source)
+        return read_outline(self.source)
 
     @cached_property
-    def rendered(self) -> Rendered:
+    def rendered(self) -> RenderedHtml:
         from server.text.markup.render import render
 
         with _RENDERING:
@@ -133,7 +135,7 @@ class Text:
         return tuple(self.outline.cells)
 
     def _complete(self, text: str) -> str:
-        return completed(text, self.source.names(), self.source.page)
+        return complete_empty_links(text, self.source.names(), self.source.page)
 
     def faults(self, *, formulas: bool) -> tuple[Fault, ...]:
         """What is wrong with it, in the order of the lines; bad TeX only shows when formulas are drawn."""

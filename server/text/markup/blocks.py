@@ -19,7 +19,7 @@ RESERVED = re.compile(
 
 
 @dataclass(frozen=True)
-class Kind:
+class BlockKind:
     """`noun` is how one refers to it (« théorème »), `of` how a proof or an answer is tied to it."""
 
     title: str
@@ -30,20 +30,20 @@ class Kind:
 
 
 KINDS = {
-    "definition": Kind("Définition", "définition", "de la ", numbered=True, element="section"),
-    "theoreme": Kind("Théorème", "théorème", "du ", numbered=True, element="section"),
-    "methode": Kind("Méthode", "méthode", "de la ", numbered=True, element="section"),
-    "piege": Kind("Piège", "piège", "du ", numbered=True, element="section"),
-    "exercice": Kind("Exercice", "exercice", "de l’", numbered=True, element="section"),
-    "formule": Kind("Formule", "formule", "de la ", element="section"),
-    "exemple": Kind("Exemple", "exemple", "de l’"),
-    "rappel": Kind("Rappel", "rappel", "du "),
-    "note": Kind("Note", "note", "de la "),
-    "attention": Kind("Attention", "mise en garde", "de la "),
-    "retenir": Kind("À retenir", "résumé", "du "),
+    "definition": BlockKind("Définition", "définition", "de la ", numbered=True, element="section"),
+    "theoreme": BlockKind("Théorème", "théorème", "du ", numbered=True, element="section"),
+    "methode": BlockKind("Méthode", "méthode", "de la ", numbered=True, element="section"),
+    "piege": BlockKind("Piège", "piège", "du ", numbered=True, element="section"),
+    "exercice": BlockKind("Exercice", "exercice", "de l’", numbered=True, element="section"),
+    "formule": BlockKind("Formule", "formule", "de la ", element="section"),
+    "exemple": BlockKind("Exemple", "exemple", "de l’"),
+    "rappel": BlockKind("Rappel", "rappel", "du "),
+    "note": BlockKind("Note", "note", "de la "),
+    "attention": BlockKind("Attention", "mise en garde", "de la "),
+    "retenir": BlockKind("À retenir", "résumé", "du "),
 }
 #: How one refers to a numbered equation.
-EQUATION = Kind("Équation", "équation", "de l’", numbered=True)
+EQUATION = BlockKind("Équation", "équation", "de l’", numbered=True)
 #: Folded ones: their label is that of the block that they prove or answer.
 FOLDED = {"preuve": "Démonstration", "correction": "Correction", "repli": "", "plus-tard": ""}
 #: Parts of a lesson that whoever serves it writes there: a question of a quiz, an exercise, a retrieval question.
@@ -81,7 +81,7 @@ class Block:
         return self.kind in FOLDED
 
 
-def read(info: str, line: int, parent: str) -> Block:
+def parse_block_header(info: str, line: int, parent: str) -> Block:
     """Read what follows the colons. Raises BadBlock."""
     kind, _, rest = info.strip().partition(" ")
     if kind not in ALL:

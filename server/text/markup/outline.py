@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
-from server.text.markup.text import Fault, Names, Unresolved, still_of
+from server.text.markup.text import Fault, Names, UnresolvedLink, still_of
 
 if TYPE_CHECKING:
     from markdown_it.token import Token
@@ -94,11 +94,11 @@ class Outline:
     def unresolved(self, names: Names, lesson: str) -> Iterator[Fault]:
         """Yield a fault for each reference to something that does not exist."""
         for reference in self.references:
-            if message := missing(reference, names, lesson):
+            if message := missing_reference_message(reference, names, lesson):
                 yield Fault(reference.line, message)
 
 
-def missing(reference: Reference, names: Names, lesson: str) -> str:
+def missing_reference_message(reference: Reference, names: Names, lesson: str) -> str:
     """Return the fault message of a reference, or an empty string."""
     target = reference.target
     known = {
@@ -117,7 +117,7 @@ def missing(reference: Reference, names: Names, lesson: str) -> str:
         return _missing_manipulation(target, names)
     try:
         link = names.link(target, lesson)
-    except Unresolved as error:
+    except UnresolvedLink as error:
         return str(error)
     return f"« {target} » n’a pas de numéro : écrivez le texte du lien" if reference.empty and not link.text else ""
 
@@ -129,13 +129,13 @@ def _missing_manipulation(name: str, names: Names) -> str:
     return "" if still in names.pictures else f"manipulation sans figure « {still} », pour qui n’a pas de script"
 
 
-def completed(text: str, names: Names, lesson: str) -> str:
+def complete_empty_links(text: str, names: Names, lesson: str) -> str:
     """Plain text in which the links left empty say where they lead, and blocks their number."""
 
     def told(match: re.Match[str]) -> str:
         try:
             text = names.link(match[1].lstrip(HEAD), lesson).text
-        except Unresolved:
+        except UnresolvedLink:
             return ""
         return f"{text.capitalize()} :" if match[1].startswith(HEAD) and text else text
 

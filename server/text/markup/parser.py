@@ -41,7 +41,7 @@ LEFTOVERS = (
 
 
 @dataclass
-class Job:
+class ParseJob:
     """One text on its way; `faults` gathers what is wrong with it."""
 
     source: Source
@@ -54,13 +54,13 @@ class Job:
             self.faults.append(fault)
 
 
-def parse(job: Job) -> list[Token]:
+def parse(job: ParseJob) -> list[Token]:
     """The tokens of the text. In their `meta`: blocks (`block`), and the line of formulas and links (`line`)."""
     text = f"{job.source.text}\n"  # the plugin of containers reads one character too many at a text's very end
     return markdown().parse(text, {"job": job})
 
 
-def parse_inline(job: Job) -> list[Token]:
+def parse_inline(job: ParseJob) -> list[Token]:
     """The same for a text of one paragraph."""
     return markdown().parseInline(job.source.text, {"job": job})
 
@@ -120,7 +120,7 @@ def _opens(parameters: str, _markup: str) -> bool:
 
 def _read_blocks(state: StateCore) -> None:
     """Before the inlines: the first line of each block becomes its `block`, and its title a line of its own."""
-    job: Job = state.env["job"]
+    job: ParseJob = state.env["job"]
     lines = state.src.split("\n")
     around: list[Block | None] = []
     colons: list[int] = []
@@ -144,7 +144,7 @@ def _read_blocks(state: StateCore) -> None:
     state.tokens = tokens
 
 
-def _join_captions(job: Job, tokens: list[Token]) -> None:
+def _join_captions(job: ParseJob, tokens: list[Token]) -> None:
     """The first paragraph of a figure's caption goes on from « Figure 3 : »."""
     for index, token in enumerate(tokens):
         block = token.meta.get("block")
@@ -160,10 +160,10 @@ def _join_captions(job: Job, tokens: list[Token]) -> None:
             tokens[index + 1].hidden = tokens[index + 3].hidden = True
 
 
-def _block(job: Job, token: Token, parent: str) -> Block | None:
+def _block(job: ParseJob, token: Token, parent: str) -> Block | None:
     line = _line(token)
     try:
-        return blocks.read(token.info, line, parent)
+        return blocks.parse_block_header(token.info, line, parent)
     except BadBlock as error:
         job.fault(line, str(error))
         return None
@@ -184,16 +184,16 @@ def _title(block: Block, opening: Token) -> Iterator[Token]:
 
 def _refuse_leftovers(state: StateCore) -> None:
     """Right after the inlines, while what was escaped is still apart: marks that are left were meant for something."""
-    job: Job = state.env["job"]
+    job: ParseJob = state.env["job"]
     for token in state.tokens:
-        for child, line in children(token):
+        for child, line in iter_inline_parts(token):
             if child.type == "text":
                 for pattern, message in LEFTOVERS:
                     if pattern.search(child.content):
                         job.fault(line, message)
 
 
-def children(token: Token) -> Iterator[tuple[Token, int]]:
+def iter_inline_parts(token: Token) -> Iterator[tuple[Token, int]]:
     """Each part of a paragraph, with its line from 0."""
     line = _line(token)
     for child in token.children or ():
@@ -207,13 +207,13 @@ def _line(token: Token) -> int:
 
 
 def _finish(state: StateCore) -> None:
-    job: Job = state.env["job"]
+    job: ParseJob = state.env["job"]
     level = FIRST_LEVEL - 1
     for token in state.tokens:
         token.meta["line"] = _line(token)
         if token.type == "heading_open":
             level = _check_heading(job, token, level)
-        for child, line in children(token):
+        for child, line in iter_inline_parts(token):
             child.meta["line"] = line
             if child.type == "text":
                 child.content = french(_dashes(child.content))
@@ -224,7 +224,7 @@ def _finish(state: StateCore) -> None:
     _check_footnotes(job, state.env)
 
 
-def _check_heading(job: Job, token: Token, before: int) -> int:
+def _check_heading(job: ParseJob, token: Token, before: int) -> int:
     level = int(token.tag[1])
     if level < FIRST_LEVEL:
         job.fault(_line(token), "titre de niveau 1 : le titre vient de l’en-tête, commencez à « ## »")
@@ -235,7 +235,7 @@ def _check_heading(job: Job, token: Token, before: int) -> int:
     return level
 
 
-def _check_footnotes(job: Job, env: Mapping[str, Any]) -> None:
+def _check_footnotes(job: ParseJob, env: Mapping[str, Any]) -> None:
     for label, number in env.get("footnotes", {}).get("refs", {}).items():
         if number < 0:
             place = job.source.text.find(f"[^{label[1:]}]:")

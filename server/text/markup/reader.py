@@ -11,8 +11,8 @@ from graders.core.syntax_trees import parse_source
 from server.text.highlight import is_known
 from server.text.markup import blocks
 from server.text.markup.outline import CELL, HEAD, LEFT, RIGHT, Cell, Label, Outline, Reference, Section, Title
-from server.text.markup.parser import Job, children, parse
-from server.text.markup.tex import readable
+from server.text.markup.parser import ParseJob, iter_inline_parts, parse
+from server.text.markup.tex import tex_as_plain_text
 from server.text.markup.text import SLUG, Source
 
 #: How blocks with a name are counted; an exercise is counted by itself.
@@ -22,9 +22,9 @@ AMOUNTS = {
 }  # fmt: skip
 
 
-def outline(source: Source) -> Outline:
+def read_outline(source: Source) -> Outline:
     """Read a lesson, or a statement (then nothing may have a label)."""
-    job = Job(source)
+    job = ParseJob(source)
     reader = _OutlineReader(job)
     reader.read(parse(job))
     reader.found.faults = sorted(job.faults, key=lambda fault: fault.line)
@@ -32,7 +32,7 @@ def outline(source: Source) -> Outline:
 
 
 class _OutlineReader:
-    def __init__(self, job: Job) -> None:
+    def __init__(self, job: ParseJob) -> None:
         self._job = job
         self.found = Outline()
         self._heading = ("", "")
@@ -60,7 +60,7 @@ class _OutlineReader:
         self._close_section()
 
     def _title(self, token: Token, inline: Token) -> None:
-        title = Title(int(token.tag[1]), str(token.attrGet("id") or ""), plain(inline), inline)
+        title = Title(int(token.tag[1]), str(token.attrGet("id") or ""), paragraph_text(inline), inline)
         self._heading = (title.id, title.text)
         if title.id:  # other levels are faults
             self._anchor(title.id, token)
@@ -96,8 +96,8 @@ class _OutlineReader:
                 empty = parts[index + 1].type == "link_close"
                 self._refer("link", str(child.attrGet("href") or ""), child, empty=empty)
         if not is_title:
-            self._text.append(plain(token))
-        self._count("words", len(plain(token).split()))
+            self._text.append(paragraph_text(token))
+        self._count("words", len(paragraph_text(token).split()))
 
     def _count(self, what: str, amount: int = 1) -> None:
         self.found.amounts[self._paths[-1], what] += amount
@@ -138,7 +138,7 @@ class _OutlineReader:
 
     def _equation(self, token: Token) -> None:
         self._count("formulas")
-        self._text.append(readable(token.content))
+        self._text.append(tex_as_plain_text(token.content))
         if token.type == "math_block_label" and self._only_in_pages(token, "une étiquette"):
             try:
                 blocks.check_label(token.info)
@@ -174,15 +174,15 @@ class _OutlineReader:
             self._job.fault(token.meta["line"] + inside, f"cette cellule ne se compile pas ({error})")
 
 
-def plain(token: Token) -> str:
+def paragraph_text(token: Token) -> str:
     """A paragraph as plain text; links left empty are kept apart for `completed`."""
     parts = []
     inside = token.children or []
-    for index, (child, _) in enumerate(children(token)):
+    for index, (child, _) in enumerate(iter_inline_parts(token)):
         if child.type in {"text", "code_inline"}:
             parts.append(child.content)
         elif child.type.startswith("math"):
-            parts.append(readable(child.content))
+            parts.append(tex_as_plain_text(child.content))
         elif child.type in {"softbreak", "hardbreak"}:
             parts.append(" ")
         elif child.type == "link_open" and inside[index + 1].type == "link_close":

@@ -16,30 +16,30 @@ from server.text import katex
 from server.text.highlight import highlight
 from server.text.markup import blocks
 from server.text.markup.blocks import Block
-from server.text.markup.outline import CELL, Reference, Title, missing
-from server.text.markup.parser import Job, markdown, parse, parse_inline
-from server.text.markup.text import Fault, Link, Names, Source, Target, Unresolved, still_of
+from server.text.markup.outline import CELL, Reference, Title, missing_reference_message
+from server.text.markup.parser import ParseJob, markdown, parse, parse_inline
+from server.text.markup.text import Fault, LabelTarget, Link, Names, Source, UnresolvedLink, still_of
 
 CONTENTS_EXCLUDED = {"link_open", "link_close", "footnote_ref"}
 QED = '<p class="qed">∎</p>\n'
-Rule = Callable[["Writer", Sequence[Token], int], str]
+Rule = Callable[["HtmlWriter", Sequence[Token], int], str]
 
 
 @dataclass(frozen=True)
-class Rendered:
+class RenderedHtml:
     """HTML; what is at fault stands there as plain text."""
 
     html: str
     faults: tuple[Fault, ...]
 
 
-def render(source: Source, *, inline: bool = False) -> Rendered:
+def render(source: Source, *, inline: bool = False) -> RenderedHtml:
     """HTML of `source`, or with `inline` of its one paragraph without `<p>`. Faults are told, never raised."""
-    job = Job(source)
+    job = ParseJob(source)
     tokens = parse_inline(job) if inline else parse(job)
-    katex.prepare(_formulas(tokens))
-    written = Writer(job, source.names()).write(tokens)
-    return Rendered(written, tuple(sorted(job.faults, key=lambda fault: fault.line)))
+    katex.render_ahead(_formulas(tokens))
+    written = HtmlWriter(job, source.names()).write(tokens)
+    return RenderedHtml(written, tuple(sorted(job.faults, key=lambda fault: fault.line)))
 
 
 def _formulas(tokens: Sequence[Token]) -> Iterator[katex.Formula]:
@@ -52,14 +52,14 @@ def _formulas(tokens: Sequence[Token]) -> Iterator[katex.Formula]:
 def render_title(source: Source, title: Title) -> str:
     """A heading for a table of contents: without the links and the calls of notes that it may hold."""
     children = [child for child in title.inline.children or () if child.type not in CONTENTS_EXCLUDED]
-    return Writer(Job(source), source.names()).write_inline(children)
+    return HtmlWriter(ParseJob(source), source.names()).write_inline(children)
 
 
 @dataclass
-class Writer:
+class HtmlWriter:
     """One rendering: markdown-it's own renderer, except where RULES say otherwise."""
 
-    job: Job
+    job: ParseJob
     names: Names
     figures: int = 0
 
@@ -84,7 +84,7 @@ class Writer:
 
     def exists(self, what: str, target: str, token: Token, *, empty: bool = False) -> bool:
         """False, and told, where the text speaks of what does not exist."""
-        message = missing(Reference(what, target, 0, empty), self.names, self.page)
+        message = missing_reference_message(Reference(what, target, 0, empty), self.names, self.page)
         if message:
             self.job.fault(token.meta["line"], message)
         return not message
@@ -92,26 +92,26 @@ class Writer:
     def formula(self, token: Token, *, display: bool) -> str:
         tex = token.content
         try:
-            return katex.render(tex.strip(), display=display)
+            return katex.render_formula(tex.strip(), display=display)
         except katex.TexError as error:
             inside = tex.lstrip("\n")[: error.position or 0].count("\n") + (display and tex.startswith("\n"))
             self.job.fault(token.meta["line"] + inside, f"formule refusée : {error}")
             return f'<code class="fault">{html.escape(tex.strip())}</code>'
 
 
-def _math(writer: Writer, tokens: Sequence[Token], index: int) -> str:
+def _math(writer: HtmlWriter, tokens: Sequence[Token], index: int) -> str:
     return writer.formula(tokens[index], display=False)
 
 
-def _math_inside(writer: Writer, tokens: Sequence[Token], index: int) -> str:
+def _math_inside(writer: HtmlWriter, tokens: Sequence[Token], index: int) -> str:
     return writer.formula(tokens[index], display=True)
 
 
-def _math_display(writer: Writer, tokens: Sequence[Token], index: int) -> str:
+def _math_display(writer: HtmlWriter, tokens: Sequence[Token], index: int) -> str:
     return f'<div class="math-display" tabindex="0">{writer.formula(tokens[index], display=True)}</div>\n'
 
 
-def _equation(writer: Writer, tokens: Sequence[Token], index: int) -> str:
+def _equation(writer: HtmlWriter, tokens: Sequence[Token], index: int) -> str:
     label = html.escape(tokens[index].info)
     target = writer.names.labels.get(tokens[index].info)
     number = f'<span class="equation-number">{target.name}</span>' if target else ""
@@ -119,15 +119,15 @@ def _equation(writer: Writer, tokens: Sequence[Token], index: int) -> str:
     return f'<div class="math-display equation" id="{label}" tabindex="0">{drawn}{number}</div>\n'
 
 
-def _table_open(_writer: Writer, _tokens: Sequence[Token], _index: int) -> str:
+def _table_open(_writer: HtmlWriter, _tokens: Sequence[Token], _index: int) -> str:
     return '<div class="table-scroll" tabindex="0"><table>\n'
 
 
-def _table_close(_writer: Writer, _tokens: Sequence[Token], _index: int) -> str:
+def _table_close(_writer: HtmlWriter, _tokens: Sequence[Token], _index: int) -> str:
     return "</table></div>\n"
 
 
-def _link_open(writer: Writer, tokens: Sequence[Token], index: int) -> str:
+def _link_open(writer: HtmlWriter, tokens: Sequence[Token], index: int) -> str:
     token = tokens[index]
     target = str(token.attrGet("href") or "")
     empty = index + 1 < len(tokens) and tokens[index + 1].type == "link_close"
@@ -146,7 +146,7 @@ def _attributes(link: Link) -> str:
     return f'{extra} href="{html.escape(link.href)}"'
 
 
-def _code(writer: Writer, tokens: Sequence[Token], index: int) -> str:
+def _code(writer: HtmlWriter, tokens: Sequence[Token], index: int) -> str:
     language, *words = tokens[index].info.split() or [""]
     drawn = highlight(tokens[index].content, language)
     if words[:1] == [CELL] and len(words) == 2:
@@ -159,7 +159,7 @@ def _cell(name: str, action: str, code: str) -> str:
     return f'{opening}<div class="cell-code">{code}</div></section>\n'
 
 
-def _block_open(writer: Writer, tokens: Sequence[Token], index: int) -> str:
+def _block_open(writer: HtmlWriter, tokens: Sequence[Token], index: int) -> str:
     block: Block | None = tokens[index].meta["block"]
     if block is None:
         return "<div>\n"
@@ -176,7 +176,7 @@ def _block_open(writer: Writer, tokens: Sequence[Token], index: int) -> str:
     return f'<{blocks.KINDS[block.kind].element} class="block block-{block.kind}"{anchor}>'
 
 
-def _block_close(_writer: Writer, tokens: Sequence[Token], index: int) -> str:
+def _block_close(_writer: HtmlWriter, tokens: Sequence[Token], index: int) -> str:
     block: Block | None = tokens[index].meta["block"]
     if block is None:
         return "</div>\n"
@@ -189,7 +189,7 @@ def _block_close(_writer: Writer, tokens: Sequence[Token], index: int) -> str:
     return f"</{blocks.KINDS[block.kind].element}>\n"
 
 
-def _title_open(writer: Writer, tokens: Sequence[Token], index: int) -> str:
+def _title_open(writer: HtmlWriter, tokens: Sequence[Token], index: int) -> str:
     token = tokens[index]
     block: Block = token.meta["block"]
     if block.folded:
@@ -201,7 +201,7 @@ def _title_open(writer: Writer, tokens: Sequence[Token], index: int) -> str:
     return f'<p class="block-title"><span class="block-label">{kind.title}{number}</span> '
 
 
-def _folded_heading(writer: Writer, block: Block, token: Token) -> str:
+def _folded_heading(writer: HtmlWriter, block: Block, token: Token) -> str:
     """« Démonstration du théorème 1 »; no need to say it inside the exercise itself."""
     heading = blocks.FOLDED[block.kind]
     if not block.label or block.label == block.parent or not writer.exists("bloc", block.label, token):
@@ -210,7 +210,7 @@ def _folded_heading(writer: Writer, block: Block, token: Token) -> str:
     return f"{heading} {kind.of}{name}"
 
 
-def _reference_name(target: Target) -> tuple[blocks.Kind, str]:
+def _reference_name(target: LabelTarget) -> tuple[blocks.BlockKind, str]:
     """« théorème 1 », « équation (3) », or « exemple » where there is no number."""
     if target.kind == "equation":
         return blocks.EQUATION, f"{blocks.EQUATION.noun}\u00a0{target.name}"
@@ -218,7 +218,7 @@ def _reference_name(target: Target) -> tuple[blocks.Kind, str]:
     return kind, target.name or kind.noun
 
 
-def _title_close(writer: Writer, tokens: Sequence[Token], index: int) -> str:
+def _title_close(writer: HtmlWriter, tokens: Sequence[Token], index: int) -> str:
     block: Block = tokens[index].meta["block"]
     if block.path:
         reader = html.escape(french(writer.names.paths.get(block.path, "")))
@@ -226,19 +226,19 @@ def _title_close(writer: Writer, tokens: Sequence[Token], index: int) -> str:
     return f"</summary>\n{_back_link(writer, block)}" if block.folded else "</p>\n"
 
 
-def _back_link(writer: Writer, block: Block) -> str:
+def _back_link(writer: HtmlWriter, block: Block) -> str:
     """A link to what is proved or answered: below the summary, which is a button and cannot hold it."""
     target = writer.names.labels.get(block.label)
     if target is None or block.label == block.parent:
         return ""
     try:
         link = writer.names.link(f"#{block.label}", writer.page)
-    except Unresolved:
+    except UnresolvedLink:
         return ""
     return f'<p class="block-back"><a href="{html.escape(link.href)}">{_reference_name(target)[1]}</a></p>\n'
 
 
-def _header_open(_writer: Writer, tokens: Sequence[Token], index: int) -> str:
+def _header_open(_writer: HtmlWriter, tokens: Sequence[Token], index: int) -> str:
     """An empty corner of a table is no header."""
     if not tokens[index + 1].children:
         return "<td>"
@@ -246,11 +246,11 @@ def _header_open(_writer: Writer, tokens: Sequence[Token], index: int) -> str:
     return f'<th style="{html.escape(str(style))}">' if style else "<th>"
 
 
-def _header_close(writer: Writer, tokens: Sequence[Token], index: int) -> str:
+def _header_close(writer: HtmlWriter, tokens: Sequence[Token], index: int) -> str:
     return "</th>\n" if tokens[index - 1].children else "</td>\n"
 
 
-def _figure_open(writer: Writer, block: Block, token: Token) -> str:
+def _figure_open(writer: HtmlWriter, block: Block, token: Token) -> str:
     if not writer.exists("figure", block.name, token):
         return f'<figure class="drawing"><code class="fault">{block.name}</code><figcaption>'
     writer.figures += 1
@@ -258,7 +258,7 @@ def _figure_open(writer: Writer, block: Block, token: Token) -> str:
     return f'<figure class="drawing" id="fig-{block.name}">{_images(writer, block.name)}<figcaption>{label}'
 
 
-def _images(writer: Writer, name: str) -> str:
+def _images(writer: HtmlWriter, name: str) -> str:
     """A drawing in both themes."""
     picture = writer.names.pictures[name]
     alt = html.escape(french(picture.alt))
@@ -270,7 +270,7 @@ def _images(writer: Writer, name: str) -> str:
     )
 
 
-def _replay_open(writer: Writer, block: Block, token: Token) -> str:
+def _replay_open(writer: HtmlWriter, block: Block, token: Token) -> str:
     if not writer.exists("rejeu", block.name, token):
         return f'<figure class="replay"><code class="fault">{block.name}</code><figcaption>'
     source = f"/{writer.names.module}/rejeux/{block.name}"
@@ -278,21 +278,21 @@ def _replay_open(writer: Writer, block: Block, token: Token) -> str:
     return f'{opening}<div class="replay-stage"></div><figcaption>'
 
 
-def _question_open(writer: Writer, block: Block, token: Token) -> str:
+def _question_open(writer: HtmlWriter, block: Block, token: Token) -> str:
     """Where a question stands: who serves the lesson writes it there, since it is an exercise's."""
     if not writer.exists("question", block.name, token):
         return f'<section><code class="fault">{block.name}</code>'
     return f'<section class="asked" id="question-{block.name.replace("/", "-")}" data-question="{block.name}">'
 
 
-def _exercise_open(writer: Writer, block: Block, token: Token) -> str:
+def _exercise_open(writer: HtmlWriter, block: Block, token: Token) -> str:
     """Where an exercise is first possible: who serves the lesson writes its card there."""
     if not writer.exists("faire", block.name, token):
         return f'<section><code class="fault">{block.name}</code>'
     return f'<section class="to-do" id="faire-{block.name}" data-exercise="{block.name}">'
 
 
-def _retrieval_open(writer: Writer, block: Block, token: Token) -> str:
+def _retrieval_open(writer: HtmlWriter, block: Block, token: Token) -> str:
     """Where a retrieval question stands: who serves the lesson draws its numbers."""
     name = f"{writer.page}/{block.name}"
     if not writer.exists("redire", name, token):
@@ -300,7 +300,7 @@ def _retrieval_open(writer: Writer, block: Block, token: Token) -> str:
     return f'<section class="asked recalled" id="redire-{block.name}" data-retrieval="{name}">'
 
 
-def _manipulation_open(writer: Writer, block: Block, token: Token) -> str:
+def _manipulation_open(writer: HtmlWriter, block: Block, token: Token) -> str:
     """What the hand moves, and a drawing for who has no script."""
     if not writer.exists("manipulation", block.name, token):
         return f'<figure class="replay"><code class="fault">{block.name}</code><figcaption>'
@@ -311,7 +311,7 @@ def _manipulation_open(writer: Writer, block: Block, token: Token) -> str:
 
 
 #: What opens each of the blocks that have a name.
-MEDIA: dict[str, Callable[[Writer, Block, Token], str]] = {
+MEDIA: dict[str, Callable[[HtmlWriter, Block, Token], str]] = {
     "figure": _figure_open,
     "rejeu": _replay_open,
     "manipulation": _manipulation_open,
@@ -321,7 +321,7 @@ MEDIA: dict[str, Callable[[Writer, Block, Token], str]] = {
 }
 
 
-def _footnote_anchor(_writer: Writer, tokens: Sequence[Token], index: int) -> str:
+def _footnote_anchor(_writer: HtmlWriter, tokens: Sequence[Token], index: int) -> str:
     meta = tokens[index].meta
     which = f"{meta['id'] + 1}:{meta['subId']}" if meta.get("subId", 0) else f"{meta['id'] + 1}"
     return f' <a href="#fnref{which}" class="footnote-backref" aria-label="Retour au texte">↩\ufe0e</a>'

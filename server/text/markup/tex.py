@@ -30,7 +30,7 @@ ENVIRONMENT = re.compile(r"\\(?:begin|end)\s*\{[^{}]*\}(?:\{[^{}]*\})?")
 COMMAND = re.compile(r"\\([a-zA-Z]+)\*?")
 
 
-def readable(tex: str) -> str:
+def tex_as_plain_text(tex: str) -> str:
     """Lossy on purpose: letters, numbers and signs in their order, without what lays them out."""
     text = ENVIRONMENT.sub(" ", tex).replace("{,}", ",")
     while FRACTION.search(text):

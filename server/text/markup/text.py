@@ -18,12 +18,12 @@ class Fault:
     message: str
 
 
-class Unresolved(Exception):
+class UnresolvedLink(Exception):
     """A link that leads nowhere; the message says why."""
 
 
 @dataclass(frozen=True)
-class Target:
+class LabelTarget:
     """What a label stands for: a block or an equation of a lesson. `number` is 0 where it has none."""
 
     kind: str
@@ -73,7 +73,7 @@ class Link:
     external: bool = False
 
 
-def nowhere(module: str, slug: str) -> str:
+def no_lesson_title(module: str, slug: str) -> str:
     """The title of a page of another module; empty where there is none."""
     return ""
 
@@ -83,7 +83,7 @@ class Names:
     """Everything that the texts of a module may speak of, by name."""
 
     module: str = ""
-    labels: Mapping[str, Target] = field(default_factory=dict)
+    labels: Mapping[str, LabelTarget] = field(default_factory=dict)
     pages: Mapping[str, LessonName] = field(default_factory=dict)
     exercises: Mapping[str, str] = field(default_factory=dict)
     terms: Mapping[str, str] = field(default_factory=dict)
@@ -94,7 +94,7 @@ class Names:
     paths: Mapping[str, str] = field(default_factory=dict)
     manipulations: Collection[str] = ()
     files: Collection[str] = ()
-    elsewhere: Callable[[str, str], str] = nowhere
+    elsewhere: Callable[[str, str], str] = no_lesson_title
 
     def link(self, target: str, lesson: str) -> Link:
         """Where `target`, written in `lesson`, leads. Raises Unresolved."""
@@ -110,11 +110,11 @@ class Names:
             return Link(f"/{self.module}/{GLOSSARY}#t-{rest}", word, term=rest)
         if scheme == "fichier":
             if rest not in self.files:
-                raise Unresolved(f"fichier inconnu : « {rest} »")
+                raise UnresolvedLink(f"fichier inconnu : « {rest} »")
             return Link(f"/{self.module}/fichiers/{rest}.zip", f"{rest}.zip")
         if target.startswith("https://"):
             return Link(target, "", external=True)
-        raise Unresolved(
+        raise UnresolvedLink(
             f"lien inconnu : « {target} » (possibles : #étiquette, page:, exo:, terme:, fichier:, https://)"
         )
 
@@ -124,7 +124,7 @@ class Names:
             figure = current.figures.get(label.removeprefix("fig-")) if label.startswith("fig-") else None
             return Link(f"#{label}", f"figure\u00a0{figure}" if figure else target.name if target else "")
         if target is None:
-            raise Unresolved(f"étiquette inconnue : « #{label} »")
+            raise UnresolvedLink(f"étiquette inconnue : « #{label} »")
         return Link(f"/{self.module}/lire/{target.page}#{label}", target.name)
 
     def _page(self, slug: str, anchor: str) -> Link:
@@ -133,23 +133,23 @@ class Names:
             title = self.elsewhere(module, there)
             if not title or anchor:
                 place = f"#{anchor}" if anchor else ""
-                raise Unresolved(f"page inconnue : « {slug}{place} » (d’un autre module : module/page, sans place)")
+                raise UnresolvedLink(f"page inconnue : « {slug}{place} » (d’un autre module : module/page, sans place)")
             return Link(f"/{module}/lire/{there}", title)
         if slug == GLOSSARY:
             if anchor and anchor.removeprefix("t-") not in self.terms:
-                raise Unresolved(f"terme inconnu du glossaire : « {anchor} »")
+                raise UnresolvedLink(f"terme inconnu du glossaire : « {anchor} »")
             return Link(f"/{self.module}/{GLOSSARY}" + (f"#{anchor}" if anchor else ""), "glossaire")
         lesson = self.pages.get(slug)
         if lesson is None:
-            raise Unresolved(f"page inconnue : « {slug} »")
+            raise UnresolvedLink(f"page inconnue : « {slug} »")
         if anchor and anchor not in lesson.anchors:
-            raise Unresolved(f"la page « {slug} » n’a pas de « #{anchor} »")
+            raise UnresolvedLink(f"la page « {slug} » n’a pas de « #{anchor} »")
         return Link(f"/{self.module}/lire/{slug}" + (f"#{anchor}" if anchor else ""), "" if anchor else lesson.title)
 
 
 def _lookup(names: Mapping[str, str], name: str, otherwise: str) -> str:
     if name not in names:
-        raise Unresolved(f"{otherwise} : « {name} »")
+        raise UnresolvedLink(f"{otherwise} : « {name} »")
     return names[name]
 
 

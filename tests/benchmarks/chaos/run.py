@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from server.base.settings import Settings
-from server.course import load
+from server.course import load_course
 from server.database import Database
 from server.identity import tokens
 from server.identity.models import Account, Role
@@ -37,7 +37,7 @@ class Plan:
 
 
 def programs() -> Sequence[Program]:
-    exercise = load(render=False).exercises[EXERCISE]
+    exercise = load_course(render=False).exercises[EXERCISE]
     return [Program(exercise.solution, "ok"), Program(exercise.grader.misconceptions[0].source, "wrong_answer")]
 
 

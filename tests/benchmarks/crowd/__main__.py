@@ -23,7 +23,7 @@ from collections import Counter
 from contextlib import closing
 from pathlib import Path
 
-from server.course import load
+from server.course import load_course
 from server.database import Database
 from tests.benchmarks.crowd import cost, people
 from tests.benchmarks.crowd.plan import EXERCISES, Person, Plan, Seen
@@ -54,7 +54,7 @@ def parse(words: list[str] | None = None) -> argparse.Namespace:
 
 
 def planned(service: Service, asked: argparse.Namespace) -> Plan:
-    course = load(render=False)
+    course = load_course(render=False)
     with closing(Database(service.url)) as database:
         known, boards = people.enrolled(database, asked.students, with_login=asked.enter == "login")
     guests = [Person()] * asked.students

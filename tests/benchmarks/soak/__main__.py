@@ -24,7 +24,7 @@ from contextlib import closing
 from dataclasses import asdict, astuple, fields
 from pathlib import Path
 
-from server.course import load
+from server.course import load_course
 from server.database import Database
 from tests.benchmarks.crowd import people
 from tests.benchmarks.crowd.plan import EXERCISES, Plan, Seen
@@ -54,7 +54,7 @@ def parse(words: list[str] | None = None) -> argparse.Namespace:
 
 def prepare(service: Service, options: argparse.Namespace, folder: Path) -> tuple[Plan, Duties]:
     """Enrol a class; its last members sit the tests, the others play in the crowd."""
-    course = load(render=False)
+    course = load_course(render=False)
     programs = people.programs(course, [*EXERCISES, TESTED])
     with closing(Database(service.url)) as database:
         enrolled, boards = people.enrolled(database, options.students + TESTERS, with_login=False)

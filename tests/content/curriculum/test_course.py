@@ -22,7 +22,7 @@ from graders.core.code.grading import CodeGrader
 from graders.core.contract.local import LOCAL
 from server.base.files import ROOT
 from server.cli import check
-from server.cli.check import Case, cases, examine
+from server.cli.check import Case, examine, list_cases
 from server.course import Course, Exercise
 from server.grading.sandbox_grader import SandboxGrader
 from server.sandbox import Sandbox
@@ -44,7 +44,7 @@ def fast_cases(exercise: Exercise) -> Sequence[Case]:
     Each reference is graded in the sandbox, with the limits of its exercise. Tests of the exercises name their mistakes
     without it.
     """
-    known = [replace(case, rounds=1) for case in cases(exercise)]
+    known = [replace(case, rounds=1) for case in list_cases(exercise)]
     grader = exercise.grader
     if exercise.id == COMPLETE or not isinstance(grader, CodeGrader):
         return known
@@ -111,7 +111,9 @@ def test_balise_check_finds_the_whole_course_in_order() -> None:
 
 @pytest.mark.slow
 def test_what_never_ends_is_ended_by_the_limit_of_its_exercise(course: Course, grader: SandboxGrader) -> None:
-    known = [(exercise, case) for exercise in course.exercises.values() for case in cases(exercise) if case.endless]
+    known = [
+        (exercise, case) for exercise in course.exercises.values() for case in list_cases(exercise) if case.endless
+    ]
     assert known
     examined = [examine(grader, exercise, replace(case, endless=False), SEED) for exercise, case in known]
     assert [examination for examination in examined if examination.fault] == []

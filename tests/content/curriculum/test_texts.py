@@ -13,8 +13,8 @@ import pytest
 
 from server.app import create_app
 from server.base.settings import Settings
-from server.cells.run import run
-from server.course import Course, load
+from server.cells.run import run_cell
+from server.course import Course, load_course
 from server.sandbox import Sandbox
 from tests.support.client import TestClient
 from tests.support.quick import migrated, the_course
@@ -65,7 +65,7 @@ class Page(HTMLParser):
 @pytest.fixture(scope="module")
 def rendered() -> Course:
     """The course with its texts and formulas drawn: the pages are made of these."""
-    return load()
+    return load_course()
 
 
 @pytest.fixture(scope="module")
@@ -124,7 +124,7 @@ def test_every_figure_says_what_it_shows(client: TestClient, module: str) -> Non
 def test_every_cell_runs_and_shows_something(course_sandbox: Sandbox, module: str) -> None:
     for lesson in the_course().modules[module].lessons:
         for cell in lesson.cells:
-            shown = run(course_sandbox, module, cell.code.encode())
+            shown = run_cell(course_sandbox, module, cell.code.encode())
             assert shown.fault is None, (lesson.slug, cell.name, shown.fault)
             assert shown.stdout or shown.figures, (lesson.slug, cell.name)
             assert not shown.truncated, (lesson.slug, cell.name)

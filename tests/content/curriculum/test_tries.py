@@ -10,7 +10,7 @@ import pytest
 
 from curriculum.l20.figures import reponses
 from server.cells.process import POLICY
-from server.cells.run import run
+from server.cells.run import run_cell
 from server.course.models import Lesson
 from server.sandbox import Sandbox
 from tests.support.quick import the_course
@@ -226,7 +226,7 @@ def test_each_number_of_an_answer_is_what_the_changed_cell_prints(slug: str) -> 
             code = next(cell.code for cell in lessons()[slug].cells if cell.name == name)
             for old, new in edits.items():
                 code = code.replace(old, new)
-            shown = run(sandbox, lessons()[slug].module, code.encode())
+            shown = run_cell(sandbox, lessons()[slug].module, code.encode())
             assert shown.fault is None
             printed += [float(one) for one in re.findall(r"-?\d+(?:\.\d+)?(?:e[+-]?\d+)?", shown.stdout)]
     text = "".join(ANSWER.findall(source(lessons()[slug])))

@@ -9,10 +9,10 @@ from typing import Any
 
 import quickjs
 
-from server.replays.service import Replays
+from server.replays.service import ReplayLibrary
 
 FOLDER = Path(__file__).parents[3] / "curriculum" / "l20" / "manipulations"
-REPLAYS = Replays()
+REPLAYS = ReplayLibrary()
 
 
 class Script:

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from graders.scene.layers import Color
-from server.replays.service import Replays
+from server.replays.service import ReplayLibrary
 from tests.support.replays import REPLAYS, scene_of, size, unpacked
 from tests.support.shipped import MODULES
 
@@ -94,7 +94,7 @@ def test_computes_and_holds_together(module: str, name: str, settings: dict[str,
 
 @pytest.mark.parametrize(("module", "name"), NAMES)
 def test_computes_the_same_twice(module: str, name: str) -> None:
-    fresh = Replays()
+    fresh = ReplayLibrary()
     script = fresh.find(module, name)
     values = script.read([])
     assert fresh.compute(script, values) == REPLAYS.compute(script, values)

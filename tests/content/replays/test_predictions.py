@@ -16,7 +16,7 @@ from graders.scene.packing import SceneError
 from graders.scene.prediction import Placed, Prediction
 from graders.typography import french
 from server.base.errors import Invalid
-from server.replays.service import Replays
+from server.replays.service import ReplayLibrary
 from tests.support.replays import cells, layer, scene, unpacked
 
 #: Of each replay with the settings of its question, or with others: what the scene says, and what is told of it.
@@ -73,7 +73,7 @@ def test_what_is_told_is_what_happens(
     case: tuple[str, tuple[tuple[str, str], ...]], pairs: list[tuple[str, str]]
 ) -> None:
     name, settings = case
-    script = Replays().find("l20", name)
+    script = ReplayLibrary().find("l20", name)
     assert script.prediction is not None
     summary = " ".join(script.run(script.read(settings or script.prediction.settings.items()))["summary"])
     asked = french(f"{script.prediction.question} {script.prediction.why}")
@@ -83,12 +83,12 @@ def test_what_is_told_is_what_happens(
 
 
 def test_every_replay_has_its_question_and_every_question_is_held() -> None:
-    assert {name for name, *_ in HOLDS} == set(Replays().names("l20"))
+    assert {name for name, *_ in HOLDS} == set(ReplayLibrary().names("l20"))
 
 
 def placed(name: str) -> tuple[Placed, dict[str, Any]]:
     """A replay's point to place, and its scene as the question plays it."""
-    script = Replays().find("l20", name)
+    script = ReplayLibrary().find("l20", name)
     assert isinstance(script.prediction, Placed)
     return script.prediction, script.run(script.read(script.prediction.settings.items()))
 
@@ -178,4 +178,4 @@ def test_a_malformed_question_is_refused(answers: tuple[tuple[str, str], ...], r
 
 def test_a_question_is_refused_whose_settings_the_replay_does_not_have() -> None:
     with pytest.raises(Invalid):
-        Replays().find("l20", "lidar").read({"vitesse": "3"}.items())
+        ReplayLibrary().find("l20", "lidar").read({"vitesse": "3"}.items())

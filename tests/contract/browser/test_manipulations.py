@@ -7,7 +7,7 @@ import re
 
 import pytest
 
-from server.replays.service import Replays
+from server.replays.service import ReplayLibrary
 from tests.contract.browser.conftest import NewVisit, Page, Visit, sync_api
 from tests.contract.browser.test_replays import COLOURS, HEAD
 
@@ -15,7 +15,7 @@ pytestmark = pytest.mark.slow
 expect = sync_api.expect
 MOVES = True  # what is played is played as it is for who asks for nothing
 Locator = sync_api.Locator
-NAMES = Replays().manipulations("l20")
+NAMES = ReplayLibrary().manipulations("l20")
 WHERE = {
     "ressorts": "slam",
     "elastique": "theoremes",

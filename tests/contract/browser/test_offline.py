@@ -35,11 +35,11 @@ READ_ALOUD = """() => {
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     course = the_course()
     module = course.modules["l20"]
-    made = site.archive(course, module, site.drawn_here(module), Downloads(course))
+    made = site.build_archive_zip(course, module, site.draw_pictures_here(module), Downloads(course))
     where = tmp_path_factory.mktemp("hors ligne é")  # a folder of a pupil's has such a name
     with zipfile.ZipFile(io.BytesIO(made)) as archive:
         archive.extractall(where)
-    return where / site.folder(module)
+    return where / site.archive_folder_name(module)
 
 
 @pytest.fixture

@@ -6,7 +6,7 @@ import re
 
 import pytest
 
-from server.replays.service import Replays
+from server.replays.service import ReplayLibrary
 from tests.contract.browser.conftest import NewVisit, Page, Visit, sync_api
 
 expect = sync_api.expect
@@ -67,7 +67,7 @@ def reading(visitor: Visit, *names: str, module: str = "l20") -> Page:
     ],
 )
 def test_every_replay_draws_plays_and_follows_the_theme(visit: NewVisit, module: str, width: int) -> None:
-    names = Replays().names(module)
+    names = ReplayLibrary().names(module)
     page = reading(visit(width=width, color_scheme="light"), *names, module=module)
     for name in names:
         figure = page.locator(f"#rejeu-{name}")

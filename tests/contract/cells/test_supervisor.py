@@ -18,7 +18,7 @@ import pytest
 from server.base.errors import InternalFailure, Overloaded
 from server.base.settings import Settings
 from server.cells.supervisor import MAX_CELLS_PER_READER, CellRunner
-from server.hunts.questions import HuntQuestion, Readiness
+from server.hunts.questions import HuntQuestion, PreparationRequest
 from tests.support.live import alive, children, until
 from tests.support.quick import in_a_loop, the_course
 
@@ -61,7 +61,7 @@ FAKES = {
 }
 
 
-READINESS = HuntQuestion(hunts=Readiness()).model_dump_json().encode()
+READINESS = HuntQuestion(hunts=PreparationRequest()).model_dump_json().encode()
 
 
 def played(tmp_path: Path, test: Callable[[CellRunner], Awaitable[None]], script: str = "", **settings: Any) -> None:

@@ -62,7 +62,7 @@ def machine(site: Site, tmp_path: Path, others: None, monkeypatch: pytest.Monkey
     monkeypatch.setattr("server.cli.worker.logs.configure_logging", lambda *_: None)
     monkeypatch.setattr("server.cli.worker.stop_on_signals", lambda **_: None)
     monkeypatch.setenv("BALISE_TOKEN", site.token(Role.administrator)["Authorization"].removeprefix("Bearer "))
-    monkeypatch.setattr("server.cli.remote.client_of", lambda _server, token: client_of(site, token))
+    monkeypatch.setattr("server.cli.remote.make_client", lambda _server, token: client_of(site, token))
 
     def run(line: str) -> int:
         setting = SETTING.fullmatch(line)

@@ -9,7 +9,7 @@ from threading import Event
 
 import pytest
 
-from server.course.code import load_file
+from server.course.code import import_file
 
 NAME = "curriculum.l20.figures.slow_to_load"
 
@@ -27,7 +27,7 @@ def test_a_module_half_loaded_by_one_thread_is_not_given_to_another(
     monkeypatch.delitem(sys.modules, NAME)
 
     def can_draw() -> bool:
-        return hasattr(load_file(path), "draw")
+        return hasattr(import_file(path), "draw")
 
     with ThreadPoolExecutor(2) as threads:
         first = threads.submit(can_draw)

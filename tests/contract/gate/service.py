@@ -17,7 +17,7 @@ from server.base.http import SESSION_COOKIE
 from server.base.settings import Settings
 from server.classes.models import ClassRole
 from server.classes.service import utc_now
-from server.course import load
+from server.course import load_course
 from server.database import Database
 from server.identity import tokens
 from server.identity.models import Account, BrowserSession, Role
@@ -119,7 +119,7 @@ def end(live: Live) -> None:
 @contextmanager
 def opened(addresses: tuple[str, ...], settings: Settings, web: int) -> Iterator[Service]:
     """A class on a running service, and who attacks it."""
-    database, exercise = Database(settings.url), load(render=False).exercises[EXERCISE]
+    database, exercise = Database(settings.url), load_course(render=False).exercises[EXERCISE]
     teacher, student, attacker = (new_account(database, role) for role in (Role.teacher, Role.student, Role.teacher))
     hashed = hash_password(PASSWORD)
     with database.write() as db:

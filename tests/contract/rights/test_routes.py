@@ -38,7 +38,7 @@ from server.identity.models import Account, ApiToken, BrowserSession, Invitation
 from server.identity.secrets import digest, new_token
 from server.lesson.models import LiveLesson
 from server.mails.models import MailSubscription
-from server.mails.service import CONFIRM, sign
+from server.mails.service import CONFIRM, sign_link_action
 from server.marks import rubrics
 from server.marks.models import ManualColumn, Override, Rubric
 from server.recall.retrievals import today
@@ -355,7 +355,7 @@ class Stage:
             "calendar": self.calendar,
             "subscription_id": str(self.mails.id),
             "action": CONFIRM,
-            "signature": sign(self.mails, CONFIRM),
+            "signature": sign_link_action(self.mails, CONFIRM),
             "student": str(self.accounts["student"].id),
             "stranger": str(self.accounts["stranger"].login),
             "thread_id": str(self.thread.id),
