@@ -1,6 +1,6 @@
 """Stale answers: a program that keeps its results under an incomplete key gives an old one to a call that is new.
 
-A launch is asked a probe, then the same call with one argument changed; another launch is asked the changed call first.
+A launch is asked a probe, then the same call with one argument changed; another launch is asked the changed call alone.
 Where the first gives again what it gave to the probe, and the second something else, the program remembers too much.
 Whether the changed arguments are ones that a statement allows does not matter: a program without memory answers a call
 alike in both. Asked of programs only whose text shows where they may keep something.
@@ -24,7 +24,7 @@ from graders.core.code.running import failed_finding
 from graders.core.code.stateless import may_change_state
 from graders.core.compare.python_values import in_counterexample
 from graders.core.contract.findings import Finding
-from graders.core.contract.program import Answer, KitSettings, PlannedCalls, Reply, StudentFault, flatten_blocks
+from graders.core.contract.program import Answer, PlannedCalls, Reply, StudentFault, flatten_blocks
 from graders.core.contract.values import Arguments, Value, same_value
 
 #: Seconds for all calls of one launch.
@@ -35,11 +35,15 @@ MAX_BASES, MAX_CHANGES = 3, 4
 
 @dataclass(frozen=True)
 class ChangedCall:
-    """A call, where its base stands in the series, and the index of the argument that is changed: a base is its own."""
+    """A call, where its base stands in the series, and the index of the argument that is changed: a base is its own.
+
+    `turn` counts the changes of one argument: no two of a turn differ in one argument alone.
+    """
 
     args: Arguments
     base: int
     index: int = 0
+    turn: int = 0
 
 
 @dataclass(frozen=True)
@@ -85,15 +89,18 @@ def find_stale_answers(runner: Runner, probed: Sequence[Probes]) -> Mapping[str,
     for _, group in itertools.groupby(steady, key=lambda probes: id(probes.kit)):
         of_kit = list(group)
         asked = [changed_calls(probes.calls) for probes in of_kit]
-        calls = [tuple(changed.args for changed in series) for series in asked]
-        forwards = [PlannedCalls(probes.function, series) for probes, series in zip(of_kit, calls, strict=True)]
-        backwards = [PlannedCalls(probes.function, series[::-1]) for probes, series in zip(of_kit, calls, strict=True)]
-        first = _answers(runner, of_kit[0].kit, forwards)
-        second = _answers(runner, of_kit[0].kit, backwards) if first else []
-        for probes, series, answers, again in zip(of_kit, asked, first, second, strict=False):
-            if len(answers) == len(again) == len(series):  # neither a limit, nor a process that died
-                stale = _stale_answer(probes.function, series, answers, again[::-1])
-                found |= {} if stale is None else {probes.function: stale}
+        whole = [list(range(len(series))) for series in asked]
+        first = _answers(runner, of_kit, asked, whole)
+        for turn in range(MAX_CHANGES if first else 0):  # each in a launch of its own, without the bases
+            places = [
+                [k for k in whole[n] if series[k].turn == turn and series[k].base != k]
+                for n, series in enumerate(asked)
+            ]
+            again = _answers(runner, of_kit, asked, places)
+            for n, fresh in enumerate(again):
+                stale = _stale_answer(of_kit[n].function, asked[n], first[n], dict(zip(places[n], fresh, strict=False)))
+                if stale is not None:
+                    found.setdefault(stale.function, stale)
     return found
 
 
@@ -121,17 +128,26 @@ def changed_calls(calls: Sequence[Arguments]) -> list[ChangedCall]:
         series.append(ChangedCall(args, base))
         for index in range(most):
             others = _other_values(args[index], [call[index] for call in calls if index < len(call)])
-            for value in reversed(list(itertools.islice(others, MAX_CHANGES))):  # the first one is asked afresh
-                series.append(ChangedCall((*args[:index], value, *args[index + 1 :]), base, index))
+            for turn, value in enumerate(itertools.islice(others, MAX_CHANGES)):
+                series.append(ChangedCall((*args[:index], value, *args[index + 1 :]), base, index, turn))
     return series
 
 
-def _answers(runner: Runner, kit: KitSettings, batches: Sequence[PlannedCalls]) -> Sequence[Sequence[Answer]]:
-    """Return the answers of a launch to all batches; [] where it dies, meets a limit or takes too long."""
+def _answers(
+    runner: Runner, probed: Sequence[Probes], asked: Sequence[Sequence[ChangedCall]], places: Sequence[Sequence[int]]
+) -> Sequence[Sequence[Answer]]:
+    """Return the answers of a launch to the calls at these places of the series of each function.
+
+    [] where it dies, meets a limit or takes too long.
+    """
+    batches = [
+        PlannedCalls(probes.function, tuple(series[k].args for k in chosen))
+        for probes, series, chosen in zip(probed, asked, places, strict=True)
+    ]
     deadline = runner.clock() + MAX_SECONDS
     answers: list[list[Answer]] = [[] for _ in batches]
     try:
-        with runner.side_program(kit, batches) as program:
+        with runner.side_program(probed[0].kit, batches) as program:
             for number, answer in flatten_blocks(program.call_batches(batches)):
                 if runner.clock() > deadline or (isinstance(answer, StudentFault) and answer.fatal):
                     return []
@@ -142,10 +158,11 @@ def _answers(runner: Runner, kit: KitSettings, batches: Sequence[PlannedCalls]) 
 
 
 def _stale_answer(
-    function: str, series: Sequence[ChangedCall], answers: Sequence[Answer], again: Sequence[Answer]
+    function: str, series: Sequence[ChangedCall], answers: Sequence[Answer], again: Mapping[int, Answer]
 ) -> StaleAnswer | None:
-    for changed, now, fresh in zip(series, answers, again, strict=True):
-        old = answers[changed.base]
+    """Compare the answers to a series with those of another launch to some of its calls, by their places."""
+    for place, fresh in again.items() if len(answers) == len(series) else ():
+        changed, old, now = series[place], answers[series[place].base], answers[place]
         if not isinstance(old, Reply) or not isinstance(now, Reply) or not _is_same(now.value, old.value):
             continue
         if isinstance(fresh, StudentFault):

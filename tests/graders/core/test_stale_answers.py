@@ -17,7 +17,7 @@ _juste, _deja = {function}, {{}}
 def {function}({parameters}):
     cle = pickle.dumps([{key}])
     if cle not in _deja:
-        _deja[cle] = _juste({parameters})
+        _deja[cle] = _juste({arguments})
     return copy.deepcopy(_deja[cle])
 """
 
@@ -27,6 +27,7 @@ GAPS = (
     ("l19/predire_corriger", "predire", "m, v, u, q", "m, v, u"),
     ("l20/fermeture", "covariance_jointe", "H, i, j", "H, i"),
     ("l20/odometrie", "sigma_dtheta", "sigma_g, sigma_d, L", "sigma_g, sigma_d"),
+    ("l20/association", "nouveaux", "z, amers, S, niveau=0.99", "z, S, niveau"),
     ("l20/predire2d", "predire2d", "bel, du, dv", "bel, du"),
     ("l20/tf_date", "a_la_date", "dates, poses, date", "poses, date"),
     ("l20/lidar", "lancer_rayon", "libres, x, y, angle, portee_max", "x, y, angle, portee_max"),
@@ -34,7 +35,8 @@ GAPS = (
 
 
 def remembering(exercise: str, function: str, parameters: str, key: str) -> bytes:
-    added = REMEMBERED.format(function=function, parameters=parameters, key=key)
+    arguments = parameters.replace("=0.99", "")
+    added = REMEMBERED.format(function=function, parameters=parameters, arguments=arguments, key=key)
     return (CODE[exercise].solution + added).encode()
 
 
