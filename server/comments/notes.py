@@ -40,7 +40,7 @@ def suggest_phrases(db: Session, by: Account, exercise: str, misconception: str 
     return repository.load_ranked_phrases(db, by.id, exercise, misconception, MAX_SUGGESTED)
 
 
-def keep_phrase(db: Session, by: Account, text: str, exercise: str | None, misconception: str | None) -> Phrase:
+def save_phrase(db: Session, by: Account, text: str, exercise: str | None, misconception: str | None) -> Phrase:
     """Keep a phrase, unless the same text is kept already. Raises Invalid or Conflict."""
     text = validate_text(text)
     existing = repository.find_phrase_by_text(db, by.id, text)

@@ -51,13 +51,13 @@ def load_unread_threads(db: Session, reader: UUID) -> Sequence[UnreadThread]:
     return [UnreadThread(thread, text or "", thread.account_id != reader) for thread, text in rows]
 
 
-def find_unread(db: Session, reader: UUID, threads: Collection[UUID]) -> frozenset[UUID]:
+def filter_unread(db: Session, reader: UUID, threads: Collection[UUID]) -> frozenset[UUID]:
     """Return which of these threads a reader has not read."""
     query = select(Thread.id).where(Thread.id.in_(threads), unread_clause(reader))
     return frozenset(db.execute(query).scalars())
 
 
-def load_times(db: Session, reader: UUID) -> Mapping[UUID, datetime]:
+def load_read_times(db: Session, reader: UUID) -> Mapping[UUID, datetime]:
     """Load when an account last looked at each thread on its own work."""
     query = select(ThreadReader.thread_id, ThreadReader.seen_at).where(ThreadReader.account_id == reader)
     own = query.join(Thread, Thread.id == ThreadReader.thread_id).where(Thread.account_id == reader)

@@ -203,7 +203,7 @@ def load_attempt_conversations(db: Session, attempt: Attempt, reader: UUID | Non
 def _find_unread(db: Session, reader: UUID | None, threads: Sequence[Thread]) -> frozenset[UUID]:
     """Return which threads are new to a reader; without any remark of the staff, no query is made."""
     remarks = [thread.id for thread in threads if thread.staff_at is not None]
-    return frozenset() if reader is None or not remarks else readers_repository.find_unread(db, reader, remarks)
+    return frozenset() if reader is None or not remarks else readers_repository.filter_unread(db, reader, remarks)
 
 
 def _origins(threads: Sequence[Thread], current: UUID) -> list[UUID]:
@@ -307,7 +307,7 @@ def load_account_comments(db: Session, account_id: UUID) -> AccountComments:
     messages = repository.load_account_messages(db, account_id)
     return AccountComments(
         conversations=[Conversation(thread, messages.get(thread.id, ()), lines=_lines(thread)) for thread in threads],
-        seen=readers_repository.load_times(db, account_id),
+        seen=readers_repository.load_read_times(db, account_id),
         shared_readings=readers_repository.load_shared_readings(db, account_id),
         staff_messages=repository.load_staff_messages(db, account_id),
         phrases=notes_repository.load_all_phrases(db, account_id),

@@ -173,7 +173,7 @@ def write_comments(db: Session, room: Classroom, steps: Sequence[PlannedAttempt]
                 reason="Le raisonnement a été expliqué à l’oral.",
             )
             comments.begin_thread(db, room.teacher, attempt, ThreadTarget(LineRange(1, 1)), LINE, settings)
-            notes.keep_phrase(db, room.teacher, PHRASE, step.exercise, None)
+            notes.save_phrase(db, room.teacher, PHRASE, step.exercise, None)
         thread = comments.begin_thread(db, author, attempt, WHOLE_WORK, OPEN if place == 1 else ANSWERED, settings)
         if place != 1:
             comments.reply_to_thread(db, room.teacher, thread, ANSWER, settings)

@@ -92,7 +92,7 @@ def _keep(db: Db, account: Account, attempt: Attempt, text: str, wanted: str) ->
     """Keeps what a teacher has typed, for this exercise and the mistake that was found in the attempt."""
     if wanted and text.strip() and account.id != attempt.submission.account_id:
         diagnosis = attempt.grading.diagnosis if attempt.grading else None
-        notes.keep_phrase(db, account, text, attempt.submission.exercise, diagnosis)
+        notes.save_phrase(db, account, text, attempt.submission.exercise, diagnosis)
 
 
 @router.post("/{module:module}/exercices/{slug}/questions")

@@ -29,7 +29,7 @@ _comparing = threading.Lock()
 
 
 @dataclass(frozen=True)
-class Copy:
+class ComparedCopy:
     """A student's submitted code."""
 
     student: UUID
@@ -38,25 +38,25 @@ class Copy:
 
 
 @dataclass(frozen=True)
-class Pair:
+class SimilarPair:
     """Two copies, the part of each one's own code that is in the other, and the lines, from 1, where it stands."""
 
-    first: Copy
-    second: Copy
+    first: ComparedCopy
+    second: ComparedCopy
     shares: tuple[float, float]
     lines: tuple[tuple[int, ...], tuple[int, ...]]
 
 
 @dataclass(frozen=True)
-class Comparison:
+class CopyComparison:
     """Pairs that look alike, the most alike first; none where the exercise is `too_short` to tell."""
 
     compared: int
     too_short: bool
-    pairs: tuple[Pair, ...]
+    pairs: tuple[SimilarPair, ...]
 
 
-def load_copies(db: Session, assignment: Assignment, exercise: Exercise) -> Sequence[Copy]:
+def load_copies(db: Session, assignment: Assignment, exercise: Exercise) -> Sequence[ComparedCopy]:
     """Each student's best attempt while the assignment was open. Raises Invalid where there are too many."""
     if exercise.answers is not None:
         raise Invalid(NO_CODE)
@@ -70,10 +70,10 @@ def load_copies(db: Session, assignment: Assignment, exercise: Exercise) -> Sequ
     )
     if len(rows) > MAX_CODES:
         raise Invalid(TOO_MANY)
-    return [Copy(student, name, source.decode("utf-8-sig", errors="replace")) for student, name, source in rows]
+    return [ComparedCopy(student, name, source.decode("utf-8-sig", errors="replace")) for student, name, source in rows]
 
 
-def compare_copies(course: Course, exercise: Exercise, sent: Sequence[Copy]) -> Comparison:
+def compare_copies(course: Course, exercise: Exercise, sent: Sequence[ComparedCopy]) -> CopyComparison:
     """In a process of its own, one at a time. Raises Crowded, or Invalid where it does not come to an end."""
     module = course.modules[exercise.module]
     known = [
@@ -89,13 +89,13 @@ def compare_copies(course: Course, exercise: Exercise, sent: Sequence[Copy]) -> 
     }
     found = _run_comparison(json.dumps(question))
     pairs = tuple(
-        Pair(sent[first], sent[second], (share, other), (tuple(lines), tuple(others)))
+        SimilarPair(sent[first], sent[second], (share, other), (tuple(lines), tuple(others)))
         for first, second, share, other, lines, others in found["pairs"]
     )
-    return Comparison(len(sent), bool(found["too_short"]), pairs)
+    return CopyComparison(len(sent), bool(found["too_short"]), pairs)
 
 
-def without_teammates(comparison: Comparison, places: Sequence[TeamPlace]) -> Comparison:
+def without_teammates(comparison: CopyComparison, places: Sequence[TeamPlace]) -> CopyComparison:
     """Leave out the pairs of students who hand in together, or have."""
     teams: dict[UUID, set[UUID]] = {}
     for place in places:

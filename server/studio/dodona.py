@@ -17,7 +17,7 @@ SEVERAL = "ce ZIP a {count} suites de tests ({names}) : n’en gardez qu’une"
 
 
 @dataclass(frozen=True)
-class BesideFiles:
+class SiblingFiles:
     """The texts of an exercise's files, found as a suite names them: by their path, or from its folders."""
 
     texts: Mapping[str, str]
@@ -39,7 +39,9 @@ def read_exercise(texts: Mapping[str, str]) -> Iterator[Draft]:
         names = ", ".join(PurePath(path).name for path in suites[:5])
         raise ImportRefused(SEVERAL.format(count=len(suites), names=names))
     statement, solution = _statement(texts), _solution(texts)
-    for draft in read_suite(texts[suites[0]].encode(), BesideFiles(texts).find, solution=solution, statement=statement):
+    for draft in read_suite(
+        texts[suites[0]].encode(), SiblingFiles(texts).find, solution=solution, statement=statement
+    ):
         draft.title = _title(texts) or draft.title
         yield draft
 

@@ -31,7 +31,7 @@ _EXPECTED = ("return", "return_raw", "stdout", "exception", "file", "output_file
 
 
 @dataclass(frozen=True)
-class Tagged:
+class TaggedValue:
     """A value with a tag of its own, such as `!expression "{1, 2}"`."""
 
     tag: str
@@ -46,12 +46,12 @@ class _Loader(_SafeLoader):  # type: ignore[misc]
     """Reads plain values; tags that are not YAML's own are kept."""
 
 
-def _construct(loader: _Loader, suffix: str, node: yaml.Node) -> Tagged:
+def _construct(loader: _Loader, suffix: str, node: yaml.Node) -> TaggedValue:
     if isinstance(node, yaml.MappingNode):
-        return Tagged(suffix, loader.construct_mapping(node, deep=True))
+        return TaggedValue(suffix, loader.construct_mapping(node, deep=True))
     if isinstance(node, yaml.SequenceNode):
-        return Tagged(suffix, loader.construct_sequence(node, deep=True))
-    return Tagged(suffix, node.value)
+        return TaggedValue(suffix, loader.construct_sequence(node, deep=True))
+    return TaggedValue(suffix, node.value)
 
 
 _Loader.add_multi_constructor("!", _construct)
@@ -265,7 +265,7 @@ class _Left(Exception):
 
 def _has_oracle(value: object) -> bool:
     """Whether a program compares what is obtained."""
-    if isinstance(value, Tagged):
+    if isinstance(value, TaggedValue):
         return value.tag == "oracle" or _has_oracle(value.value)
     return isinstance(value, dict) and value.get("oracle") in ("custom_check", "specific_check")
 
@@ -278,7 +278,7 @@ def _list(value: object) -> list[Any]:
 
 def _value(value: Any) -> str:
     """Return a value as a case writes it."""
-    if isinstance(value, Tagged) and value.tag == "expression":
+    if isinstance(value, TaggedValue) and value.tag == "expression":
         return str(value.value)
     if isinstance(value, dict) and set(value) & {"value", "oracle"} == {"value", "oracle"}:
         value = value["value"]
@@ -286,7 +286,7 @@ def _value(value: Any) -> str:
 
 
 def _plain(value: Any) -> Any:
-    if isinstance(value, Tagged):
+    if isinstance(value, TaggedValue):
         makers: dict[str, Any] = {"set": set, "tuple": tuple, "list": list, "map": dict, "object": dict}
         content = _plain(value.value)
         if value.tag in makers and isinstance(content, list | dict):

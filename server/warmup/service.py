@@ -83,7 +83,7 @@ class WarmUpService:
         with self.database.read() as db:
             access = rights.require_right(db, account, Right.run_lessons, class_id)
             require_open(access.school_class)
-            if repository.find_of_day(db, access.school_class.id, day) is not None:
+            if repository.find_warm_up(db, access.school_class.id, day) is not None:
                 return None
             return access.school_class.id, load_needs(db, self.course, access.school_class, utc_now())
 
@@ -96,7 +96,7 @@ class WarmUpService:
 
     def _store(self, class_id: UUID, day: date, questions: Sequence[WarmUpQuestion]) -> None:
         with self.database.write() as db:
-            repository.add(db, class_id, day, [question.to_data() for question in questions])
+            repository.add_if_absent(db, class_id, day, [question.to_data() for question in questions])
 
 
 def load_needs(db: Session, course: Course, school_class: SchoolClass, now: datetime) -> Sequence[SubjectNeed]:
@@ -164,7 +164,7 @@ def load_relapses(db: Session, course: Course, school_class: SchoolClass) -> Rel
 
 def find_today(db: Session, class_id: UUID) -> WarmUp | None:
     """Return the questions of today."""
-    return repository.find_of_day(db, class_id, retrievals.today())
+    return repository.find_warm_up(db, class_id, retrievals.today())
 
 
 def questions_of(warm_up: WarmUp) -> Sequence[WarmUpQuestion]:

@@ -227,7 +227,7 @@ def test_who_goes_takes_their_words_along_and_a_teacher_s_stay_unsigned(either: 
     thread = room.say(room.ada, room.send())
     room.reply(room.teacher, thread)
     with room.database.write() as db:
-        notes.keep_phrase(db, room.teacher, "Relisez l’énoncé.", EXERCISE, None)
+        notes.save_phrase(db, room.teacher, "Relisez l’énoncé.", EXERCISE, None)
         notes.send_note(db, room.teacher, room.made, EXERCISE, None, "Bonjour", "", room.settings)
         identity.delete_account(db, room.teacher.id)
     with room.database.read() as db:
@@ -305,7 +305,7 @@ def test_a_word_is_for_those_who_have_the_mistake_now(either: Room) -> None:
 def test_kept_phrases_come_first_where_they_fit_and_are_one_s_own(room: Room) -> None:
     with room.database.write() as db:
         kept = {
-            text: notes.keep_phrase(db, room.teacher, text, exercise, misconception)
+            text: notes.save_phrase(db, room.teacher, text, exercise, misconception)
             for text, exercise, misconception in [
                 ("partout", None, None),
                 ("ailleurs", "l20/autre", "autre"),
@@ -313,7 +313,7 @@ def test_kept_phrases_come_first_where_they_fit_and_are_one_s_own(room: Room) ->
                 ("signe", EXERCISE, "signe"),
             ]
         }
-        assert notes.keep_phrase(db, room.teacher, " partout ", EXERCISE, None).id == kept["partout"].id
+        assert notes.save_phrase(db, room.teacher, " partout ", EXERCISE, None).id == kept["partout"].id
         notes.prepend_phrase(db, room.teacher, kept["partout"].id, "")
         assert notes.prepend_phrase(db, room.teacher, kept["ici"].id, "Voilà.") == "ici\n\nVoilà."
     with room.database.write() as db:

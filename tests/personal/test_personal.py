@@ -344,7 +344,7 @@ def test_what_is_said_is_taken_away_without_the_names_of_others(ada: Site) -> No
             db, account, find_attempt(db, account, sent.id), ThreadTarget(check="a"), "Pourquoi ?", ada.settings
         )
         comments.reply_to_thread(db, teacher, asked, "Relisez.", ada.settings)
-        notes.keep_phrase(db, teacher, "Relisez l’énoncé.", EXERCISE, None)
+        notes.save_phrase(db, teacher, "Relisez l’énoncé.", EXERCISE, None)
         notes.send_note(db, teacher, made, EXERCISE, None, "À tous", "", ada.settings)
     files = archive(ada.client.get("/compte/donnees"))
     told = read(files, "messages.json")

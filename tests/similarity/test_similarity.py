@@ -20,7 +20,7 @@ from server.gradebook import service as gradebook
 from server.gradebook.schemas import GradingResult
 from server.identity.models import Role
 from server.similarity import compare, service
-from server.similarity.service import Comparison, Copy
+from server.similarity.service import ComparedCopy, CopyComparison
 from server.submissions.models import Submission
 from tests.support.classes import Person, new_class, person, seat
 from tests.support.service import Site, fake_verdict, new_account
@@ -41,8 +41,8 @@ def disguised(code: str) -> str:
     return "\n\n".join(f"{line}  # {number}" for number, line in enumerate(code.split("\n")))
 
 
-def copy_of(code: str) -> Copy:
-    return Copy(uuid4(), uuid4(), code)
+def copy_of(code: str) -> ComparedCopy:
+    return ComparedCopy(uuid4(), uuid4(), code)
 
 
 def own(course: Course) -> tuple[str, str, str]:
@@ -171,7 +171,7 @@ def test_the_page_asks_a_question(classroom: Classroom, course: Course, monkeypa
     assert "Ada &lt;b&gt;" in compared
     assert 'class="code-line shared"' in compared
     assert "2 copies comparées, 1 paire à regarder" in compared
-    monkeypatch.setattr(service, "compare_copies", lambda *_: Comparison(2, too_short=True, pairs=()))
+    monkeypatch.setattr(service, "compare_copies", lambda *_: CopyComparison(2, too_short=True, pairs=()))
     assert "trop court" in browser.get(f"{classroom.href}?exercice={SHORT}").text
     assert browser.get(f"{classroom.href}?exercice=l20/poses").status_code == 404
     pupil = person(classroom.site)

@@ -20,7 +20,7 @@ from server.identity.dependencies import OptionalAccount
 from server.rights import service as rights
 from server.rights.models import Right
 from server.similarity import service
-from server.similarity.service import Comparison
+from server.similarity.service import CopyComparison
 from server.web.forms import redirect_to_login
 from server.web.rendering import render_page
 
@@ -56,7 +56,7 @@ def show_likeness(
         sent = service.load_copies(db, assignment, chosen) if chosen else []
         places = load_teams_of(db, [assignment]).get(assignment.id, ())
         names = {member.id: member.name for member in classes.load_members(db, access.school_class.id)}
-    comparison = service.compare_copies(course, chosen, sent) if chosen else Comparison(0, False, ())
+    comparison = service.compare_copies(course, chosen, sent) if chosen else CopyComparison(0, False, ())
     comparison = service.without_teammates(comparison, places)
     head = views.class_head(course, access, "/devoirs")
     choices = [exercise for exercise in exercises if exercise.answers is None]

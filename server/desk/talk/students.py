@@ -97,5 +97,5 @@ def comment_on_exercise(
         draft, where = Draft(texte, refused.detail), (class_id, student, module, slug)
         return _render_work(request, reader, account, where, Right.comment, draft=draft, status=int(refused.status))
     if garder and texte.strip():
-        notes.keep_phrase(reader.db, account, texte, exercise.id, None)
+        notes.save_phrase(reader.db, account, texte, exercise.id, None)
     return redirect(f"{of_whom.exercise_href(exercise.id)}#fil-{thread.id}")

@@ -214,7 +214,7 @@ def _one_of_each(database: Database, loaded: DemoClass) -> None:
         db.add(LiveLesson(class_id=loaded.class_id, exercises=[EXERCISE], started_at=begun, ended_at=utc_now()))
         options = (WarmUpOption("A", "`a + b`", MISTAKE, "Voici pourquoi."), WarmUpOption("B", "`b + a`"))
         question = WarmUpQuestion("s", EXERCISE, MISTAKE, "Poses", "/", "Que vaut `f(1)` ?", options, "B", needed=5)
-        warm_ups.add(db, loaded.class_id, today(), [question.to_data()])
+        warm_ups.add_if_absent(db, loaded.class_id, today(), [question.to_data()])
         db.flush()
         db.add(Fingerprint(grading_id=graded, group_id=GROUP))
 

@@ -299,7 +299,7 @@ class Stage:
         self.calendar = calendars.renew_address(db, self.accounts["student"])
         options = (WarmUpOption("A", "1"), WarmUpOption("B", "2"))
         question = WarmUpQuestion("s", EXERCISE, MISTAKE, "Poses", "/", "Combien ?", options, "A", 5)
-        warm_ups.add(db, self.made.id, today(), [question.to_data()])
+        warm_ups.add_if_absent(db, self.made.id, today(), [question.to_data()])
         teacher = self.accounts["teacher"].id
         self.authored = AuthoredExercise(author_id=teacher, module="l20", draft=ExerciseDraft().to_data(), digest="")
         self.lent = AuthoredExercise(
