@@ -1,8 +1,8 @@
 """The one model of time: from an assignment, its exemptions, a sitting and the school's clock to every date and mark.
 
-`rules_in_force` gives the rules for a student; `Windows` adds their sitting. All pages, refusals and marks ask here:
-nothing else computes dates. Pure functions; times are aware, and compared as instants. A date belongs to the time that
-it ends: an attempt that arrives at the due date is on time. A sitting alone is over at its end.
+`rules_in_force` gives the rules for a student; `SendingWindow` adds their sitting. All pages, refusals and marks ask
+here: nothing else computes dates. Pure functions; times are aware, and compared as instants. A date belongs to the
+time that it ends: an attempt that arrives at the due date is on time. A sitting alone is over at its end.
 
 Field by field, a student's own exemption takes precedence over those of their labels, and the most favourable of
 several labels wins; the assignment gives the rest. An exemption that extended a date never leaves less than the others
@@ -207,7 +207,7 @@ class SharedRules:
 
 
 @dataclass(frozen=True)
-class Windows:
+class SendingWindow:
     """The rules in force for a student and their sitting: when they may send, what counts, and how late it is."""
 
     rules: Rules

@@ -11,7 +11,7 @@ from uuid import UUID
 from server.board.attempts import Pair, is_solved, solved_at
 from server.board.progress import ClassProgress
 from server.board.schemas import FEWEST_TO_PROJECT
-from server.board.stuck import PRESENCE, Expected, StuckStudent
+from server.board.stuck import PRESENCE, LessonExercises, StuckStudent
 from server.gradebook.histories import Attempts, AttemptsByPair, computed_once
 from server.lesson.models import LiveLesson
 from server.lesson.repository import Visit
@@ -78,7 +78,7 @@ class LessonState:
 
 
 def build_state(progress: ClassProgress, lesson: LiveLesson, visits: Mapping[UUID, Visit]) -> LessonState:
-    expected = Expected(tuple(lesson.exercises), lesson.started_at)
+    expected = LessonExercises(tuple(lesson.exercises), lesson.started_at)
     longest_first = progress.find_stuck(expected)
     seen = {row.account: visits[row.account] for row in longest_first if _is_seen_at(row, visits.get(row.account))}
     just_seen = frozenset(account for account, visit in seen.items() if progress.now - visit.visited_at < VISIT_LASTS)
@@ -119,7 +119,7 @@ def _is_just_overcome(row: LessonMistake, now: datetime) -> bool:
     return not row.still and row.latest_at >= now - RECENT_MISTAKES
 
 
-def lesson_mistakes(progress: ClassProgress, expected: Expected) -> tuple[LessonMistake, ...]:
+def lesson_mistakes(progress: ClassProgress, expected: LessonExercises) -> tuple[LessonMistake, ...]:
     """Return the misconceptions of a lesson: those at its exercises, and those of attempts since it began at others.
 
     The first are those that most students still make, however long ago they sent their last attempt: a student who

@@ -66,7 +66,7 @@ BOARD: ClassView[ClassPulse, Board] = ClassView(repository.load_pulse, load_boar
 
 
 @dataclass(frozen=True, eq=False)
-class Reading(Generic[ShownType]):
+class ViewReading(Generic[ShownType]):
     """What was read of a class; `done` once it is deleted. `duration`: seconds of processor that it took.
 
     Readings are equal where they show the same.
@@ -82,7 +82,7 @@ class Reading(Generic[ShownType]):
         return self.shown is None
 
     def __eq__(self, other: object) -> bool:
-        return isinstance(other, Reading) and self.version == other.version
+        return isinstance(other, ViewReading) and self.version == other.version
 
     def __hash__(self) -> int:
         return hash(self.version)
@@ -99,8 +99,8 @@ class WatchedClass(Generic[ShownType]):
     `duration`: seconds of processor that a reading takes, of the last two the quicker one; 0 at first.
     """
 
-    reading: Reading[ShownType] | None = None
-    last: Reading[ShownType] | None = None
+    reading: ViewReading[ShownType] | None = None
+    last: ViewReading[ShownType] | None = None
     duration: float = 0.0
     ended: bool = False
     watchers: set[asyncio.Event] = field(default_factory=set)
@@ -202,7 +202,7 @@ class LiveBoards:
 
     def _read(
         self, view: ClassView[Any, ShownType], class_id: UUID, watched: WatchedClass[ShownType]
-    ) -> Reading[ShownType]:
+    ) -> ViewReading[ShownType]:
         """Read the class in a thread, or return the last reading where nothing has changed meanwhile."""
         last, began = watched.last, time.thread_time()
         with self._database.read() as db:
@@ -212,7 +212,7 @@ class LiveBoards:
             school_class = classes.find_class(db, class_id)
             shown = None if school_class is None else view.load(db, self._course, school_class, utc_now(), pulse)
         duration = time.thread_time() - began
-        watched.last = Reading(pulse, shown, time.monotonic(), duration)
+        watched.last = ViewReading(pulse, shown, time.monotonic(), duration)
         watched.duration = 0.0 if last is None else min(last.duration, duration)
         return watched.last
 

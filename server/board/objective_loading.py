@@ -30,7 +30,7 @@ from server.gradebook.histories import Attempts, computed_for, group_by_account,
 
 
 @dataclass(frozen=True)
-class Practice:
+class ModulePractice:
     """The objectives of a module in a class where these exercises count; equal ones are of the same texts."""
 
     course: Course
@@ -64,8 +64,8 @@ class ClassObjectives:
     module: str
 
     @cached_property
-    def practice(self) -> Practice:
-        return Practice(self.progress.course, self.module, self.progress.scope.exercises)
+    def practice(self) -> ModulePractice:
+        return ModulePractice(self.progress.course, self.module, self.progress.scope.exercises)
 
     @property
     def practised(self) -> tuple[PractisedObjective, ...]:
@@ -95,7 +95,7 @@ class ClassObjectives:
 def _find_own_states(
     own: Mapping[str, Attempts],
     place: tuple[UUID, str],
-    practice: Practice,
+    practice: ModulePractice,
     unconcerned: frozenset[str],
 ) -> tuple[ObjectiveState, ...]:
     return find_states(practice.without(unconcerned), own, practice.finder)

@@ -14,7 +14,7 @@ from server.board.attempts import MisconceptionEpisode, Pair, is_unexplained, mi
 from server.board.catalogue import find_misconception
 from server.board.repository import BoardScope
 from server.board.schemas import BoardStudent, ExerciseStats, HintStats, ImprovementStats, MisconceptionStats
-from server.board.stuck import Expected, StuckStudent, find_stuck, median_or_none
+from server.board.stuck import LessonExercises, StuckStudent, find_stuck, median_or_none
 from server.course import Course
 from server.gradebook.histories import AttemptsByPair, GradedAttempt, Revisions, attempt_totals
 from server.gradebook.standings import StandingTotals
@@ -60,7 +60,7 @@ class ClassProgress:
     def stuck(self) -> frozenset[Pair]:
         return frozenset((row.account, row.exercise) for row in self.find_stuck())
 
-    def find_stuck(self, expected: Expected | None = None) -> tuple[StuckStudent, ...]:
+    def find_stuck(self, expected: LessonExercises | None = None) -> tuple[StuckStudent, ...]:
         """Return the students who are stuck, the longest first; `expected`: in a lesson with these exercises."""
         seen_at = {student.id: student.seen_at for student in self.students}
         return find_stuck(self.attempts, seen_at, self.now, expected)

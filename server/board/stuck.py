@@ -45,7 +45,7 @@ class StuckSign(StrEnum):
 
 
 @dataclass(frozen=True, slots=True)
-class Expected:
+class LessonExercises:
     """The exercises of a lesson, in their order, and when it began."""
 
     exercises: tuple[str, ...]
@@ -67,7 +67,7 @@ def find_stuck(
     attempts: AttemptsByPair,
     seen_at: Mapping[UUID, datetime | None],
     now: datetime,
-    expected: Expected | None = None,
+    expected: LessonExercises | None = None,
 ) -> tuple[StuckStudent, ...]:
     """Return the students who are stuck now, the longest first: an order that whoever reads the page can check.
 
@@ -88,7 +88,7 @@ def _judge_student(
     all_series: Sequence[Attempts],
     seen_at: datetime | None,
     now: datetime,
-    expected: Expected | None,
+    expected: LessonExercises | None,
 ) -> StuckStudent | None:
     if seen_at is None:
         return None
@@ -134,7 +134,7 @@ def _judge_beginning(
     all_series: Sequence[Attempts],
     seen_at: datetime,
     now: datetime,
-    expected: Expected,
+    expected: LessonExercises,
 ) -> StuckStudent | None:
     """Judge a student who has sent nothing to the next exercise of the lesson since they were free to."""
     sent_at = latest[-1].sent_at if latest else expected.started_at

@@ -20,7 +20,7 @@ from server.course import Course, Module
 from server.database import Database, utc_now
 from server.demo import teaching
 from server.demo.people import Pupil, draw_pupils
-from server.demo.programs import write_program
+from server.demo.programs import as_student_file
 from server.demo.story import PlannedAttempt, lesson_starts, plan_attempts
 from server.gradebook import service as gradebook
 from server.gradebook.schemas import GradingResult
@@ -85,7 +85,7 @@ def create_demo_class(
         room = replace(room, school_class=db.get_one(SchoolClass, made.id), teacher=db.get_one(Account, teacher.id))
         teaching.record_sittings(db, room, db.get_one(Assignment, test.id), past)
         teaching.write_comments(db, room, past, settings)
-        teaching.type_column(db, room, now)
+        teaching.create_marked_column(db, room, now)
         teaching.hold_lessons(db, room, now)
     return DemoClass(made.id, logins, [step for step in steps if step.sent_at > now], accounts, seeds)
 
@@ -129,7 +129,7 @@ def _enrol_student(db: Session, made: SchoolClass, pupil: Pupil, since: datetime
 def attempt_source(step: PlannedAttempt, seed: int, *, code: bool) -> bytes:
     """The file of an attempt. The same program again differs from itself, as what students send does."""
     source = step.submission.source_for_seed(seed)
-    return write_program(source, step.repeats) if code else source
+    return as_student_file(source, step.repeats) if code else source
 
 
 def _write_history(

@@ -12,7 +12,7 @@ FOR_LINTER = re.compile(r"[ \t]*# noqa\b.*")
 DEFINITIONS = (ast.FunctionDef, ast.ClassDef)
 
 
-def write_program(source: bytes, repeats: int) -> bytes:
+def as_student_file(source: bytes, repeats: int) -> bytes:
     """Return a program of the course in the form of a student's file.
 
     A mistake of the catalogue may be the solution followed by wrong functions: each function stays once, and the words

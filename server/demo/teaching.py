@@ -142,7 +142,7 @@ def record_sittings(db: Session, room: Classroom, test: Assignment, steps: Seque
     releases.release_feedback(db, test, room.teacher.id, test.opens_at + 2 * DAY)
 
 
-def type_column(db: Session, room: Classroom, now: datetime) -> None:
+def create_marked_column(db: Session, room: Classroom, now: datetime) -> None:
     """Have the teacher type the marks of an oral, published: a few students are not called yet, one was absent."""
     oral = columns.create_column(
         db, room.school_class, room.teacher, ColumnInput("Oral", ORAL_SCALE, (now - WEEK).date(), 0.5)

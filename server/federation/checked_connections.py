@@ -74,7 +74,7 @@ class _CheckedBackend(httpcore.NetworkBackend):
         return _TimedStream(stream)
 
 
-class Connections:
+class CheckedConnections:
     """A pool of connections. Thread-safe."""
 
     def __init__(self, is_allowed: Callable[[str], bool]) -> None:

@@ -37,7 +37,7 @@ SEATS = {
 }
 
 
-def enter(
+def store_context_and_seat(
     db: Session, provider: IdentityProvider, arrived: ArrivedContext, account: Account, person: SignedPerson
 ) -> ProviderContext:
     """Store what an arrival tells of its course, and seat the account in the class that is tied to it."""
@@ -61,7 +61,7 @@ def enter(
     if school_class is not None and school_class.archived_at is None:
         _seat(db, provider, school_class, account, person)
     elif person.role is CourseRole.student:
-        waiting.remember(db, context.id, account.id, person, now)
+        waiting.store_waiting_student(db, context.id, account.id, person, now)
     return context
 
 
@@ -73,10 +73,10 @@ def _seat(
     if person.role not in SEATS or (membership is not None and not _may_come_back(membership)):
         return
     with changing_members(db, school_class.id, account.id):
-        give_seat(db, provider, school_class, account, person)
+        seat_account(db, provider, school_class, account, person)
 
 
-def give_seat(
+def seat_account(
     db: Session, provider: IdentityProvider, school_class: SchoolClass, account: Account, person: SignedPerson
 ) -> None:
     """Give an account its seat in a class, within `changing_members`, as `_seat` says."""
@@ -143,7 +143,7 @@ def find_own_context(db: Session, context_id: UUID, account: Account) -> Provide
     return context
 
 
-def tie(db: Session, context: ProviderContext, account: Account, class_id: UUID) -> SchoolClass:
+def link_class(db: Session, context: ProviderContext, account: Account, class_id: UUID) -> SchoolClass:
     """Tie a course to a class, both of which the account teaches. Raises NotFound, Forbidden or Conflict."""
     access = rights.require_right(db, account, Right.configure_class, class_id)
     class_service.require_open(access.school_class)
@@ -162,20 +162,20 @@ def _seat_waiting(db: Session, context: ProviderContext, school_class: SchoolCla
     provider = repository.find_provider(db, context.provider_id)
     if provider is None:
         return
-    for student, account in waiting.load(db, context.id):
+    for student, account in waiting.load_waiting_students(db, context.id):
         person = SignedPerson("", "", student.given_name, student.family_name, CourseRole.student)
         _seat(db, provider, school_class, account, person)
-    waiting.clear(db, context.id)
+    waiting.forget_waiting_students(db, context.id)
 
 
-def tie_new_class(db: Session, context: ProviderContext, account: Account, name: str, module: str) -> SchoolClass:
+def link_new_class(db: Session, context: ProviderContext, account: Account, name: str, module: str) -> SchoolClass:
     """Make a class for a course. Raises Forbidden, Invalid or Conflict."""
     rights.require_server_right(account, Right.create_class)
     school_class = class_service.create_class(db, account, name, module)
-    return tie(db, context, account, school_class.id)
+    return link_class(db, context, account, school_class.id)
 
 
-def untie(db: Session, context: ProviderContext, school_class: SchoolClass, by: UUID) -> None:
+def unlink_class(db: Session, context: ProviderContext, school_class: SchoolClass, by: UUID) -> None:
     """Untie a course from its class: nobody enters by it any more, and no mark is sent."""
     context.class_id = context.linked_by = None
     audit.record_event(db, school_class.id, by, AuditAction.course_untied, about=context.title)

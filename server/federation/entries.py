@@ -18,8 +18,8 @@ from server.federation.errors import Refused
 from server.federation.models import ActivityKind, IdentityProvider, Protocol
 from server.federation.oidc import entry as oidc
 from server.federation.oidc.schemas import oidc_settings
-from server.federation.pending import Begun
-from server.federation.proofs import BrowserAnswer, Proof
+from server.federation.pending import BegunSignIn
+from server.federation.proofs import BrowserAnswer, ProvenPerson
 from server.federation.rules import Rule
 from server.federation.service import Federation
 from server.identity.secrets import new_token
@@ -31,7 +31,7 @@ NOT_HERE = "On n’entre pas par cette plateforme depuis cette page : partez de 
 
 
 @dataclass(frozen=True)
-class Entry:
+class ProtocolFunctions:
     """A protocol's functions.
 
     `start` gets our return address, the state and the details of the sign-in, and returns the address of the system;
@@ -39,22 +39,22 @@ class Entry:
     """
 
     start: Callable[[Federation, IdentityProvider, str, str, Mapping[str, Any]], str]
-    prove: Callable[[Federation, Database, IdentityProvider, str, BrowserAnswer, Mapping[str, Any]], Proof]
+    prove: Callable[[Federation, Database, IdentityProvider, str, BrowserAnswer, Mapping[str, Any]], ProvenPerson]
     rule: Callable[[IdentityProvider], Rule]
     service: Callable[[IdentityProvider], str]
 
 
-ENTRIES: Mapping[str, Entry] = {
-    Protocol.cas: Entry(
+ENTRIES: Mapping[str, ProtocolFunctions] = {
+    Protocol.cas: ProtocolFunctions(
         cas.start, cas.prove, lambda row: cas_settings(row).rule, lambda row: cas_settings(row).service
     ),
-    Protocol.oidc: Entry(
+    Protocol.oidc: ProtocolFunctions(
         oidc.start, oidc.prove, lambda row: oidc_settings(row).rule, lambda row: oidc_settings(row).service
     ),
 }
 
 
-def find_entry(provider: IdentityProvider) -> Entry:
+def find_entry(provider: IdentityProvider) -> ProtocolFunctions:
     """Return the functions of a provider's protocol. Raises Refused for a platform that one enters from itself."""
     entry = ENTRIES.get(provider.protocol)
     if entry is None:
@@ -68,9 +68,9 @@ def return_url(provider: IdentityProvider) -> str:
     return service + RETURN_PATH.format(provider_id=provider.id)
 
 
-def begin(
+def begin_sign_in(
     database: Database, federation: Federation, provider: IdentityProvider, target: str, *, trial_by: UUID | None = None
-) -> tuple[Begun, str]:
+) -> tuple[BegunSignIn, str]:
     """Begin a sign-in, and return it with the address to which the browser goes. `trial_by`: an administrator tries the
     rule, and no session will be opened. Raises Refused or OutgoingError."""
     entry = find_entry(provider)
@@ -87,7 +87,7 @@ def prove(
     provider: IdentityProvider,
     answer: BrowserAnswer,
     details: Mapping[str, Any],
-) -> Proof:
+) -> ProvenPerson:
     """Return who has signed in; `details` are of a sign-in that has been used up. Raises Refused or OutgoingError."""
     return find_entry(provider).prove(federation, database, provider, return_url(provider), answer, details)
 

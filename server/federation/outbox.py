@@ -108,7 +108,7 @@ def adopt_line_item(db: Session, context: ProviderContext, page: str, line_item_
 
 
 @dataclass(frozen=True)
-class Sending:
+class MarkSending:
     """A mark on its way: `told_at` is its timestamp, committed before it is sent."""
 
     line_item_id: UUID
@@ -119,7 +119,9 @@ class Sending:
     tries: int
 
 
-def begin_sending(db: Session, item_ids: Sequence[UUID], issuer: str, now: datetime, limit: int) -> Sequence[Sending]:
+def begin_sending(
+    db: Session, item_ids: Sequence[UUID], issuer: str, now: datetime, limit: int
+) -> Sequence[MarkSending]:
     """Take marks that are due, each with a timestamp that is later by a second than any before."""
     batch = []
     for delivery, subject in outbox_repository.load_due_deliveries(db, item_ids, issuer, now, limit):
@@ -129,7 +131,7 @@ def begin_sending(db: Session, item_ids: Sequence[UUID], issuer: str, now: datet
         delivery.told_at, delivery.tries = told_at, delivery.tries + 1
         delivery.next_try_at = now + retry_delay(delivery.tries)  # of a process that dies meanwhile
         batch.append(
-            Sending(delivery.line_item_id, delivery.account_id, subject, delivery.points, told_at, delivery.tries)
+            MarkSending(delivery.line_item_id, delivery.account_id, subject, delivery.points, told_at, delivery.tries)
         )
     return batch
 
@@ -139,7 +141,7 @@ def retry_delay(tries: int) -> timedelta:
     return min(FIRST_PAUSE * 2.0 ** min(tries - 1, 12), LONGEST_PAUSE)
 
 
-def record_result(db: Session, sending: Sending, error: OutgoingError | None, now: datetime) -> None:
+def record_result(db: Session, sending: MarkSending, error: OutgoingError | None, now: datetime) -> None:
     """Record what came of sending a mark, unless another one was sent since."""
     delivery = outbox_repository.find_delivery(db, sending.line_item_id, sending.account_id)
     if delivery is None or delivery.told_at != sending.told_at:

@@ -138,7 +138,7 @@ class SchoolMarksTask:
         deadline, failures, addresses = self._monotonic() + RUN_SECONDS, 0, dict(addresses)
         unanswered: list[OutgoingError] = []
 
-        def post(sending: outbox.Sending) -> OutgoingError | None:
+        def post(sending: outbox.MarkSending) -> OutgoingError | None:
             if len(unanswered) >= MAX_FAILURES:  # the others of the batch wait: other schools' marks do not
                 return unanswered[-1]
             try:
@@ -166,7 +166,7 @@ class SchoolMarksTask:
                 failed = sum(error is not None and error.retry for _, error in results)
                 failures = failures + failed if failed == len(results) else 0
 
-    def _record(self, work: MarksRun, results: Sequence[tuple[outbox.Sending, OutgoingError | None]]) -> None:
+    def _record(self, work: MarksRun, results: Sequence[tuple[outbox.MarkSending, OutgoingError | None]]) -> None:
         now = self._clock()
         with self._database.write() as db:
             for sending, error in results:

@@ -112,7 +112,7 @@ class HttpAnswer:
 
 
 class Exchange(Protocol):
-    """One request and its answer; see `checked_connections.Connections.exchange`."""
+    """One request and its answer; see `checked_connections.CheckedConnections.exchange`."""
 
     def __call__(
         self,
@@ -138,9 +138,9 @@ class Outgoing:
     def _exchange(self) -> Exchange:
         if self._given is not None:
             return self._given
-        from server.federation.checked_connections import Connections
+        from server.federation.checked_connections import CheckedConnections
 
-        return Connections(lambda address: is_allowed_address(address, self._private)).exchange
+        return CheckedConnections(lambda address: is_allowed_address(address, self._private)).exchange
 
     def request(
         self,

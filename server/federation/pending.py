@@ -25,7 +25,7 @@ OTHER_BROWSER = "Cette connexion a été commencée dans un autre navigateur : r
 
 
 @dataclass(frozen=True)
-class Begun:
+class BegunSignIn:
     """A sign-in that begins: its state goes to the provider, `browser` in a cookie of the browser."""
 
     state: str
@@ -45,9 +45,9 @@ def begin(
     *,
     nonce: str = "",
     lifetime: timedelta = LIFETIME,
-) -> Begun:
+) -> BegunSignIn:
     """Record a sign-in that begins. Without a nonce, it gets one once the browser has shown that it keeps cookies."""
-    begun = Begun(new_token(), new_token())
+    begun = BegunSignIn(new_token(), new_token())
     db.add(
         PendingSignIn(
             state_digest=digest(begun.state),
@@ -100,14 +100,14 @@ def consume(db: Session, pending: PendingSignIn, nonce: object) -> tuple[str, Ma
 
 def begin_here(
     db: Session, provider_id: UUID, target: str, details: Mapping[str, Any], *, lifetime: timedelta = LIFETIME
-) -> tuple[Begun, str]:
+) -> tuple[BegunSignIn, str]:
     """Record a sign-in that begins on our own page, and return it with its nonce."""
     nonce = new_token()
     begun = begin(db, provider_id, target, {**details, NONCE: nonce}, nonce=nonce, lifetime=lifetime)
     return begun, nonce
 
 
-def take(db: Session, provider_id: UUID, state: str, browser: str) -> tuple[str, Mapping[str, Any]]:
+def consume_own_sign_in(db: Session, provider_id: UUID, state: str, browser: str) -> tuple[str, Mapping[str, Any]]:
     """Use up a sign-in that this browser has begun on our page, and return its target and details. Raises Refused."""
     pending = find(db, state)
     if pending.provider_id != provider_id:

@@ -19,7 +19,7 @@ class BrowserAnswer:
 
 
 @dataclass(frozen=True)
-class Proof:
+class ProvenPerson:
     """A person whom a system has proved. `session` names the session there; `claims` are what a rule reads."""
 
     subject: str

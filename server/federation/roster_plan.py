@@ -76,6 +76,6 @@ def seat_people(
         for person in plan.entering:
             _, account = identities.find_or_create(db, external_person(provider, person))
             if account.disabled_at is None and not account.is_administrator:
-                contexts.give_seat(db, provider, school_class, account, person)
+                contexts.seat_account(db, provider, school_class, account, person)
                 seated += 1
     return seated

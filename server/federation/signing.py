@@ -86,7 +86,7 @@ def _public(key: SigningKey) -> Mapping[str, Any]:
     return {**document, "kid": str(key.id), "alg": ALGORITHM, "use": "sig"}
 
 
-def sign(database: Database, claims: Mapping[str, Any], seconds: int = TOKEN_SECONDS) -> str:
+def sign_claims(database: Database, claims: Mapping[str, Any], seconds: int = TOKEN_SECONDS) -> str:
     """Return a signed token with these claims, which lasts so many seconds."""
     from joserfc import jwt
 

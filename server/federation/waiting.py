@@ -20,7 +20,7 @@ from server.identity.identities import clean_name
 from server.identity.models import Account
 
 
-def remember(db: Session, context_id: UUID, account_id: UUID, person: SignedPerson, now: datetime) -> None:
+def store_waiting_student(db: Session, context_id: UUID, account_id: UUID, person: SignedPerson, now: datetime) -> None:
     """Store that a student has come from a class of their school."""
     names = {
         "given_name": clean_name(person.given_name)[:NAME_LENGTH],
@@ -31,7 +31,7 @@ def remember(db: Session, context_id: UUID, account_id: UUID, person: SignedPers
     db.execute(statement.on_conflict_do_update(index_elements=["context_id", "account_id"], set_=names))
 
 
-def load(db: Session, context_id: UUID) -> Sequence[tuple[WaitingStudent, Account]]:
+def load_waiting_students(db: Session, context_id: UUID) -> Sequence[tuple[WaitingStudent, Account]]:
     """Load those who wait for a class, in the order of their names."""
     query = (
         select(WaitingStudent, Account)
@@ -42,7 +42,7 @@ def load(db: Session, context_id: UUID) -> Sequence[tuple[WaitingStudent, Accoun
     return [(row[0], row[1]) for row in db.execute(query)]
 
 
-def clear(db: Session, context_id: UUID, account_id: UUID | None = None) -> None:
+def forget_waiting_students(db: Session, context_id: UUID, account_id: UUID | None = None) -> None:
     """Forget those who waited, or one of them."""
     statement = delete(WaitingStudent).where(WaitingStudent.context_id == context_id)
     if account_id is not None:
@@ -50,7 +50,7 @@ def clear(db: Session, context_id: UUID, account_id: UUID | None = None) -> None
     db.execute(statement)
 
 
-def forget_others(db: Session, provider_id: UUID, account_id: UUID, contexts: Collection[UUID]) -> None:
+def forget_other_contexts(db: Session, provider_id: UUID, account_id: UUID, contexts: Collection[UUID]) -> None:
     """Forget that an account comes from, or teaches, contexts of a provider that no longer tells so."""
     gone = select(ProviderContext.id).where(
         ProviderContext.provider_id == provider_id, ProviderContext.id.not_in(list(contexts))

@@ -12,7 +12,7 @@ from server.assignments.class_assignments import ClassAssignments
 from server.assignments.counting import TimeJudge, mark_attempts
 from server.assignments.feedback import SittingStage, sitting_stage
 from server.assignments.models import Assignment, AttemptSelection, Mode, Sitting, WeightedExercise
-from server.assignments.rules import OUTSIDE, Rules, Windows, concerns, rules_in_force
+from server.assignments.rules import OUTSIDE, Rules, SendingWindow, concerns, rules_in_force
 from server.assignments.team_rules import TeamPlace, TeamShare, list_shares, team_rules_in_force
 from server.classes.schemas import StudentRecord
 from server.gradebook.histories import Attempts, computed_for
@@ -96,7 +96,7 @@ class AssignmentMarker:
         partners = tuple(sorted(share.partner.name for share in shares if share.until is None))
         own, decision = attempts.get(student, NO_ATTEMPTS), choices.decisions.get((student, self.assignment.id))
         is_test, counts = self.assignment.mode == Mode.test, AttemptSelection(self.assignment.counts)
-        windows = Windows(rules, sitting)
+        windows = SendingWindow(rules, sitting)
         if shares:
             own = {name: add_team_attempts(own.get(name, ()), name, attempts, shares) for name, _ in self.exercises}
         if is_test:
@@ -117,7 +117,7 @@ class AssignmentMarker:
 NO_ATTEMPTS: Mapping[str, Attempts] = {}
 
 
-def _sent_in(windows: Windows, attempts: Attempts) -> Attempts:
+def _sent_in(windows: SendingWindow, attempts: Attempts) -> Attempts:
     """Return what a student sent in the sitting of a test."""
     return [attempt for attempt in attempts if windows.judge(attempt.sent_at) is not OUTSIDE]
 
@@ -127,7 +127,7 @@ def mark_exercises(
     own: Mapping[str, Attempts],
     assignment: UUID,
     exercises: tuple[WeightedExercise, ...],
-    windows: Windows,
+    windows: SendingWindow,
     counts: AttemptSelection,
     overrides: OwnOverrides,
 ) -> tuple[ExerciseMark, ...]:

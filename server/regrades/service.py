@@ -194,7 +194,7 @@ def _assignment_marker(db: Session, assignment: Assignment) -> Marker:
 
     def mark(student: UUID, attempts: Sequence[ScoredAttempt]) -> CountedMark:
         own_rules = team_rules_in_force(assignment, exemptions, student, labels.get(student, ()), places)
-        windows = rules.Windows(own_rules, sittings.get((assignment.id, student)))
+        windows = rules.SendingWindow(own_rules, sittings.get((assignment.id, student)))
         counted = counting.mark_attempts(windows, AttemptSelection(assignment.counts), attempts).counted
         return None if counted is None else (counted.attempt, counted.points)
 

@@ -11,7 +11,7 @@ from sqlalchemy.orm import Session
 
 from server.assignments import feedback, sitting_repository, student_assignments
 from server.assignments.models import Mode, Sitting
-from server.assignments.rules import Windows
+from server.assignments.rules import SendingWindow
 from server.assignments.stages import AssignmentStage
 from server.assignments.student_assignments import StudentAssignment
 from server.database import utc_now
@@ -79,7 +79,7 @@ def _tests(db: Session, account: Account, running: Iterable[StudentAssignment], 
 
 
 def _test(assigned: StudentAssignment, sitting: Sitting | None) -> DueView:
-    end = Windows(assigned.rules, sitting).ends_at
+    end = SendingWindow(assigned.rules, sitting).ends_at
     return DueView(
         title=assigned.assignment.title,
         href=feedback.sitting_path(assigned.assignment.class_id, assigned.assignment.id),

@@ -10,7 +10,7 @@ from sqlalchemy.orm import Session
 
 from server.assignments import repository, sitting_repository
 from server.assignments.models import Assignment, Exemption, LatePolicy, Mode, Visibility
-from server.assignments.rules import Rules, Windows, is_sitting_running, rules_in_force
+from server.assignments.rules import Rules, SendingWindow, is_sitting_running, rules_in_force
 from server.classes import repository as classes
 from server.classes.models import ClassRole, Status
 from server.classes.schemas import Member
@@ -76,7 +76,7 @@ def _dates(rules: Rules) -> Iterator[str]:
                 f"Le contrôle dure {_length(duration)} et n’est ouvert que {_length(closes - opens)} : personne n’aura "
                 "tout son temps."
             )
-        elif (Windows(rules).ends_at or closes) > closes - duration:
+        elif (SendingWindow(rules).ends_at or closes) > closes - duration:
             yield (
                 f"Un élève qui commence après le {long_moment(closes - duration)} n’aura pas tout son temps : le "
                 f"contrôle ferme le {long_moment(closes)}."

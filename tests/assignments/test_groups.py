@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 
 from server.assignments import editing, feedback, groups, repository, sittings
 from server.assignments.models import Assignment, Mode
-from server.assignments.rules import OUTSIDE, Windows, rules_in_force
+from server.assignments.rules import OUTSIDE, SendingWindow, rules_in_force
 from server.assignments.schemas import AssignmentInput
 from server.assignments.service import load_counting_exercises
 from server.assignments.student_assignments import load_assignments_for_student, load_open_assignments
@@ -45,7 +45,7 @@ def test_an_assignment_concerns_its_groups_and_who_has_sat_it(given_to: set[str]
         began_at, handed_in_at, ended_by = OPENS, None, None
 
     rules = rules_in_force(test, (), UUID(int=2), own)
-    windows = Windows(rules, Sat() if sat else None)
+    windows = SendingWindow(rules, Sat() if sat else None)
     assert rules.is_concerned == (not given_to or bool(given_to & own))
     assert windows.concerns_student == (rules.is_concerned or sat)
     assert (windows.judge(OPENS) is not OUTSIDE) == sat

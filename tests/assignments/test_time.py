@@ -18,7 +18,7 @@ from server.assignments.editing import keep_past_rules
 from server.assignments.exemption_service import is_extension
 from server.assignments.feedback import SittingStage, sitting_stage
 from server.assignments.models import Assignment, AttemptSelection, EndedBy, Exemption, LatePolicy, Mode, Sitting
-from server.assignments.rules import OUTSIDE, Rules, SendTiming, TimingKind, Windows, rules_in_force, sitting_end
+from server.assignments.rules import OUTSIDE, Rules, SendingWindow, SendTiming, TimingKind, rules_in_force, sitting_end
 from server.assignments.schemas import AssignmentInput, ExemptionInput
 from server.assignments.stages import AssignmentStage, assignment_stage
 from server.base.school_time import count_days_begun, end_of_day
@@ -162,7 +162,7 @@ class School:
         return SendTiming(TimingKind.late, days, penalty)
 
     def judge(self, sent_at: datetime) -> SendTiming:
-        return Windows(self.rules(), self.sitting).judge(sent_at)
+        return SendingWindow(self.rules(), self.sitting).judge(sent_at)
 
 
 LENGTHS = (None, 1, 30, 55, 60, 90, 24 * 60, 3 * 24 * 60)
@@ -271,7 +271,7 @@ def test_changes_of_rules_leave_at_least_the_mark_that_was_told(
             sent.append(ScoredAttempt(UUID(int=number), now, (number * 7 % 5) / 4))
             points = timing.adjust(20 * sent[-1].score).points
             told += [] if points is None else [points]
-        counted = mark_attempts(Windows(school.rules(), school.sitting), counts, sent).counted
+        counted = mark_attempts(SendingWindow(school.rules(), school.sitting), counts, sent).counted
         if told:
             assert counted is not None
             assert counted.points >= (told[-1] if counts is AttemptSelection.last else max(told)), name

@@ -9,7 +9,7 @@ from uuid import UUID
 import pytest
 
 from graders.core.contract.outcomes import Outcome
-from server.board.stuck import Expected, StuckSign, find_stuck, own_pace
+from server.board.stuck import LessonExercises, StuckSign, find_stuck, own_pace
 from server.gradebook.histories import Attempts, GradedAttempt
 from tests.support.stuck_class import EXERCISES, START, SimulatedClass, simulate_class
 
@@ -74,7 +74,7 @@ def test_present_students_who_fall_silent_are_stuck(sent: int, seen: int | None,
 
 
 def test_a_student_may_be_stuck_before_the_first_attempt_of_a_lesson() -> None:
-    lesson = Expected((EXERCISE, OTHER), NOW - timedelta(minutes=12))
+    lesson = LessonExercises((EXERCISE, OTHER), NOW - timedelta(minutes=12))
     (row,) = find_stuck({}, {ADA: NOW}, NOW, lesson)
     assert (row.exercise, row.sign, row.since) == (EXERCISE, StuckSign.beginning, lesson.started_at)
     assert not find_stuck({}, {ADA: NOW}, NOW), "outside a lesson nothing is expected"
@@ -93,7 +93,7 @@ def test_a_pace_needs_some_attempts_and_leaves_breaks_out() -> None:
 
 def first_of(simulated: SimulatedClass, minute: float) -> Sequence[UUID]:
     now = START + timedelta(minutes=minute)
-    lesson = Expected(EXERCISES, START)
+    lesson = LessonExercises(EXERCISES, START)
     rows = find_stuck(simulated.attempts_at(minute), simulated.seen_at(minute), now, lesson)
     return [row.account for row in rows[:FIRST]]
 

@@ -238,7 +238,7 @@ def test_a_state_enters_once_however_many_come_at_once(database: Database) -> No
     def take(_: int) -> bool:
         try:
             with database.write() as db:
-                pending.take(db, provider.id, begun.state, begun.browser)
+                pending.consume_own_sign_in(db, provider.id, begun.state, begun.browser)
         except Refused:
             return False
         return True

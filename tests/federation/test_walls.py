@@ -306,7 +306,7 @@ def test_many_requests_at_once_make_one_key(database: Database) -> None:
     assert len(set(found)) == 1
 
 
-def begun(database: Database) -> tuple[UUID, pending.Begun, str]:
+def begun(database: Database) -> tuple[UUID, pending.BegunSignIn, str]:
     with database.write() as db:
         provider = IdentityProvider(
             protocol=Protocol.lti, name="Moodle", issuer="https://moodle.example", client_id=uuid4().hex, settings={}
@@ -345,7 +345,7 @@ def test_a_state_serves_its_own_browser_in_time(case: str, sqlite: Database) -> 
         use_up(db, state, nonce, case)
 
 
-def use_up(db: Session, state: pending.Begun, nonce: str, case: str) -> None:
+def use_up(db: Session, state: pending.BegunSignIn, nonce: str, case: str) -> None:
     row = pending.find(db, "x" if case == "other state" else state.state)
     pending.require_browser(row, "other" if case == "other browser" else state.browser)
     pending.consume(db, row, {"other nonce": "x", "no nonce": None}.get(case, nonce))

@@ -21,7 +21,7 @@ from server.board.lesson_loading import propose_exercises
 from server.board.lesson_state import lesson_mistakes
 from server.board.live import LiveBoards
 from server.board.service import load_progress
-from server.board.stuck import Expected
+from server.board.stuck import LessonExercises
 from server.classes.models import Membership, SchoolClass
 from server.classes.presence import PresenceRecorder
 from server.course import Course
@@ -120,7 +120,7 @@ def test_a_mistake_counts_whoever_still_makes_it_and_those_that_all_have_correct
     store(sqlite, [*overcome, *right, *held])
     with sqlite.read() as db:
         progress = load_progress(db, course, made, utc_now())
-    mistakes = lesson_mistakes(progress, Expected((EXERCISE, OTHER), long_ago + timedelta(minutes=1)))
+    mistakes = lesson_mistakes(progress, LessonExercises((EXERCISE, OTHER), long_ago + timedelta(minutes=1)))
     assert [(row.id, row.still, row.made) for row in mistakes] == [("vt_pour_v", (silent,), 1), (WRONG, (), 2)]
 
 

@@ -20,7 +20,7 @@ from server.board.lesson_state import MAX_MISTAKES, count_makers, lesson_mistake
 from server.board.progress import ClassProgress
 from server.board.repository import SourceRow
 from server.board.schemas import FEWEST_TO_PROJECT
-from server.board.stuck import Expected
+from server.board.stuck import LessonExercises
 from server.course import Exercise
 from server.database import utc_now
 from server.desk.board.links import misconception_href
@@ -135,7 +135,7 @@ def _count_today(progress: ClassProgress, lesson: LiveLesson, exercise: str, mis
 
 def _other_hrefs(progress: ClassProgress, lesson: LiveLesson, href: str) -> tuple[str, ...]:
     """Return the addresses of the mistakes of a lesson that may be projected."""
-    mistakes = lesson_mistakes(progress, Expected(tuple(lesson.exercises), lesson.started_at))
+    mistakes = lesson_mistakes(progress, LessonExercises(tuple(lesson.exercises), lesson.started_at))
     shared = [mistake for mistake in mistakes if mistake.may_be_projected][:MAX_MISTAKES]
     return tuple(f"{misconception_href(href, mistake.exercise, mistake.id)}/projeter" for mistake in shared)
 

@@ -57,7 +57,7 @@ def change_courses(
         school_class = access.school_class
         context = find_context(db, school_class, cours)
         if action == "delier":
-            contexts.untie(db, context, school_class, account.id)
+            contexts.unlink_class(db, context, school_class, account.id)
         elif action == "envoyer":
             outbox_repository.add_line_item(db, context.id, _find_assignment(db, school_class, devoir), utc_now())
         elif action == "arreter":

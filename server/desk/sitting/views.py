@@ -10,7 +10,7 @@ from sqlalchemy.orm import Session
 from server.assignments import feedback, releases, repository, sitting_repository
 from server.assignments.models import Assignment, EndedBy
 from server.assignments.releases import ReleaseEffects
-from server.assignments.rules import MAX_POINTS, SendTiming, Windows
+from server.assignments.rules import MAX_POINTS, SendingWindow, SendTiming
 from server.assignments.sittings import StudentTest
 from server.classes.repository import load_active_students
 from server.database import utc_now
@@ -44,7 +44,7 @@ def build_sitting_page(
         stage=own.stage,
         opens=rules.opens_at,
         closes=rules.closes_at,
-        begin_by=Windows(rules).ends_at,
+        begin_by=SendingWindow(rules).ends_at,
         late=describe_late_beginning(rules.judge(own.sitting.began_at if own.sitting is not None else now)),
         minutes="" if minutes is None else plural(minutes, "minute"),
         extra=rules.time_factor > 1.0,

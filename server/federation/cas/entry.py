@@ -10,7 +10,7 @@ from server.database import Database
 from server.federation.cas.messages import CasPerson
 from server.federation.cas.sign_in import login_url, validate_ticket
 from server.federation.models import IdentityProvider
-from server.federation.proofs import BrowserAnswer, Proof
+from server.federation.proofs import BrowserAnswer, ProvenPerson
 from server.federation.service import Federation
 
 #: The name of the principal among the attributes, for a rule.
@@ -34,11 +34,11 @@ def prove(
     back: str,
     answer: BrowserAnswer,
     _details: Mapping[str, Any],
-) -> Proof:
+) -> ProvenPerson:
     """Raises Refused or OutgoingError."""
     service = service_address(back, answer.state)
     person = validate_ticket(federation.outgoing, provider.issuer, answer.ticket, service)
-    return Proof(person.user, answer.ticket, read_claims(person))
+    return ProvenPerson(person.user, answer.ticket, read_claims(person))
 
 
 def read_claims(person: CasPerson) -> Mapping[str, Any]:

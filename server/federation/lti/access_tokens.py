@@ -83,7 +83,7 @@ class AccessTokens:
         form = {
             "grant_type": "client_credentials",
             "client_assertion_type": ASSERTION,
-            "client_assertion": signing.sign(self._database, claims),
+            "client_assertion": signing.sign_claims(self._database, claims),
             "scope": scope,
         }
         answer = self._outgoing.request(

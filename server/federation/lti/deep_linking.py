@@ -30,7 +30,7 @@ OTHER_ACCOUNT = "Ce choix a été commencé par un autre compte : recommencez de
 
 
 @dataclass(frozen=True)
-class Content:
+class LinkableContent:
     """A page of ours that a course links to. An assignment has an id, by which its column is found, and dates."""
 
     path: str
@@ -43,7 +43,7 @@ class Content:
 
 
 @dataclass(frozen=True)
-class Choice:
+class ContentChoice:
     """A choice that has begun: where its answer goes, and for which course."""
 
     provider: IdentityProvider
@@ -66,7 +66,7 @@ def begin_choice(
     account: Account,
     linking: LinkingClaim,
     deployment: str,
-) -> pending.Begun:
+) -> pending.BegunSignIn:
     """Record a choice that begins: it is used once, by the same account in the same browser."""
     details = {
         "return_url": linking.deep_link_return_url,
@@ -80,31 +80,31 @@ def begin_choice(
     return begun
 
 
-def find_choice(db: Session, state: str, account: Account, browser: str) -> Choice:
+def find_choice(db: Session, state: str, account: Account, browser: str) -> ContentChoice:
     """Return a choice that this account has begun in this browser. Raises Refused."""
     begun = pending.find(db, state)
     pending.require_browser(begun, browser)
     return _choice(db, begun.provider_id, begun.details, account)
 
 
-def take_choice(db: Session, state: str, account: Account, browser: str) -> Choice:
+def consume_choice(db: Session, state: str, account: Account, browser: str) -> ContentChoice:
     """Use a choice up, and return it. Raises Refused."""
     choice = find_choice(db, state, account, browser)
-    pending.take(db, choice.provider.id, state, browser)
+    pending.consume_own_sign_in(db, choice.provider.id, state, browser)
     return choice
 
 
-def _choice(db: Session, provider_id: UUID, details: Mapping[str, Any], account: Account) -> Choice:
+def _choice(db: Session, provider_id: UUID, details: Mapping[str, Any], account: Account) -> ContentChoice:
     provider = repository.find_provider(db, provider_id)
     if provider is None or "return_url" not in details:
         raise Refused("state", pending.USED)
     if details["account"] != str(account.id):
         raise Refused("account", OTHER_ACCOUNT)
     context = details["context"]
-    return Choice(provider, repository.find_context(db, UUID(context)) if context else None, details)
+    return ContentChoice(provider, repository.find_context(db, UUID(context)) if context else None, details)
 
 
-def content_item(content: Content, service: str, *, with_line_item: bool) -> Mapping[str, Any]:
+def content_item(content: LinkableContent, service: str, *, with_line_item: bool) -> Mapping[str, Any]:
     """Return the item of a content (LTI DL 2.0, 3.1): dates go with an assignment, and its column where it is taken."""
     item: dict[str, Any] = {"type": "ltiResourceLink", "title": content.title, "url": service + content.path}
     if content.text:
@@ -131,7 +131,7 @@ def _times(**moments: datetime | None) -> Mapping[str, str]:
     return {name: moment.isoformat(timespec="seconds") for name, moment in moments.items() if moment is not None}
 
 
-def sign_answer(database: Database, choice: Choice, content: Content | None, service: str) -> str:
+def sign_answer(database: Database, choice: ContentChoice, content: LinkableContent | None, service: str) -> str:
     """Return the signed message by which a content is added to the course; none of one that was cancelled."""
     items = [] if content is None else [content_item(content, service, with_line_item=choice.takes_line_item)]
     claims: dict[str, Any] = {
@@ -145,4 +145,4 @@ def sign_answer(database: Database, choice: Choice, content: Content | None, ser
     }
     if choice.details.get("data"):
         claims[f"{LINKING}data"] = choice.details["data"]
-    return signing.sign(database, claims)
+    return signing.sign_claims(database, claims)

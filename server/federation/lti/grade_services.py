@@ -99,7 +99,9 @@ class GradeServices:
 
     def post_score(self, line_item_url: str, score: Score) -> None:
         """Post a score; `/scores` goes before the query of the line item's address."""
-        self._request("POST", under(line_item_url, "scores"), SCORE_SCOPE, content=score.document(), kind=SCORE_TYPE)
+        self._request(
+            "POST", append_to_path(line_item_url, "scores"), SCORE_SCOPE, content=score.document(), kind=SCORE_TYPE
+        )
 
     def _request(
         self, method: str, address: str, scope: str, *, content: Any = None, kind: str = "", accept: str = ""
@@ -117,7 +119,7 @@ class GradeServices:
         )
 
 
-def under(address: str, name: str) -> str:
+def append_to_path(address: str, name: str) -> str:
     """Return the address of a part: its name goes at the end of the path, before the query."""
     parts = urlsplit(address)
     return urlunsplit(parts._replace(path=f"{parts.path.rstrip('/')}/{name}"))

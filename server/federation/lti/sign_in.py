@@ -45,7 +45,7 @@ class Initiation:
 class BegunLaunch:
     """A launch that begins; `frames` are the origins that may show its pages."""
 
-    begun: pending.Begun
+    begun: pending.BegunSignIn
     frames: str
 
 

@@ -11,7 +11,7 @@ from server.federation.models import IdentityProvider
 from server.federation.oidc.schemas import oidc_settings
 from server.federation.oidc.sign_in import Client, authorization_url, fetch_claims, require_answer
 from server.federation.oidc.tokens import EndedSession, verify_logout_token
-from server.federation.proofs import BrowserAnswer, Proof
+from server.federation.proofs import BrowserAnswer, ProvenPerson
 from server.federation.service import Federation
 from server.identity.secrets import new_token
 
@@ -35,14 +35,14 @@ def prove(
     back: str,
     answer: BrowserAnswer,
     details: Mapping[str, Any],
-) -> Proof:
+) -> ProvenPerson:
     """Raises Refused or OutgoingError."""
     metadata = federation.discovery.find(provider.issuer)
     require_answer(metadata, answer)
 
     def prove_ourselves(audience: str) -> str:
         own = {"iss": provider.client_id, "sub": provider.client_id, "aud": audience, "jti": new_token()}
-        return signing.sign(database, own, ASSERTION_SECONDS)
+        return signing.sign_claims(database, own, ASSERTION_SECONDS)
 
     claims = fetch_claims(
         federation.outgoing,
@@ -54,7 +54,7 @@ def prove(
         verifier=details["verifier"],
         assertion=prove_ourselves,
     )
-    return Proof(claims["sub"], claims.get("sid", ""), claims)
+    return ProvenPerson(claims["sub"], claims.get("sid", ""), claims)
 
 
 def read_logout(federation: Federation, provider: IdentityProvider, token: str) -> EndedSession:

@@ -19,7 +19,7 @@ from server.database import utc_now
 from server.database.dependencies import DatabaseOf
 from server.federation import outbox_repository, repository
 from server.federation.lti import deep_linking
-from server.federation.lti.deep_linking import Choice, Content
+from server.federation.lti.deep_linking import ContentChoice, LinkableContent
 from server.federation.lti.schemas import lti_settings
 from server.federation.lti.sign_in import frames_of
 from server.federation.models import ActivityKind
@@ -45,17 +45,17 @@ class ContentGroup:
     """Contents of one kind, by the value of their choice."""
 
     label: str
-    contents: Mapping[str, Content]
+    contents: Mapping[str, LinkableContent]
 
 
-def load_groups(db: Session, course: Course, choice: Choice, account: Account) -> Sequence[ContentGroup]:
+def load_groups(db: Session, course: Course, choice: ContentChoice, account: Account) -> Sequence[ContentGroup]:
     """Return what may be chosen: assignments of the class of the course, then lessons and exercises."""
     groups = []
     class_id = None if choice.context is None else choice.context.class_id
     if class_id is not None and rights.has_right(db, account, Right.manage_assignments, class_id):
         rows = assignments.load_class_assignments(db, class_id)
         contents = {
-            str(row.id): Content(
+            str(row.id): LinkableContent(
                 f"/classes/{class_id}/devoirs/{row.id}", row.title, "", row.id, row.opens_at, row.due_at, row.closes_at
             )
             for row in rows
@@ -63,12 +63,12 @@ def load_groups(db: Session, course: Course, choice: Choice, account: Account) -
         groups.append(ContentGroup("Devoirs de la classe", contents))
     for module in course.latest:
         lessons = {
-            lesson_href(lesson): Content(lesson_href(lesson), lesson.title, lesson.summary)
+            lesson_href(lesson): LinkableContent(lesson_href(lesson), lesson.title, lesson.summary)
             for lesson in module.lessons
             if not lesson.solution
         }
         exercises = {
-            exercise_href(exercise): Content(exercise_href(exercise), exercise.title, exercise.summary)
+            exercise_href(exercise): LinkableContent(exercise_href(exercise), exercise.title, exercise.summary)
             for exercise in module.exercises
         }
         groups.append(ContentGroup(f"{module.label} : textes", lessons))
@@ -86,7 +86,13 @@ def show_contents(
 
 
 def _choice_page(
-    request: Request, db: Session, course: Course, account: Account, choice: Choice, state: str, problem: str = ""
+    request: Request,
+    db: Session,
+    course: Course,
+    account: Account,
+    choice: ContentChoice,
+    state: str,
+    problem: str = "",
 ) -> HTMLResponse:
     return render_page(
         request,
@@ -122,7 +128,7 @@ def choose_content(
     if action == "annuler":
         content = None
     with database.write() as db:
-        choice = deep_linking.take_choice(db, etat, account, browser)
+        choice = deep_linking.consume_choice(db, etat, account, browser)
         if content is not None and content.assignment_id is not None and choice.context is not None:
             outbox_repository.add_line_item(db, choice.context.id, content.assignment_id, utc_now())
         title = "" if content is None else content.title

@@ -11,7 +11,7 @@ from server.federation import pending
 ATTRIBUTES = "HttpOnly; Secure; SameSite=None; Partitioned"
 
 
-def set_state_cookie(response: Response, begun: pending.Begun) -> None:
+def set_state_cookie(response: Response, begun: pending.BegunSignIn) -> None:
     seconds = int(pending.LIFETIME.total_seconds())
     _append(response, pending.cookie_name(begun.state), begun.browser, seconds)
 

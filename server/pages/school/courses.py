@@ -74,7 +74,7 @@ def _course_page(
             course=context,
             platform="" if provider is None else provider.name,
             classes=rights_rows.load_taught_classes(db, account.id),
-            students=[_name(row, who) for row, who in waiting.load(db, context.id)],
+            students=[_name(row, who) for row, who in waiting.load_waiting_students(db, context.id)],
             may_create=Right.create_class in rights.server_rights(account),
             name=name or context.title,
             after=after,
@@ -104,10 +104,10 @@ def tie_course(
         with database.write() as db:
             context = contexts.find_own_context(db, context_id, account)
             if action == "lier":
-                class_id = contexts.tie(db, context, account, parse_uuid(classe, UNKNOWN_CLASS)).id
+                class_id = contexts.link_class(db, context, account, parse_uuid(classe, UNKNOWN_CLASS)).id
             elif action == "creer":
                 slug = find_module(course, module).slug
-                class_id = contexts.tie_new_class(db, context, account, name, slug).id
+                class_id = contexts.link_new_class(db, context, account, name, slug).id
             else:
                 raise Invalid(UNKNOWN_ACTION)
     except (Invalid, Conflict) as refused:

@@ -25,7 +25,7 @@ from server.federation.errors import OutgoingError, Refused
 from server.federation.extra import MISSING, is_installed
 from server.federation.models import ActivityKind, IdentityProvider, Protocol
 from server.federation.oidc.entry import read_logout
-from server.federation.proofs import BrowserAnswer, Proof
+from server.federation.proofs import BrowserAnswer, ProvenPerson
 from server.federation.rules import apply_rule
 from server.federation.service import Federation
 from server.identity.dependencies import AccountServiceOf, OptionalAccount, set_session_cookie
@@ -83,7 +83,7 @@ async def ask_system(
         raise Unavailable(away, retry_after=AWAY_SECONDS) from error
 
 
-def leave(request: Request, begun: pending.Begun, address: str) -> Response:
+def leave(request: Request, begun: pending.BegunSignIn, address: str) -> Response:
     """Lead the browser to the system's address, with the cookie by which it is known when it comes back."""
     answer = redirect(address)
     answer.headers.update(NO_STORE)
@@ -110,8 +110,8 @@ async def begin_entry(
 ) -> Response:
     """Begin a sign-in, or an administrator's trial of one. Raises Refused or Unavailable."""
 
-    def begin() -> tuple[pending.Begun, str]:
-        return entries.begin(database, federation, provider, target, trial_by=trial_by)
+    def begin() -> tuple[pending.BegunSignIn, str]:
+        return entries.begin_sign_in(database, federation, provider, target, trial_by=trial_by)
 
     if provider.protocol == Protocol.cas:  # which asks nobody
         begun, address = await run_in_threadpool(begin)
@@ -177,14 +177,14 @@ async def come_back(
     def take() -> tuple[IdentityProvider, str, Mapping[str, Any]]:
         provider = find_active(database, provider_id, paused=True)
         with database.write() as db:
-            target, details = pending.take(db, provider_id, answer.state, browser)
+            target, details = pending.consume_own_sign_in(db, provider_id, answer.state, browser)
         if TRIAL not in details:
             providers.require_active(provider)
         return provider, target, details
 
     provider, target, details = await run_in_threadpool(take)
 
-    def prove() -> Proof:
+    def prove() -> ProvenPerson:
         return entries.prove(database, federation, provider, answer, details)
 
     proof = await ask_system(database, federation, provider, ActivityKind.sign_in, prove)
@@ -202,7 +202,7 @@ def _open_session(
     accounts: AccountService,
     database: Database,
     provider_id: UUID,
-    proof: Proof,
+    proof: ProvenPerson,
     visitor: Account | None,
     target: str,
 ) -> tuple[OpenedSession, str]:

@@ -195,7 +195,7 @@ def _open(
 
 def _begin_choice(
     db: Session, provider: IdentityProvider, arrival: arrivals.Arrival, launch: Launch
-) -> pending.Begun | None:
+) -> pending.BegunSignIn | None:
     """Begin the choice of a content, where the launch asks for one."""
     if launch.linking is None:
         return None

@@ -13,7 +13,7 @@ from server.database import Database
 from server.database.dependencies import DatabaseOf
 from server.federation import entries, providers
 from server.federation.models import IdentityProvider
-from server.federation.proofs import Proof
+from server.federation.proofs import ProvenPerson
 from server.federation.rule_forms import (
     FIELDS,
     MAX_CLAIMS,
@@ -78,7 +78,7 @@ def show_rule(request: Request, account: OptionalAccount, database: DatabaseOf, 
 
 
 def show_trial(
-    request: Request, account: Account | None, database: Database, provider_id: UUID, proof: Proof, trial_by: str
+    request: Request, account: Account | None, database: Database, provider_id: UUID, proof: ProvenPerson, trial_by: str
 ) -> HTMLResponse:
     """Show the administrator who has begun a trial what the system has said; it is stored nowhere. Raises Forbidden."""
     if account is None or not account.is_administrator or str(account.id) != trial_by:

@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 from server.assignments import editing, exemption_service, repository, sitting_repository
 from server.assignments.feedback import SittingStage, sitting_stage
 from server.assignments.models import Assignment, LatePolicy, Mode
-from server.assignments.rules import TimingKind, Windows, is_sitting_running, rules_in_force
+from server.assignments.rules import SendingWindow, TimingKind, is_sitting_running, rules_in_force
 from server.assignments.schemas import ExemptionInput, ExemptionTarget
 from server.base.errors import ServiceError
 from server.classes import repository as classes
@@ -79,7 +79,7 @@ def test_what_is_told_is_what_counts(database: Database, course: Course, seed: i
             if action == "begin" and sitting_stage(one, rules, sitting, now) is SittingStage.may_begin:
                 sitting_repository.insert_sitting(db, one.id, ada.id, now)
             may_send = not is_test or (sitting is not None and is_sitting_running(rules, sitting, now))
-            timing = Windows(rules, sitting).judge(now)
+            timing = SendingWindow(rules, sitting).judge(now)
         if action == "send" and may_send:
             term.send(ada, POSES, 20.0, now)
             points = timing.adjust(20.0).points
