@@ -186,14 +186,14 @@ class LateralDrift:
         return self.turn_deviation * float(np.sqrt(self.steps))
 
     @property
-    def worst_case_deviation(self) -> float:
-        """How far beside the line a heading leads that is wrong by `heading_deviation` all along: D sd(h_n)."""
+    def constant_error_deviation(self) -> float:
+        """Lateral deviation if the heading were wrong by `heading_deviation` all along: D sd(h_n), no upper bound."""
         return self.distance * self.heading_deviation
 
     @property
     def deviation(self) -> float:
         """The standard deviation (5) of the position beside the line."""
-        return self.worst_case_deviation * float(np.sqrt(1.0 / 3.0 - 1.0 / (12.0 * self.steps**2)))
+        return self.constant_error_deviation * float(np.sqrt(1.0 / 3.0 - 1.0 / (12.0 * self.steps**2)))
 
 
 def _checked_wheels(wheels: ArrayLike) -> Floats:

@@ -25,11 +25,12 @@ _MARKED = (
 )
 
 
-def decode_text(
+def decode_and_normalize(
     data: str | bytes, argument: str = "text", error: type[InvalidArgumentError] = InvalidArgumentError
 ) -> str:
-    """Return a file's text without byte order marks, its lines ended by a line feed.
+    """Return a file's text, its encoding detected, without byte order marks, its lines ended by a line feed.
 
+    A str loses its marks and other line ends too.
     Bytes with a mark are UTF-8, UTF-16 or UTF-32, as it says; those without are UTF-8, or UTF-16 where every other one
     of the first four is zero, or else Windows-1252. Raises `error` for bytes that are no text in that encoding.
     """
@@ -42,8 +43,8 @@ def decode_text(
 def decode_lines(
     data: str | bytes, argument: str = "text", error: type[InvalidArgumentError] = InvalidArgumentError
 ) -> list[str]:
-    """Return the lines of `decode_text(data)`, as an editor counts them: no other character ends a line."""
-    lines = decode_text(data, argument, error).split("\n")
+    """Return the lines of `decode_and_normalize(data)`, as an editor counts them: no other character ends a line."""
+    lines = decode_and_normalize(data, argument, error).split("\n")
     return lines if lines[-1] else lines[:-1]
 
 

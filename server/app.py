@@ -200,7 +200,7 @@ class Services:
             mails.delete_old(db, utc_now())
             authored_exercises.delete_abandoned(db)
         self.personal.erase_lost_guests(utc_now())
-        self.personal.carry_out_requests(utc_now())
+        self.personal.carry_out_erasures(utc_now())
         erased = self.personal.erase_expired_students(utc_now())
         if erased:
             log.warning("%d accounts were erased, as the settings keep them no longer", len(erased))
@@ -339,7 +339,7 @@ def _protect(app: FastAPI, settings: Settings) -> None:
     )
     app.add_middleware(SecurityHeadersMiddleware)
     app.add_middleware(GZipMiddleware, minimum_size=1024, compresslevel=GZIP_LEVEL)
-    app.add_middleware(middleware.AcceptEncodingMiddleware)
+    app.add_middleware(middleware.RefusedEncodingsMiddleware)
     app.add_middleware(middleware.HeadAsGetMiddleware)
     app.add_middleware(middleware.RequestLogMiddleware, proxied=bool(settings.trusted_proxies))
     if settings.root_path:

@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from reference.errors import InvalidArgumentError, check_choice
-from reference.text import decode_text
+from reference.text import decode_and_normalize
 
 Kind = Literal["P2", "P5"]
 
@@ -100,7 +100,7 @@ def _without_mark(data: bytes) -> bytes:
     """Return the ASCII of a P2 image that was saved as Unicode, and other bytes as they are."""
     if data.startswith((b"P2", b"P5")):
         return data
-    text = decode_text(data, "data", PgmError)
+    text = decode_and_normalize(data, "data", PgmError)
     return text.encode() if text.startswith("P2") else data
 
 

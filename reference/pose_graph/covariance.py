@@ -19,7 +19,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import ArrayLike
 
-from reference.pose_graph.errors import EdgeIndexError, SingularSystemError
+from reference.pose_graph.errors import NodeIndexError, SingularSystemError
 from reference.pose_graph.factor import Factorisation, LowerFactor, factorise, is_positive_definite
 from reference.pose_graph.graph import BLOCK, POINT, Floats, Indices, PoseGraph, checked_landmarks, checked_poses
 from reference.pose_graph.normal_equations import NormalEquations
@@ -151,7 +151,7 @@ def _components(equations: NormalEquations, nodes: Sequence[int]) -> Indices:
     graph = equations.graph
     outside = [k for k in nodes if not 0 <= k < graph.n_poses + graph.n_landmarks]
     if outside:
-        raise EdgeIndexError("nodes", f"node {outside[0]} does not exist")
+        raise NodeIndexError("nodes", f"node {outside[0]} does not exist")
     chosen = np.asarray(nodes, dtype=np.int64)
     dimensions = np.where(chosen < graph.n_poses, BLOCK, POINT)
     return equations.pattern.unknowns(chosen).T[np.arange(BLOCK) < dimensions[:, None]]

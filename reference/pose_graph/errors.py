@@ -13,8 +13,12 @@ class ShapeError(PoseGraphError):
     """An array that has not the shape it must have."""
 
 
-class EdgeIndexError(PoseGraphError):
-    """An edge that names a node outside the graph, or joins a pose to itself."""
+class EdgeEndsError(PoseGraphError):
+    """An edge whose ends are not two different nodes of the graph."""
+
+
+class NodeIndexError(PoseGraphError):
+    """A node that is not in the graph."""
 
 
 class NonFiniteError(PoseGraphError):

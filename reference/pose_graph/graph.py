@@ -20,7 +20,7 @@ from scipy.sparse import csgraph
 from reference.errors import check_choice
 from reference.pose_graph.errors import (
     DisconnectedGraphError,
-    EdgeIndexError,
+    EdgeEndsError,
     InformationError,
     NonFiniteError,
     ParameterError,
@@ -184,10 +184,10 @@ def _check_indices(graph: PoseGraph) -> None:
     ):
         outside = np.flatnonzero((ends < 0) | (ends >= count))
         if outside.size:
-            raise EdgeIndexError(name, f"edge {outside[0]} names {kind} {ends[outside[0]]} of {count}")
+            raise EdgeEndsError(name, f"edge {outside[0]} names {kind} {ends[outside[0]]} of {count}")
     loops = np.flatnonzero(graph.i == graph.j)
     if loops.size:
-        raise EdgeIndexError("j", f"edge {loops[0]} joins pose {graph.i[loops[0]]} to itself")
+        raise EdgeEndsError("j", f"edge {loops[0]} joins pose {graph.i[loops[0]]} to itself")
 
 
 def _check_finite(name: str, array: Floats) -> None:

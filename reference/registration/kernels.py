@@ -36,6 +36,7 @@ class LeastSquares:
     """rho = d^2: every gap counts."""
 
     def cost(self, gaps: Floats) -> Floats:
+        """d^2, elementwise, without a factor of 1/2."""
         return np.square(gaps)
 
     def weight(self, gaps: Floats) -> Floats:

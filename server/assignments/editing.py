@@ -94,8 +94,8 @@ def assignable_exercises(db: Session, course: Course, school_class: SchoolClass)
     return {exercise.id: exercise.title for exercise in module.exercises} | dict(own)
 
 
-def load_labels(db: Session, school_class: SchoolClass) -> frozenset[str]:
-    """Load the groups of a class: the labels of its active students."""
+def load_groups(db: Session, school_class: SchoolClass) -> frozenset[str]:
+    """Load the groups of a class: those of its active students."""
     students = classes.load_active_students(db, school_class.id)
     return frozenset(label for student in students for label in student.groups)
 
@@ -105,7 +105,7 @@ def create_assignment(
 ) -> Assignment:
     """Create an assignment. Raises Conflict for an archived class, or InvalidFields."""
     require_open(school_class)
-    valid = validate_assignment(fields, assignable_exercises(db, course, school_class), load_labels(db, school_class))
+    valid = validate_assignment(fields, assignable_exercises(db, course, school_class), load_groups(db, school_class))
     assignment = _insert(db, school_class, by, valid)
     audit.record_event(
         db, school_class.id, by, AuditAction.assignment_made, about=valid.title, after=_log_values(valid)
@@ -139,7 +139,7 @@ def update_assignment(
     safeguards.lock_test(db, assignment)
     before = load_assignment_input(db, assignment)
     current = {exercise: exercise for exercise, _ in before.exercises}
-    labels = {*load_labels(db, school_class), *before.groups}
+    labels = {*load_groups(db, school_class), *before.groups}
     valid = validate_assignment(fields, current | dict(assignable_exercises(db, course, school_class)), labels)
     if valid == before:
         return

@@ -95,8 +95,8 @@ def _visitor(scope: Scope) -> bytes:
     return str((scope.get("client") or ("",))[0]).encode()
 
 
-class AcceptEncodingMiddleware:
-    """Takes out of `Accept-Encoding` what it refuses (`gzip;q=0`): who compresses looks for a name there."""
+class RefusedEncodingsMiddleware:
+    """Removes refused encodings (`gzip;q=0`) from `Accept-Encoding`: compressors look for a name alone there."""
 
     def __init__(self, app: ASGIApp) -> None:
         self._app = app

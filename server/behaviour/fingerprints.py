@@ -70,7 +70,7 @@ def observable_versions(course: Course) -> Mapping[str, str]:
 def _find_next(db: Session, course: Course, since: datetime) -> UUID | None:
     """Return the newest grading to observe that ended after `since`, also of an exercise that a teacher wrote."""
     packaged = observable_versions(course)
-    names = repository.list_unobserved_exercises(db, since, packaged)
+    names = repository.list_exercises_to_fingerprint(db, since, packaged)
     authored = studio.list_current_versions(db, names) if names else {}
     return repository.find_grading_to_observe(db, {**packaged, **authored}, since)
 

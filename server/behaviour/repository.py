@@ -75,9 +75,9 @@ def _unobserved(query: Select[*Ts], since: datetime) -> Select[*Ts]:
     )
 
 
-def list_unobserved_exercises(db: Session, since: datetime, known: Collection[str]) -> Sequence[str]:
-    """Return the exercises besides `known` ones that have failed gradings without fingerprint since then."""
-    query = _unobserved(select(Submission.exercise), since).where(Submission.exercise.not_in(list(known)))
+def list_exercises_to_fingerprint(db: Session, since: datetime, except_for: Collection[str]) -> Sequence[str]:
+    """Return the exercises, but for some, that have failed gradings without fingerprint since then."""
+    query = _unobserved(select(Submission.exercise), since).where(Submission.exercise.not_in(list(except_for)))
     return db.execute(query.distinct()).scalars().all()
 
 

@@ -10,7 +10,7 @@ from uuid import UUID
 from server.board.attempts import misconception_episodes
 from server.board.catalogue import find_misconception
 from server.board.objective_loading import ClassObjectives
-from server.board.objectives import RULE, Mastery, MistakeFinder
+from server.board.objectives import RULE, Mastery, MisconceptionLookup
 from server.classes.schemas import StudentRecord
 from server.gradebook.histories import Attempts
 from server.marks.cells import Cell, Sheet
@@ -38,12 +38,12 @@ def mistakes_sheet(loaded: ClassObjectives, students: Sequence[StudentRecord], f
 
 
 def _mistakes_of(loaded: ClassObjectives, student: StudentRecord, format_time: FormatTime) -> list[tuple[Cell, ...]]:
-    course, finder = loaded.progress.course, MistakeFinder(loaded.progress.course)
+    course, lookup = loaded.progress.course, MisconceptionLookup(loaded.progress.course)
     rows: list[tuple[Cell, ...]] = []
     for exercise, series in loaded.attempts.get(student.id, {}).items():
         times = _times_by_mistake(series)
         for mistake, episode in misconception_episodes(series):
-            own = [p.objective for p in loaded.practised if finder.belongs(p.objective, exercise, mistake)]
+            own = [p.objective for p in loaded.practised if lookup.belongs(p.objective, exercise, mistake)]
             rows.append(
                 (
                     *person_cells(student),

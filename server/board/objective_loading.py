@@ -15,7 +15,7 @@ from server.assignments.feedback import NO_HOLDS, FeedbackHolds
 from server.assignments.service import load_counting_exercises
 from server.board.objectives import (
     ClassObjective,
-    MistakeFinder,
+    MisconceptionLookup,
     ObjectiveState,
     PractisedObjective,
     counting_objectives,
@@ -43,8 +43,8 @@ class ModulePractice:
         return () if module is None else counting_objectives(module, frozenset(self.counted))
 
     @cached_property
-    def finder(self) -> MistakeFinder:
-        return MistakeFinder(self.course)
+    def misconceptions(self) -> MisconceptionLookup:
+        return MisconceptionLookup(self.course)
 
     def without(self, unconcerned: frozenset[str]) -> tuple[PractisedObjective, ...]:
         """Return the same objectives; exercises that are for other groups are not expected of a student."""
@@ -98,7 +98,7 @@ def _find_own_states(
     practice: ModulePractice,
     unconcerned: frozenset[str],
 ) -> tuple[ObjectiveState, ...]:
-    return find_states(practice.without(unconcerned), own, practice.finder)
+    return find_states(practice.without(unconcerned), own, practice.misconceptions)
 
 
 def _key(practised: PractisedObjective) -> tuple[str, str]:
@@ -130,7 +130,7 @@ def load_student_states(
     own = group_by_account(attempts).get(student, {})
     if as_student:
         own = hide_held_attempts(own, feedback.load_all_holds(db, student))
-    return find_states(counting_objectives(module, frozenset(counted)), own, MistakeFinder(course))
+    return find_states(counting_objectives(module, frozenset(counted)), own, MisconceptionLookup(course))
 
 
 def load_own_states(
@@ -145,7 +145,7 @@ def load_own_states(
     counted = [exercise.id for exercise in module.exercises]
     own = group_by_account(load_attempts(db, load_revisions(db, [account_id]), counted, None)).get(account_id, {})
     own = hide_held_attempts(own, feedback.load_all_holds(db, account_id))
-    return find_states(counting_objectives(module, frozenset(counted)), own, MistakeFinder(course))
+    return find_states(counting_objectives(module, frozenset(counted)), own, MisconceptionLookup(course))
 
 
 def hide_held_attempts(own: Mapping[str, Attempts], holds: Mapping[str, FeedbackHolds]) -> Mapping[str, Attempts]:

@@ -81,8 +81,8 @@ def counting_objectives(module: Module, counted: Collection[str]) -> tuple[Pract
     return tuple(practised)
 
 
-class MistakeFinder:
-    """Finds whether a misconception belongs to an objective; each is looked up once."""
+class MisconceptionLookup:
+    """Tells whether a misconception of the course belongs to an objective; each is looked up once."""
 
     def __init__(self, course: Course) -> None:
         self._course = course
@@ -100,18 +100,18 @@ class MistakeFinder:
 
 
 def find_states(
-    objectives: Sequence[PractisedObjective], own: Mapping[str, Attempts], finder: MistakeFinder
+    objectives: Sequence[PractisedObjective], own: Mapping[str, Attempts], lookup: MisconceptionLookup
 ) -> tuple[ObjectiveState, ...]:
     """Return the state of a student in each objective; `own`: their attempts by exercise."""
     solved_times = {exercise: at for exercise, series in own.items() if (at := solved_at(series)) is not None}
-    return tuple(_find_state(practised, own, solved_times, finder) for practised in objectives)
+    return tuple(_find_state(practised, own, solved_times, lookup) for practised in objectives)
 
 
 def _find_state(
     practised: PractisedObjective,
     own: Mapping[str, Attempts],
     solved_times: Mapping[str, datetime],
-    finder: MistakeFinder,
+    lookup: MisconceptionLookup,
 ) -> ObjectiveState:
     tried = [exercise for exercise in practised.exercises if own.get(exercise)]
     solved = [exercise for exercise in tried if exercise in solved_times]
@@ -120,9 +120,9 @@ def _find_state(
     for exercise in (*failing, *(name for name in practised.related if own.get(name) and name not in solved_times)):
         series = own[exercise]
         latest = series[-1].diagnosis
-        if latest is not None and finder.belongs(practised.objective, exercise, latest):
+        if latest is not None and lookup.belongs(practised.objective, exercise, latest):
             mistakes.append((exercise, latest))
-            is_weak |= _count_mistaken(practised.objective, exercise, series, finder) >= MIN_MISTAKEN
+            is_weak |= _count_mistaken(practised.objective, exercise, series, lookup) >= MIN_MISTAKEN
         elif latest is None and exercise in failing:
             run = [attempt for attempt in failures_without_progress(series) if attempt.diagnosis is None]
             is_weak |= len({attempt.digest for attempt in run}) >= MIN_UNEXPLAINED
@@ -137,7 +137,7 @@ def _find_state(
     return ObjectiveState(practised, state, tuple(solved), tuple(failing), tuple(mistakes), mastered_at)
 
 
-def _count_mistaken(objective: Objective, exercise: str, attempts: Attempts, finder: MistakeFinder) -> int:
+def _count_mistaken(objective: Objective, exercise: str, attempts: Attempts, lookup: MisconceptionLookup) -> int:
     """Count the different failures of a series that show a mistake of an objective."""
     return len(
         {
@@ -145,7 +145,7 @@ def _count_mistaken(objective: Objective, exercise: str, attempts: Attempts, fin
             for attempt in attempts
             if attempt.outcome in FAILURES
             and attempt.diagnosis is not None
-            and finder.belongs(objective, exercise, attempt.diagnosis)
+            and lookup.belongs(objective, exercise, attempt.diagnosis)
         }
     )
 

@@ -75,7 +75,7 @@ def _trace(sandbox: Sandbox, asked: bytes) -> bytes:
 
 
 def _hunt(sandbox: Sandbox, asked: bytes) -> bytes:
-    from server.hunts.questions import HuntQuestion
+    from server.hunts.protocol import HuntQuestion
 
     return _hunt_runner(sandbox).answer(HuntQuestion.model_validate_json(asked)).model_dump_json().encode()
 

@@ -87,15 +87,15 @@ class GradedProgram:
         return [verdict.misconception or NONE for verdict in self.verdicts]
 
     @property
-    def misnamed(self) -> bool:
+    def misdiagnosed(self) -> bool:
         """Whether a name is given that a reader judged wrong."""
         names = self.submission.names
         return names is not None and bool(set(self.names_given) - names - {NONE})
 
     @property
-    def named(self) -> bool:
-        """Named on every seed, and not judged misnamed."""
-        return NONE not in self.names_given and not self.misnamed
+    def always_diagnosed(self) -> bool:
+        """Whether a misconception is named on every seed, and none of the names was judged wrong."""
+        return NONE not in self.names_given and not self.misdiagnosed
 
 
 def run(course: Course, grader: SandboxGrader, folder: Path, seeds: int, only: Collection[str] = ()) -> int:
@@ -183,7 +183,7 @@ def naming_line(finding: GradedProgram) -> str:
     submission = finding.submission
     titles = dict.fromkeys(v.diagnosis.title for v in finding.verdicts if v.diagnosis)
     title_text = f" ({' | '.join(titles)})" if titles else ""
-    judged = "" if submission.names is None else " [jugé faux]" if finding.misnamed else " [jugé]"
+    judged = "" if submission.names is None else " [jugé faux]" if finding.misdiagnosed else " [jugé]"
     slug = submission.exercise.id.split("/")[-1]
     return f"{slug} {submission.path.name} : {submission.said} → {_names(finding)}{title_text}{judged}"
 
@@ -195,14 +195,14 @@ def summary(findings: Iterable[GradedProgram]) -> Iterator[str]:
     wrong = [f for f in findings if not f.submission.right]
     judged = [f for f in wrong if f.submission.names is not None]
     if judged:
-        yield f"misnamed={sum(f.misnamed for f in judged)}/{len(judged)}"
+        yield f"misnamed={sum(f.misdiagnosed for f in judged)}/{len(judged)}"
     drawing = [f for f in findings if f.random]
     if drawing:
         yield f"random={len(drawing)}/{len(findings)}"
     counts = {
         "refused": (sum(not f.accepted for f in right), len(right)),
         "accepted": (sum(f.accepted for f in wrong), len(wrong)),
-        "named": (sum(f.named for f in wrong), len(wrong)),
+        "named": (sum(f.always_diagnosed for f in wrong), len(wrong)),
         "varying": (sum(f.varies for f in findings), len(findings)),
     }
     yield " ".join(f"{name}={some}/{all_}" for name, (some, all_) in counts.items())

@@ -63,7 +63,7 @@ class SentFile:
     source: bytes
 
 
-def list_attempts(
+def list_attempts_with_total(
     db: Session, account_id: UUID, exercise: str, *, limit: int, offset: int
 ) -> Sequence[Row[int, UUID, datetime, str | None, float | None]]:
     """Return how many attempts there are in all, and id, time, outcome and score of some, newest first."""

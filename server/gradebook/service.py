@@ -162,7 +162,7 @@ def list_attempts(db: Session, account: Account | None, exercise_id: str, limit:
     """Return the account's attempts at an exercise, newest first, without the `offset` newest."""
     if account is None:
         return AttemptList()
-    rows = repository.list_attempts(db, account.id, exercise_id, limit=limit, offset=offset)
+    rows = repository.list_attempts_with_total(db, account.id, exercise_id, limit=limit, offset=offset)
     holds = feedback.load_holds(db, account.id, exercise_id)
     held = {row.id for row in rows if holds.test_holding(row.created_at)}
     not_loaded = repository.load_ids_not_loaded(db, held) if held else frozenset()

@@ -51,8 +51,9 @@ class TrialInput:
 
 
 @dataclass(frozen=True)
-class TrialOutcome:
-    """What is stored of a trial; `fingerprints` where it publishes, `goes_on` where more is to be tried."""
+class DraftTrialOutcome:
+    """What is stored of a trial of a teacher's draft; `fingerprints` where it publishes, `goes_on` where more is to be
+    tried."""
 
     completed: CompletedExercise
     stored: Mapping[str, Any]
@@ -78,7 +79,7 @@ class TrialTask:
         ready = _ready_trial(exercise)
         return TrialInput(exercise.id, name, exercise.digest, draft, exercise.wants_publication, is_first, ready)
 
-    def run(self, work: TrialInput) -> TrialOutcome:
+    def run(self, work: TrialInput) -> DraftTrialOutcome:
         trial = ExerciseTrial(work.name, partial(self._start, TRIAL_POLICY), self._start_briefly)
         completed = complete_draft(work.draft, trial)
         known = work.ready if work.publishes else None
@@ -103,16 +104,16 @@ class TrialTask:
             "left": None if goes_on else left,
         }
         if not work.publishes or faults:
-            return TrialOutcome(completed, stored, goes_on=goes_on)
+            return DraftTrialOutcome(completed, stored, goes_on=goes_on)
         fingerprints = trial.fingerprints(read_declaration(completed.declaration))
-        return TrialOutcome(completed, stored, {key: list(answers) for key, answers in fingerprints.items()})
+        return DraftTrialOutcome(completed, stored, {key: list(answers) for key, answers in fingerprints.items()})
 
     def _start_briefly(self, seconds: float) -> MeasuredPrograms:
         waiting = max(TRIAL_POLICY.wall_seconds, WAITING_FACTOR * seconds)
         limits = replace(TRIAL_POLICY, cpu_seconds=min(seconds, TRIAL_POLICY.cpu_seconds), wall_seconds=waiting)
         return self._start(limits)
 
-    def record(self, db: Session, work: TrialInput, result: TrialOutcome) -> None:
+    def record(self, db: Session, work: TrialInput, result: DraftTrialOutcome) -> None:
         """Store the trial; publish the draft where it may be; try again what was saved meanwhile."""
         exercise = repository.lock_exercise(db, work.exercise_id)
         if exercise is None:

@@ -165,7 +165,7 @@ def _check_nats(connection: NatsConnection) -> Iterator[ClusterFinding]:
             durations = []
             for _ in range(PINGS):
                 started = time.perf_counter()
-                await connection.client.flush()
+                await connection.connected_client.flush()
                 durations.append(time.perf_counter() - started)
             return durations
 

@@ -15,7 +15,7 @@ from graders.core.declared.grading import DeclaredGrader
 from graders.core.declared.hunts import DeclaredHunt, DeclaredHuntGround, list_hunts, try_hunt
 from server.base.caches import LRUCache
 from server.grading.sandbox_grader import SandboxPrograms
-from server.hunts.questions import (
+from server.hunts.protocol import (
     GONE,
     MAX_OFFERS,
     OUTSIDE,
@@ -23,10 +23,10 @@ from server.hunts.questions import (
     HuntName,
     HuntQuestion,
     HuntReply,
+    HuntTrialOutcome,
     InputTrial,
     OfferedHunt,
     OfferRequest,
-    TrialOutcome,
 )
 from server.sandbox import Policy, Sandbox
 
@@ -56,7 +56,7 @@ class DeclaredHuntRunner:
                 return HuntReply(offer=self._offer(asked, question.declarations))
             case InputTrial() as trial:
                 return HuntReply(outcome=self._try_input(trial, question.declarations))
-        return HuntReply(outcome=TrialOutcome(refusal=GONE))
+        return HuntReply(outcome=HuntTrialOutcome(refusal=GONE))
 
     def _offer(self, asked: OfferRequest, declarations: Mapping[str, dict[str, Any]]) -> OfferedHunt | None:
         for index, name in enumerate(asked.hunts[:MAX_OFFERS]):
@@ -88,21 +88,21 @@ class DeclaredHuntRunner:
     def _programs(self, hunt: DeclaredHunt) -> Programs:
         return SandboxPrograms(self._sandbox, self._policy, asked=hunt.grader.functions)
 
-    def _try_input(self, trial: InputTrial, declarations: Mapping[str, dict[str, Any]]) -> TrialOutcome:
+    def _try_input(self, trial: InputTrial, declarations: Mapping[str, dict[str, Any]]) -> HuntTrialOutcome:
         hunts = self._hunts_of(trial.hunt, declarations.get(trial.hunt.exercise))
         known = next((each for each in hunts if each.witness is not None), None)
         if known is None or known.witness is None:
-            return TrialOutcome(refusal=GONE)
+            return HuntTrialOutcome(refusal=GONE)
         try:
             case = known.hunt.read_input(trial.typed)
             shown = try_hunt(known.hunt, self._programs(known.hunt), case)
         except InputFault as fault:
-            return TrialOutcome(refusal=fault.message, argument=fault.argument)
+            return HuntTrialOutcome(refusal=fault.message, argument=fault.argument)
         except (OutsideStatement, StudentFault):
-            return TrialOutcome(refusal=OUTSIDE)
+            return HuntTrialOutcome(refusal=OUTSIDE)
         typed = sum(len(text.replace(" ", "")) for text in trial.typed.values())
         small = typed <= sum(len(text.replace(" ", "")) for text in known.witness)
-        return TrialOutcome(
+        return HuntTrialOutcome(
             is_right=shown.shows, expected=shown.expected, got=shown.got, fault=shown.fault, small=small
         )
 

@@ -29,7 +29,7 @@ from graders.core.contract.values import Arguments, Value
 from server.base.errors import Invalid
 from server.grading.sandbox_grader import SandboxPrograms
 from server.hunts.declared import DeclaredHuntRunner
-from server.hunts.questions import (
+from server.hunts.protocol import (
     GONE,
     MAX_OFFERS,
     OUTSIDE,
@@ -40,6 +40,7 @@ from server.hunts.questions import (
     HuntName,
     HuntQuestion,
     HuntReply,
+    HuntTrialOutcome,
     InputTrial,
     LineTrial,
     OfferedHunt,
@@ -49,7 +50,6 @@ from server.hunts.questions import (
     ProgramRemark,
     ProgramReview,
     ReviewRequest,
-    TrialOutcome,
 )
 from server.sandbox import Policy, Sandbox
 from server.steps import calls
@@ -98,7 +98,7 @@ class HuntRunner:
             case InputTrial() | PredictionTrial() | LineTrial() as trial:
                 return HuntReply(outcome=self._try(trial))
 
-    def _try(self, trial: InputTrial | PredictionTrial | LineTrial) -> TrialOutcome:
+    def _try(self, trial: InputTrial | PredictionTrial | LineTrial) -> HuntTrialOutcome:
         match trial:
             case InputTrial():
                 return self._try_input(trial)
@@ -141,19 +141,19 @@ class HuntRunner:
             )
         return self._known[name]
 
-    def _try_line(self, trial: LineTrial) -> TrialOutcome:
+    def _try_line(self, trial: LineTrial) -> HuntTrialOutcome:
         """Compare a line with those by which the program differs from a right one. Runs nothing."""
         definition, hunt = _definition(trial.hunt.exercise), next(_hunts_of(trial.hunt), None)
         public = sorted(definition.judged_functions)
         changed = None if hunt is None else find_wrong_lines(definition, hunt, trial.seed, public)
         if hunt is None or changed is None:
-            return TrialOutcome(refusal=GONE)
+            return HuntTrialOutcome(refusal=GONE)
         lines = hunt.program(trial.seed, public).splitlines()
         if not 0 <= trial.line <= len(lines):
-            return TrialOutcome(refusal="Choisissez une ligne du programme.")
+            return HuntTrialOutcome(refusal="Choisissez une ligne du programme.")
         wrong = "\n".join(lines[number - 1].strip() for number in changed.mending)
         mending = "\n".join(line.strip() for line in changed.mending.values())
-        return TrialOutcome(is_right=trial.line in changed.mending, expected=mending, got=wrong)
+        return HuntTrialOutcome(is_right=trial.line in changed.mending, expected=mending, got=wrong)
 
     def _compare(self, asked: ComparisonRequest) -> AnswerComparison | None:
         for index, name in enumerate(asked.hunts[:MAX_OFFERS]):
@@ -204,20 +204,20 @@ class HuntRunner:
         finally:
             ground.close()
 
-    def _try_input(self, trial: InputTrial) -> TrialOutcome:
+    def _try_input(self, trial: InputTrial) -> HuntTrialOutcome:
         hunt = next(_hunts_of(trial.hunt), None)
         if hunt is None or (known := self._find(trial.hunt, hunt)) is None:
-            return TrialOutcome(refusal=GONE)
+            return HuntTrialOutcome(refusal=GONE)
         try:
             args = hunt.read_input(_parse_arguments(trial.typed))
         except InputFault as fault:
-            return TrialOutcome(refusal=fault.message, argument=fault.argument)
+            return HuntTrialOutcome(refusal=fault.message, argument=fault.argument)
         try:
             with self._programs(trial.hunt, hunt) as (ground, wrong):
                 answer = ground.try_input(hunt, wrong, args)
         except (OutsideStatement, StudentFault):
-            return TrialOutcome(refusal=OUTSIDE)
-        return TrialOutcome(
+            return HuntTrialOutcome(refusal=OUTSIDE)
+        return HuntTrialOutcome(
             is_right=answer.shows,
             expected=text(answer.expected),
             got="" if answer.fault else text(answer.got),
@@ -225,21 +225,21 @@ class HuntRunner:
             small=_is_small(args, known.witness),
         )
 
-    def _try_prediction(self, trial: PredictionTrial) -> TrialOutcome:
+    def _try_prediction(self, trial: PredictionTrial) -> HuntTrialOutcome:
         hunt = next(_hunts_of(trial.hunt), None)
         if hunt is None or (known := self._find(trial.hunt, hunt)) is None or not _is_short(known.got):
-            return TrialOutcome(refusal="Cette question n’existe plus : prenez-en une autre.")
+            return HuntTrialOutcome(refusal="Cette question n’existe plus : prenez-en une autre.")
         try:
             typed = np.asarray(_parse_value("valeur", trial.typed), dtype=np.float64)
         except InputFault as fault:
-            return TrialOutcome(refusal=fault.message, argument=fault.argument)
+            return HuntTrialOutcome(refusal=fault.message, argument=fault.argument)
         except (TypeError, ValueError):
-            return TrialOutcome(refusal="Donnez des nombres, et une liste si la fonction en rend plusieurs.")
+            return HuntTrialOutcome(refusal="Donnez des nombres, et une liste si la fonction en rend plusieurs.")
         right = _flat(known.got)
         close = typed.size == right.size and bool(
             np.allclose(typed.ravel(), right, rtol=0.002, atol=PREDICTION_TOLERANCE)
         )
-        return TrialOutcome(is_right=close, expected=text(known.got), got=text(_as_read(typed)))
+        return HuntTrialOutcome(is_right=close, expected=text(known.got), got=text(_as_read(typed)))
 
 
 def _names_of(question: HuntQuestion) -> Sequence[HuntName]:

@@ -25,12 +25,13 @@ from server.database import Database
 from server.gradebook import mistakes
 from server.gradebook import service as gradebook
 from server.gradebook.schemas import NOTHING_YET
-from server.hunts.questions import (
+from server.hunts.protocol import (
     AnswerComparison,
     ComparisonRequest,
     HuntName,
     HuntQuestion,
     HuntReply,
+    HuntTrialOutcome,
     InputTrial,
     LineTrial,
     OfferedHunt,
@@ -39,7 +40,6 @@ from server.hunts.questions import (
     PreparationRequest,
     ProgramReview,
     ReviewRequest,
-    TrialOutcome,
 )
 from server.identity.models import Account
 from server.limits import service as limits
@@ -109,16 +109,18 @@ class HuntService:
         found = (await self._ask(account, question, address)).offer
         return found and found.model_copy(update={"index": hunts.index(asked[found.index])})
 
-    async def try_input(self, account: Account, hunt: HuntName, typed: Mapping[str, str], address: str) -> TrialOutcome:
+    async def try_input(
+        self, account: Account, hunt: HuntName, typed: Mapping[str, str], address: str
+    ) -> HuntTrialOutcome:
         """Run both programs on a typed input, and store whether it shows the mistake. Raises as `offer`."""
         return await self._try(account, hunt, InputTrial(hunt=hunt, typed=dict(typed)), QuestionKind.hunt, address)
 
-    async def try_prediction(self, account: Account, hunt: HuntName, typed: str, address: str) -> TrialOutcome:
+    async def try_prediction(self, account: Account, hunt: HuntName, typed: str, address: str) -> HuntTrialOutcome:
         """Compare a typed value with the wrong program's answer, and store whether it is that. Raises as `offer`."""
         trial = PredictionTrial(hunt=hunt, typed=typed)
         return await self._try(account, hunt, trial, QuestionKind.prediction, address)
 
-    async def try_line(self, account: Account, hunt: HuntName, line: int, address: str) -> TrialOutcome:
+    async def try_line(self, account: Account, hunt: HuntName, line: int, address: str) -> HuntTrialOutcome:
         """Say whether a line makes the program wrong, and store whether it does. Raises as `offer`."""
         trial = LineTrial(hunt=hunt, seed=program_form_seed(account, hunt.exercise), line=line)
         return await self._try(account, hunt, trial, QuestionKind.line, address)
@@ -152,7 +154,7 @@ class HuntService:
         trial: InputTrial | PredictionTrial | LineTrial,
         kind: QuestionKind,
         address: str,
-    ) -> TrialOutcome:
+    ) -> HuntTrialOutcome:
         exercise = self._exercise(hunt.exercise)
         await self._read(lambda db: require_may_hunt(db, account, exercise))
         question = HuntQuestion(hunts=trial, declarations=self._declarations([hunt]))

@@ -112,13 +112,13 @@ class OfflineSite:
         return list(dict.fromkeys(name for lesson in self._shown for name in lesson.replays))
 
     def _manipulations(self) -> list[str]:
-        """The manipulations that ask nothing of the service but what they begin with."""
+        """Return the names of the manipulations that need no server once they have begun."""
         if self._on_paper:
             return []
         shown = {still for lesson in self._shown for still in lesson.stills}
-        names = self._scripts.manipulations(self._module.slug)
+        names = self._scripts.manipulation_names(self._module.slug)
         return [
-            name for name in names if still_of(name) in shown and self._scripts.stands_alone(self._module.slug, name)
+            name for name in names if still_of(name) in shown and self._scripts.needs_no_server(self._module.slug, name)
         ]
 
     def _pages(self) -> Iterator[tuple[str, str]]:

@@ -23,7 +23,7 @@ from server.gradebook import service as gradebook
 from server.gradebook import solutions
 from server.gradebook.schemas import NOTHING_YET
 from server.hunts.dependencies import HuntsOf
-from server.hunts.questions import ProgramReview
+from server.hunts.protocol import ProgramReview
 from server.identity.dependencies import OptionalAccount
 from server.identity.models import Account
 from server.web.forms import redirect

@@ -15,7 +15,7 @@ from server.course import Course, Exercise
 from server.course.dependencies import CourseOf
 from server.course.families import find_family
 from server.hunts.dependencies import HuntsOf
-from server.hunts.questions import HuntName, OfferedHunt, TrialOutcome
+from server.hunts.protocol import HuntName, HuntTrialOutcome, OfferedHunt
 from server.hunts.service import MAX_ARGUMENTS, MAX_TYPED_CHARACTERS, HuntService
 from server.identity.dependencies import OptionalAccount, SignedIn
 from server.recall.models import QuestionKind
@@ -99,7 +99,7 @@ async def answer_question(
     action: Act,
     typed: Sequence[str],
     address: str,
-) -> TrialOutcome | None:
+) -> HuntTrialOutcome | None:
     """Judge what was typed, or note that the reader gives up (None)."""
     if question == "ligne":
         typed_line = typed[0] if typed else ""
@@ -130,7 +130,7 @@ def hunt_page(
     offer: OfferedHunt | None,
     question: Kind,
     typed: Sequence[str] = (),
-    outcome: TrialOutcome | None = None,
+    outcome: HuntTrialOutcome | None = None,
     *,
     gave_up: bool = False,
 ) -> Mapping[str, Any]:

@@ -10,7 +10,7 @@ from fastapi import APIRouter, Request
 from fastapi.responses import Response
 
 from server.board.objective_loading import load_own_states
-from server.board.objectives import RULE, Mastery, MistakeFinder, ObjectiveState
+from server.board.objectives import RULE, Mastery, MisconceptionLookup, ObjectiveState
 from server.course import Course, Exercise, Module
 from server.course.lengths import estimate_minutes, reading_minutes
 from server.course.objectives import Objective
@@ -78,7 +78,7 @@ def objectives_page(reader: Reader, module: Module) -> Mapping[str, Any]:
         recall = _load_recall(reader, progress, choices)
         states = load_own_states(reader.db, reader.course, module, reader.account.id, utc_now())
     rows = [own_row(reader.course, module.slug, state) for state in states]
-    fading = find_fading(reader.course, module, rows, {} if recall is None else recall.fading)
+    fading = find_fading_misconceptions(reader.course, module, rows, {} if recall is None else recall.fading)
     path = paths.find_path(module, choices)
     following = choose_next(module, progress, path)
     way = list_way(module, path)
@@ -119,11 +119,11 @@ def _solved(progress: Mapping[str, ExerciseProgress], exercise: Exercise) -> boo
     return progress.get(exercise.id, NOTHING_YET).succeeded
 
 
-def find_fading(
+def find_fading_misconceptions(
     course: Course, module: Module, rows: Sequence[OwnObjectiveRow], fading: Mapping[str, Sequence[RecallCandidate]]
 ) -> Mapping[str, Sequence[str]]:
     """Return, by the id of an objective, the titles of the mended misconceptions of it that are fading. Pure."""
-    finder = MistakeFinder(course)
+    lookup = MisconceptionLookup(course)
     found: dict[str, list[str]] = {}
     for row in rows:
         objective: Objective = row.objective.objective
@@ -132,10 +132,10 @@ def find_fading(
                 candidate
                 for candidate in candidates
                 if candidate.exercise.startswith(f"{module.slug}/")
-                and finder.belongs(objective, candidate.exercise, candidate.misconception)
+                and lookup.belongs(objective, candidate.exercise, candidate.misconception)
             ]
             if own:
-                title = title_of_subject(course, subject) or finder.title(own[0].exercise, own[0].misconception)
+                title = title_of_subject(course, subject) or lookup.title(own[0].exercise, own[0].misconception)
                 found.setdefault(objective.id, []).append(title)
     return found
 

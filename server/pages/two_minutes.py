@@ -19,7 +19,7 @@ from server.database import Database
 from server.database.dependencies import DatabaseOf
 from server.gradebook import service as gradebook
 from server.hunts.dependencies import HuntsOf
-from server.hunts.questions import HuntName, OfferedHunt
+from server.hunts.protocol import HuntName, OfferedHunt
 from server.hunts.service import (
     MAX_ARGUMENTS,
     HuntService,

@@ -49,8 +49,8 @@ class PersonalData:
             self.erase(account_id)
         return begun
 
-    def carry_out_requests(self, now: datetime) -> int:
-        """Carry out the requests that nothing puts off any more, or that have stood too long; return how many."""
+    def carry_out_erasures(self, now: datetime) -> int:
+        """Carry out the erasures that nothing puts off any more, or that have stood too long; return how many."""
         with self._database.read() as db:
             requests = erasures.load_standing(db)
         done = 0

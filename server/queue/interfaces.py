@@ -42,9 +42,11 @@ class Lease:
 
 
 @dataclass(frozen=True)
-class JobsAhead:
-    """The jobs that go before a running one: those of ranks below `ranks_below`, and those of `same_rank` whose flow is
-    not `excluded_flow`."""
+class PrecedingJobs:
+    """A filter of waiting jobs: those that go before a running one.
+
+    They are of ranks below `ranks_below`, or of `same_rank` and of another flow than `excluded_flow`.
+    """
 
     ranks_below: int
     same_rank: int | None = None
@@ -167,14 +169,14 @@ class Queue(Protocol):
         kinds: Collection[str],
         lease_seconds: float,
         capabilities: WorkerCapabilities | None = None,
-        jobs_ahead: JobsAhead | None = None,
+        among: PrecedingJobs | None = None,
     ) -> Lease | None:
-        """Lease the next waiting job of these kinds that the worker can do, if any; with `jobs_ahead`, one of those."""
+        """Lease the next waiting job of these kinds that the worker can do, if any; with `among`, one of those."""
 
-    def find_job_ahead(
-        self, db: Session, kinds: Collection[str], jobs_ahead: JobsAhead, capabilities: WorkerCapabilities | None
+    def peek_next_job(
+        self, db: Session, kinds: Collection[str], among: PrecedingJobs, capabilities: WorkerCapabilities | None
     ) -> WaitingJob | None:
-        """Return the job that `claim` would lease, if any."""
+        """Return the job that `claim` would lease, if any, without leasing it."""
 
     def mark_refused(self, db: Session, kinds: Collection[str], capabilities: WorkerCapabilities) -> bool:
         """Mark waiting jobs that need workers of other versions; return whether there are any."""

@@ -17,8 +17,8 @@ from server.queue.graceful_stop import GracefulStop, StopRequested
 from server.queue.interfaces import (
     REQUEST_ID_KEY,
     GiveUpHandler,
-    JobsAhead,
     Lease,
+    PrecedingJobs,
     Queue,
     Tasks,
     WaitingJob,
@@ -133,11 +133,11 @@ class JobRunner:
         self.heartbeat = LeaseHeartbeat(database, queue, settings, self._give_ups, self.programs.clock)
 
     def claim_and_run(
-        self, kinds: Collection[str], keep_alive: Callable[[], None], jobs_ahead: JobsAhead | None = None
+        self, kinds: Collection[str], keep_alive: Callable[[], None], among: PrecedingJobs | None = None
     ) -> Lease | None:
         """Return the job that was run. `keep_alive` is called as it starts, then with each heartbeat."""
         claim_started = time.time_ns()
-        claimed = self.write(lambda db: self._claim(db, kinds, jobs_ahead))
+        claimed = self.write(lambda db: self._claim(db, kinds, among))
         if claimed is None:
             return None
         keep_alive()
@@ -148,13 +148,13 @@ class JobRunner:
                 self._run_and_record(lease, work, keep_alive)
         return lease
 
-    def find_job_ahead(self, kinds: Collection[str], jobs_ahead: JobsAhead) -> WaitingJob | None:
-        """Return the waiting job that `claim_and_run` would run."""
+    def peek_next_job(self, kinds: Collection[str], among: PrecedingJobs) -> WaitingJob | None:
+        """Return the waiting job that `claim_and_run` would run, without claiming it."""
         with self._database.read() as db:
-            return self._queue.find_job_ahead(db, kinds, jobs_ahead, self._capabilities)
+            return self._queue.peek_next_job(db, kinds, among, self._capabilities)
 
-    def _claim(self, db: Session, kinds: Collection[str], jobs_ahead: JobsAhead | None) -> tuple[Lease, Any] | None:
-        lease = self._queue.claim(db, self._owner, kinds, self._settings.lease_seconds, self._capabilities, jobs_ahead)
+    def _claim(self, db: Session, kinds: Collection[str], among: PrecedingJobs | None) -> tuple[Lease, Any] | None:
+        lease = self._queue.claim(db, self._owner, kinds, self._settings.lease_seconds, self._capabilities, among)
         if lease is None:
             return None
         work = self._read(db, lease)

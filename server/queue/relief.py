@@ -15,7 +15,7 @@ from collections.abc import Callable, Collection, Iterable
 from dataclasses import dataclass
 from types import TracebackType
 
-from server.queue.interfaces import JobsAhead, Lease, WaitingJob
+from server.queue.interfaces import Lease, PrecedingJobs, WaitingJob
 from server.queue.job_runner import JobRunner
 
 log = logging.getLogger(__name__)
@@ -91,8 +91,8 @@ class ReliefSeat:
         if self._main.programs.stopped_seconds(running.token) > self._patience.stopped:
             self._main.programs.abandon(running.token)
             return
-        jobs_ahead = self._jobs_ahead(running) if not taken else self._jobs_ahead_of_relief()
-        waiting = self._relief.find_job_ahead(self._kinds, jobs_ahead) if jobs_ahead else None
+        preceding = self._preceding_jobs(running) if not taken else self._preceding_relief_job()
+        waiting = self._relief.peek_next_job(self._kinds, preceding) if preceding else None
         if waiting is None or self._waiting is None or waiting.job_id != self._waiting.job_id:
             self._waiting, self._waiting_since = waiting, self._clock()
             return
@@ -105,12 +105,12 @@ class ReliefSeat:
             self._thread = threading.Thread(target=self._run_jobs, args=(running,), name="relief", daemon=True)
             self._thread.start()
 
-    def _jobs_ahead(self, running: Lease) -> JobsAhead:
-        return JobsAhead(running.rank, running.rank, running.flow)
+    def _preceding_jobs(self, running: Lease) -> PrecedingJobs:
+        return PrecedingJobs(running.rank, running.rank, running.flow)
 
-    def _jobs_ahead_of_relief(self) -> JobsAhead | None:
+    def _preceding_relief_job(self) -> PrecedingJobs | None:
         relieving = self._relief.running
-        return None if relieving is None else JobsAhead(relieving.rank)
+        return None if relieving is None else PrecedingJobs(relieving.rank)
 
     def _is_taken(self) -> bool:
         return self._thread is not None and self._thread.is_alive()
@@ -125,16 +125,16 @@ class ReliefSeat:
         def stop_own() -> None:
             self._main.programs.stop(running.token)
 
-        jobs_ahead = self._jobs_ahead(running)
+        preceding = self._preceding_jobs(running)
         turns: Iterable[int] = range(BACKGROUND_TURN) if running.kind in self._background else itertools.count()
         try:
             with self._relief.heartbeat:
                 for _ in turns:
-                    if self._closing.is_set() or not self._relief.claim_and_run(self._kinds, stop_own, jobs_ahead):
+                    if self._closing.is_set() or not self._relief.claim_and_run(self._kinds, stop_own, preceding):
                         return
                     if self._main.running is not running:
                         return
-                    jobs_ahead = JobsAhead(running.rank)
+                    preceding = PrecedingJobs(running.rank)
         except Exception:
             log.exception("a job that goes before %s %s could not be run", running.kind, running.key)
         finally:

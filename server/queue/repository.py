@@ -29,7 +29,7 @@ from sqlalchemy.orm import Session, aliased
 
 from server.database import UtcDateTime, select_core, table_of, utc_now, write_core
 from server.queue.fair_queueing import TURN_STEP, FlowState, Turn
-from server.queue.interfaces import JobsAhead, Lease, Sender, WaitingJob, WorkerCapabilities
+from server.queue.interfaces import Lease, PrecedingJobs, Sender, WaitingJob, WorkerCapabilities
 from server.queue.models import Job
 
 #: Key of PostgreSQL's advisory lock for enqueueing.
@@ -137,7 +137,7 @@ RELEASE_LEASE = (
 _other = aliased(Job)
 _sort_keys = (tuple_(job.priority, job.turn, job.created_at, job.id) for job in (_other, Job))
 _precedes = next(_sort_keys) < next(_sort_keys)
-_jobs_ahead = select(func.count()).select_from(_other).where(_other.lease_token.is_(None), _precedes).scalar_subquery()
+_preceding = select(func.count()).select_from(_other).where(_other.lease_token.is_(None), _precedes).scalar_subquery()
 NOW = select(func.clock_timestamp(type_=UtcDateTime()))
 NOW_WITHOUT_SYNC = select(func.clock_timestamp(type_=UtcDateTime()), func.set_config("synchronous_commit", "off", True))
 COUNT_BY_KIND = select(_jobs.c.kind, func.count().label("jobs")).group_by(_jobs.c.kind)
@@ -155,7 +155,7 @@ FIND_STALLED = (
     .order_by(case((_jobs.c.id == bindparam("before"), 0), else_=1), *_order)
     .limit(1)
 )
-POSITION = select(Job.lease_token, _jobs_ahead, Job.refused_at).where(
+POSITION = select(Job.lease_token, _preceding, Job.refused_at).where(
     Job.kind == bindparam("kind"), Job.key == bindparam("key")
 )
 
@@ -227,12 +227,12 @@ def claim(
     kinds: Collection[str],
     new: NewLease,
     able: WorkerCapabilities | None,
-    jobs_ahead: JobsAhead | None = None,
+    among: PrecedingJobs | None = None,
 ) -> Lease | None:
     """Lease the next waiting job."""
-    statement = CLAIMS[able is not None, jobs_ahead is not None]
+    statement = CLAIMS[able is not None, among is not None]
     parameters = {"owner": new.owner, "token": new.token, "now": new.now, "until": new.until}
-    row = select_core(db, statement, {**parameters, **_choice(kinds, new.now, able, jobs_ahead)}).one_or_none()
+    row = select_core(db, statement, {**parameters, **_choice(kinds, new.now, able, among)}).one_or_none()
     if row is None:
         return None
     return Lease(
@@ -250,24 +250,24 @@ def claim(
     )
 
 
-def find_job_ahead(
-    db: Session, kinds: Collection[str], jobs_ahead: JobsAhead, able: WorkerCapabilities | None
+def peek_next_job(
+    db: Session, kinds: Collection[str], among: PrecedingJobs, able: WorkerCapabilities | None
 ) -> WaitingJob | None:
-    """Return the waiting job that goes before a running one."""
+    """Return the first of the jobs that go before a running one, without leasing it."""
     statement = FIND_PRECEDING[able is not None]
-    row = select_core(db, statement, _choice(kinds, current_time(db), able, jobs_ahead)).one_or_none()
+    row = select_core(db, statement, _choice(kinds, current_time(db), able, among)).one_or_none()
     return None if row is None else WaitingJob(row.id, row.priority)
 
 
 def _choice(
-    kinds: Collection[str], now: datetime, able: WorkerCapabilities | None, jobs_ahead: JobsAhead | None
+    kinds: Collection[str], now: datetime, able: WorkerCapabilities | None, among: PrecedingJobs | None
 ) -> dict[str, Any]:
     """Return the parameters that choose a job."""
     parameters: dict[str, Any] = {"kinds": list(kinds)}
     if able is not None:
         parameters |= _capability_parameters(able, now)
-    if jobs_ahead is not None:
-        parameters |= asdict(jobs_ahead)
+    if among is not None:
+        parameters |= asdict(among)
     return parameters
 
 

@@ -24,9 +24,9 @@ from server.queue.interfaces import (
     BacklogLimits,
     GiveUpHandler,
     JobNotification,
-    JobsAhead,
     JobStatus,
     Lease,
+    PrecedingJobs,
     QueueFullError,
     QueueNotifier,
     Sender,
@@ -80,20 +80,20 @@ class TableQueue:
         kinds: Collection[str],
         lease_seconds: float,
         capabilities: WorkerCapabilities | None = None,
-        jobs_ahead: JobsAhead | None = None,
+        among: PrecedingJobs | None = None,
     ) -> Lease | None:
         token, now = uuid4(), repository.claim_time(db)
         until = now + timedelta(seconds=lease_seconds)
         new_lease = repository.NewLease(str(owner), token, now, until)
-        lease = repository.claim(db, kinds, new_lease, capabilities, jobs_ahead)
+        lease = repository.claim(db, kinds, new_lease, capabilities, among)
         if lease is not None:
             self._notifier.job_changed(db, lease.key + JOB_STARTED_SUFFIX)
         return lease
 
-    def find_job_ahead(
-        self, db: Session, kinds: Collection[str], jobs_ahead: JobsAhead, capabilities: WorkerCapabilities | None
+    def peek_next_job(
+        self, db: Session, kinds: Collection[str], among: PrecedingJobs, capabilities: WorkerCapabilities | None
     ) -> WaitingJob | None:
-        return repository.find_job_ahead(db, kinds, jobs_ahead, capabilities)
+        return repository.peek_next_job(db, kinds, among, capabilities)
 
     def mark_refused(self, db: Session, kinds: Collection[str], capabilities: WorkerCapabilities) -> bool:
         return repository.mark_refused(db, kinds, capabilities)

@@ -31,7 +31,7 @@ class ReplayQueue:
 
     async def answer(self, request: Request, script: ReplayScript, values: Values) -> CompressedReplay | None:
         """None when the reader has left in the meantime. Raises TooMany."""
-        answer = self.replays.remembered(script, values)
+        answer = self.replays.find_cached(script, values)
         if answer is not None:
             return answer
         address = client_address(request)
@@ -42,7 +42,7 @@ class ReplayQueue:
         try:
             if await request.is_disconnected():
                 return None
-            answer = self.replays.remembered(script, values)
+            answer = self.replays.find_cached(script, values)
             return answer or await run_in_threadpool(self.replays.compute, script, values)
         finally:
             self._turns.release(address)

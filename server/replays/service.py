@@ -91,19 +91,19 @@ Key = tuple[ReplayScript, tuple[Value, ...]]
 
 
 class ReplayLibrary:
-    """The replays of all courses, or of one; remembers the latest answers, up to so many bytes."""
+    """The replays and manipulations of all courses, or of one; caches the latest answers, up to `memory_bytes`."""
 
     def __init__(self, curriculum: Path | None = None, memory_bytes: int = MEMORY_BYTES) -> None:
         self._curriculum = curriculum
         self._answers: LRUCache[Key, CompressedReplay] = LRUCache(memory_bytes, lambda answer: len(answer.compressed))
 
-    def names(self, module: str) -> tuple[str, ...]:
-        """The replays of a module, as addresses name them."""
+    def replay_names(self, module: str) -> tuple[str, ...]:
+        """Return the names of a module's replays, as in URLs."""
         return replay_names(self._module_folder(module)) if MODULE_SLUG.fullmatch(module) else ()
 
     def find(self, module: str, name: str) -> ReplayScript:
         """Raises NotFound."""
-        if name not in self.names(module):
+        if name not in self.replay_names(module):
             raise NotFound(NO_REPLAY)
         return load_replay(self._module_folder(module), name)
 
@@ -123,26 +123,27 @@ class ReplayLibrary:
         folder = self._manipulation(module, name)
         return {path.name: self.script(module, name, path.name) for path in sorted(folder.glob("[!_.]*.js"))}
 
-    def stands_alone(self, module: str, name: str) -> bool:
-        """Whether its scripts have nothing computed here once it has begun. Raises NotFound."""
-        return not any(RUN_CALL.search(text) for text in self.scripts(module, name).values())
+    def needs_no_server(self, module: str, manipulation: str) -> bool:
+        """Whether a manipulation's scripts compute all by themselves once it has begun. Raises NotFound."""
+        return not any(RUN_CALL.search(text) for text in self.scripts(module, manipulation).values())
 
-    def manipulations(self, module: str) -> tuple[str, ...]:
-        """The manipulations of a module, as addresses name them."""
+    def manipulation_names(self, module: str) -> tuple[str, ...]:
+        """Return the names of a module's manipulations (interactive scenes), as in URLs."""
         if not MODULE_SLUG.fullmatch(module):
             return ()
         scenes = sorted((self._module_folder(module) / MANIPULATIONS).glob("*/scene.py"))
         return tuple(path.parent.name for path in scenes if NAME.fullmatch(path.parent.name))
 
     def _manipulation(self, module: str, name: str) -> Path:
-        if name not in self.manipulations(module):
+        if name not in self.manipulation_names(module):
             raise NotFound(NO_MANIPULATION)
         return self._module_folder(module) / MANIPULATIONS / name
 
     def _module_folder(self, module: str) -> Path:
         return self._curriculum / module if self._curriculum else module_folder(module)
 
-    def remembered(self, script: ReplayScript, values: Values) -> CompressedReplay | None:
+    def find_cached(self, script: ReplayScript, values: Values) -> CompressedReplay | None:
+        """Return the answer to these settings where it is in the cache."""
         return self._answers.get(_cache_key(script, values))
 
     def compute(self, script: ReplayScript, values: Values) -> CompressedReplay:

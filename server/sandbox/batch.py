@@ -73,8 +73,11 @@ class Batch:
             self.bytes += self._row_bytes
         return self.bytes >= _MAX_BATCH_BYTES or len(self._lengths) >= _MAX_BATCH_CALLS
 
-    def add_columns(self, calls: Sequence[Row], columns: Columns | None = None) -> bool:
-        """Fill the batch with all these calls if they can be sent as columns; return whether they were added."""
+    def try_fill_as_columns(self, calls: Sequence[Row], columns: Columns | None = None) -> bool:
+        """Fill the batch with these calls, if they can be sent as columns; return whether they can.
+
+        `columns`: the arguments of all the calls, stacked already.
+        """
         self._columns = columns or _stack_columns(calls)
         if self._columns is None:
             return False
@@ -242,7 +245,7 @@ def group_batches(requests: Sequence[CallBatch]) -> Iterator[BatchGroup]:
 
 def _batch_of(request: CallBatch) -> Batch:
     batch = Batch(request.function, return_arguments=request.return_arguments)
-    if not batch.add_columns(request.calls, request.columns):
+    if not batch.try_fill_as_columns(request.calls, request.columns):
         for arguments in request.calls:
             batch.add(arguments)
     return batch

@@ -12,7 +12,7 @@ from graders.core.answers.retrieval import seed_of
 from server.board.catalogue import find_misconception
 from server.course import Course, Module
 from server.course.retrievals import draw_question
-from server.hunts.questions import AnswerComparison
+from server.hunts.protocol import AnswerComparison
 from server.warmup.needs import SubjectNeed
 from server.warmup.schemas import WarmUpOption, WarmUpQuestion
 from server.web.views import exercise_href

@@ -156,7 +156,7 @@ def calibration(settings: Settings) -> Iterator[tuple[str, list[float]]]:
         yield "a commit", timed(commit)
         yield (
             "a round trip to NATS, from another thread",
-            timed(lambda: connection.run_blocking(connection.client.flush, 5)),
+            timed(lambda: connection.run_blocking(connection.connected_client.flush, 5)),
         )
         publish = connection.jetstream.publish
         subject = connection.layout.consumers[0].subject

@@ -13,7 +13,7 @@ from server.assignments.feedback import FeedbackHold, FeedbackHolds, HoldingTest
 from server.board.objective_loading import hide_held_attempts
 from server.board.objectives import (
     Mastery,
-    MistakeFinder,
+    MisconceptionLookup,
     PractisedObjective,
     counting_objectives,
     find_states,
@@ -44,7 +44,7 @@ class KnownFunctions:
         return objective.carries(exercise.partition("/")[2], misconception, {function})
 
 
-FINDER = cast("MistakeFinder", KnownFunctions())
+FINDER = cast("MisconceptionLookup", KnownFunctions())
 
 
 def series(exercise: str, *attempts: str) -> Attempts:

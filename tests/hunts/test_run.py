@@ -9,17 +9,17 @@ import pytest
 
 import graders
 from server.hunts import run
-from server.hunts.questions import (
+from server.hunts.protocol import (
     ComparisonRequest,
     HuntName,
     HuntQuestion,
+    HuntTrialOutcome,
     InputTrial,
     LineTrial,
     OfferedHunt,
     OfferRequest,
     PredictionTrial,
     ReviewRequest,
-    TrialOutcome,
 )
 from server.hunts.run import HuntRunner
 from server.sandbox import Sandbox
@@ -37,7 +37,7 @@ def offer(runner: HuntRunner, *hunts: HuntName, seed: int = 5) -> OfferedHunt | 
     return runner.answer(HuntQuestion(hunts=OfferRequest(hunts=hunts, seed=seed))).offer
 
 
-def try_input(runner: HuntRunner, **typed: str) -> TrialOutcome:
+def try_input(runner: HuntRunner, **typed: str) -> HuntTrialOutcome:
     outcome = runner.answer(HuntQuestion(hunts=InputTrial(hunt=ROTATION, typed=typed))).outcome
     assert outcome is not None
     return outcome
@@ -77,7 +77,7 @@ def test_a_prediction_is_compared_with_the_wrong_program(runner: HuntRunner) -> 
     assert offered is not None
     assert offered.predictable
 
-    def predict(typed: str) -> TrialOutcome | None:
+    def predict(typed: str) -> HuntTrialOutcome | None:
         return runner.answer(HuntQuestion(hunts=PredictionTrial(hunt=ROTATION, typed=typed))).outcome
 
     missed = predict("[7, 7, 7]")
@@ -132,7 +132,7 @@ def test_the_wrong_line_is_judged_in_the_form_that_its_reader_sees(runner: HuntR
     assert offered is not None
     assert offered.wrong_lines == 1
 
-    def choose(line: int) -> TrialOutcome:
+    def choose(line: int) -> HuntTrialOutcome:
         outcome = runner.answer(HuntQuestion(hunts=LineTrial(hunt=name, seed=9, line=line))).outcome
         assert outcome is not None
         return outcome

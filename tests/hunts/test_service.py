@@ -16,7 +16,15 @@ from server.assignments.feedback import FeedbackHolds, HoldingTest
 from server.base.app_services import add_services, get_service
 from server.course import Course
 from server.grading.grading_task import GradingInput
-from server.hunts.questions import Argument, HuntName, HuntQuestion, HuntReply, OfferedHunt, OfferRequest, TrialOutcome
+from server.hunts.protocol import (
+    Argument,
+    HuntName,
+    HuntQuestion,
+    HuntReply,
+    HuntTrialOutcome,
+    OfferedHunt,
+    OfferRequest,
+)
 from server.hunts.service import HuntService, may_have_hunts
 from server.recall.models import RecallAnswer
 from tests.support.service import Site
@@ -35,7 +43,7 @@ TYPED = {"erreur": "rotation_oubliee", "fonction": "composer", "valeur": ["[1, 2
 class Process:
     """Runs nothing: offers one hunt, and judges as `outcome` says."""
 
-    outcome: TrialOutcome = field(default_factory=lambda: TrialOutcome(is_right=True, expected="1", got="2"))
+    outcome: HuntTrialOutcome = field(default_factory=lambda: HuntTrialOutcome(is_right=True, expected="1", got="2"))
     asked: list[HuntQuestion] = field(default_factory=list)
 
     async def __call__(self, question: bytes, *, reader: str, flow: str, rank: int = 0) -> bytes:
@@ -78,19 +86,19 @@ def test_a_hunt_opens_once_the_exercise_is_solved(site: Site, process: Process) 
 
 def test_an_answer_is_stored_once_it_is_one(site: Site, process: Process) -> None:
     solve(site)
-    process.outcome = TrialOutcome(refusal="a : il manque un crochet", argument="a")
+    process.outcome = HuntTrialOutcome(refusal="a : il manque un crochet", argument="a")
     page = site.client.post(HUNT, data=TYPED).text
     assert "il manque un crochet" in page
     assert 'value="[1, 2, 3]"' in page, "nothing typed is lost"
-    process.outcome = TrialOutcome(is_right=False, expected="1", got="1")
+    process.outcome = HuntTrialOutcome(is_right=False, expected="1", got="1")
     assert "Pas encore" in site.client.post(HUNT, data=TYPED).text
     assert answers(site) == []
-    process.outcome = TrialOutcome(is_right=True, expected="1", got="2", small=True)
+    process.outcome = HuntTrialOutcome(is_right=True, expected="1", got="2", small=True)
     page = site.client.post(HUNT, data=TYPED).text
     assert "aussi petite" in page
     assert re.search(r"La rotation", page), "its mistake is named once it is found"
     site.client.post(HUNT, data={**TYPED, "action": "abandonner"})
-    process.outcome = TrialOutcome(is_right=False, expected="1", got="2")
+    process.outcome = HuntTrialOutcome(is_right=False, expected="1", got="2")
     site.client.post(HUNT, data={**TYPED, "question": "prevision"})
     assert answers(site) == [("hunt", True), ("hunt", False), ("prediction", False)]
 

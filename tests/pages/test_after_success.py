@@ -9,7 +9,7 @@ import pytest
 from server.assignments import feedback
 from server.assignments.feedback import FeedbackHold, FeedbackHolds
 from server.base.app_services import add_services, get_service
-from server.hunts.questions import HuntQuestion, HuntReply, ProgramRemark, ProgramReview
+from server.hunts.protocol import HuntQuestion, HuntReply, ProgramRemark, ProgramReview
 from server.hunts.service import HuntService
 from tests.pages.test_notebook import Pupil
 from tests.support.client import TestClient

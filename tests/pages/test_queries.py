@@ -127,7 +127,7 @@ def test_sources_verdicts_and_figures_are_read_of_the_one_that_is_shown(ada: Ada
 
 def test_lists_of_attempts_stand_on_an_index(sqlite: Database) -> None:
     with Counted(sqlite) as counted, sqlite.read() as db:
-        repository.list_attempts(db, uuid4(), EXERCISE, limit=50, offset=0)
+        repository.list_attempts_with_total(db, uuid4(), EXERCISE, limit=50, offset=0)
         (statement,) = counted.statements
         plan = db.execute(text(f"EXPLAIN QUERY PLAN {statement.replace('?', '1')}")).all()
     told = " ".join(str(row[3]) for row in plan)

@@ -15,7 +15,7 @@ from sqlalchemy.orm import Session
 
 from server.base.settings import Settings
 from server.database import Database
-from server.queue.interfaces import JobsAhead, Lease, Sender, WaitingJob, WorkerCapabilities
+from server.queue.interfaces import Lease, PrecedingJobs, Sender, WaitingJob, WorkerCapabilities
 from server.queue.lease_owner import process_owner
 from server.queue.models import Job
 from server.queue.relief import BACKGROUND_TURN, Patience
@@ -123,8 +123,8 @@ class LookCounter:
     def __getattr__(self, name: str) -> Any:
         return getattr(QUIET, name)
 
-    def find_job_ahead(self, *arguments: Any) -> WaitingJob | None:
-        found = QUIET.find_job_ahead(*arguments)
+    def peek_next_job(self, *arguments: Any) -> WaitingJob | None:
+        found = QUIET.peek_next_job(*arguments)
         with self._changed:
             self._looks += 1
             self._changed.notify_all()
@@ -289,9 +289,9 @@ def test_a_worker_that_ends_gives_the_job_of_its_second_seat_back_untried(kitche
 def test_what_goes_before_a_running_job(kitchen: Kitchen, capable: bool) -> None:
     able = WorkerCapabilities(["new"], 60.0) if capable else None
 
-    def key_of(jobs_ahead: JobsAhead) -> str | None:
+    def key_of(among: PrecedingJobs) -> str | None:
         with kitchen.database.read() as db:
-            waiting = QUIET.find_job_ahead(db, [KIND], jobs_ahead, able)
+            waiting = QUIET.peek_next_job(db, [KIND], among, able)
             return None if waiting is None else db.execute(select(Job.key).where(Job.id == waiting.job_id)).scalar_one()
 
     kitchen.put("guest", GUEST, "there")
@@ -299,12 +299,12 @@ def test_what_goes_before_a_running_job(kitchen: Kitchen, capable: bool) -> None
     kitchen.put("other kind", MEMBER, "ada", kind="mill")
     if capable:
         kitchen.put("other version", MEMBER, "ada", needs="old")
-    assert key_of(JobsAhead(GUEST, GUEST, "there")) == "other guest"
-    assert key_of(JobsAhead(GUEST)) is None
+    assert key_of(PrecedingJobs(GUEST, GUEST, "there")) == "other guest"
+    assert key_of(PrecedingJobs(GUEST)) is None
     kitchen.put("account", ACCOUNT, "bob", needs="new" if capable else None)
-    assert key_of(JobsAhead(GUEST, GUEST, "there")) == "account"
-    assert key_of(JobsAhead(ACCOUNT)) is None
+    assert key_of(PrecedingJobs(GUEST, GUEST, "there")) == "account"
+    assert key_of(PrecedingJobs(ACCOUNT)) is None
     with kitchen.database.write() as db:
-        lease = QUIET.claim(db, process_owner(os.getpid()), [KIND], 60.0, able, JobsAhead(GUEST))
+        lease = QUIET.claim(db, process_owner(os.getpid()), [KIND], 60.0, able, PrecedingJobs(GUEST))
     assert lease is not None
     assert (lease.key, lease.rank, lease.flow) == ("account", ACCOUNT, "bob")

@@ -11,7 +11,7 @@ from sqlalchemy import select
 from graders.core.contract.findings import Judgement
 from server.base.app_services import add_services, get_service
 from server.grading.grading_task import GradingInput
-from server.hunts.questions import LineTrial, TrialOutcome
+from server.hunts.protocol import HuntTrialOutcome, LineTrial
 from server.hunts.service import HuntService, choose_question_kind
 from server.recall import retrievals
 from server.recall.models import RecallAnswer
@@ -121,7 +121,7 @@ def test_questions_about_a_mistake_are_of_each_possible_kind_in_turn() -> None:
 def test_a_wrong_line_is_an_answer_and_giving_up_shows_the_lines(site: Site, process: Process) -> None:
     confuse_and_mend(site)
     age(site, 2)
-    process.outcome = TrialOutcome(expected="return a + b", got="return a - b")
+    process.outcome = HuntTrialOutcome(expected="return a + b", got="return a - b")
     shown = site.client.post(PATH, data=DUE | {"question": "ligne", "valeur": ["1"]}).text
     assert "Ce n’est pas là" in shown
     assert answers(site) == [("line", False)]
@@ -132,6 +132,6 @@ def test_a_wrong_line_is_an_answer_and_giving_up_shows_the_lines(site: Site, pro
     given_up = process.asked[-1].hunts
     assert isinstance(given_up, LineTrial)
     assert given_up.line == 0
-    process.outcome = TrialOutcome(refusal="Choisissez une ligne du programme.")
+    process.outcome = HuntTrialOutcome(refusal="Choisissez une ligne du programme.")
     assert "Choisissez une ligne" in site.client.post(PATH, data=DUE | {"question": "ligne", "valeur": ["x"]}).text
     assert answers(site) == [("line", False)] * 2

@@ -58,7 +58,7 @@ def read(answer: CompressedReplay) -> dict[str, Any]:
 
 
 def test_a_new_file_is_a_new_replay(replays: ReplayLibrary) -> None:
-    assert replays.names("m9") == ("un-essai",)
+    assert replays.replay_names("m9") == ("un-essai",)
     script = replays.find("m9", "un-essai")
     body = read(replays.compute(script, script.read([("n", "5")])))
     assert body["title"] == "L’essai"
@@ -99,7 +99,7 @@ def test_answers_are_remembered_up_to_so_many_bytes(replays: ReplayLibrary, tmp_
     for values in settings:
         small.compute(script, values)
         small.compute(script, values)
-    kept = [small.remembered(script, values) is not None for values in settings]
+    kept = [small.find_cached(script, values) is not None for values in settings]
     assert 2 <= sum(kept) <= 4
     assert kept[-1]
     assert not kept[0]

@@ -16,7 +16,7 @@ from server.behaviour.fingerprints import FINGERPRINT, FingerprintScheduler, Fin
 from server.behaviour.models import BehaviourGroup, Fingerprint
 from server.classes.models import ClassRole
 from server.grading.sandbox_grader import SandboxPrograms
-from server.hunts.questions import HuntName, HuntQuestion, InputTrial, OfferRequest
+from server.hunts.protocol import HuntName, HuntQuestion, InputTrial, OfferRequest
 from server.hunts.run import HuntRunner
 from server.hunts.service import HuntService
 from server.identity.models import Role

@@ -488,7 +488,7 @@ READERS: tuple[Reader, ...] = (
         TEXTS,
         """
         raw:server.api.routes.Api.matches raw:server.base.http.cookie_value raw:server.base.http.problem_document
-        raw:server.base.middleware.AcceptEncodingMiddleware.__call__
+        raw:server.base.middleware.RefusedEncodingsMiddleware.__call__
         raw:server.base.middleware.BodyLimitMiddleware.__call__ raw:server.client.routes.download
         raw:server.base.http.bearer_token raw:server.base.turns.FairTurnsMiddleware.__call__
         raw:server.base.middleware.BodyLimitMiddleware._read raw:server.base.middleware.RequestLogMiddleware.__call__

@@ -18,7 +18,7 @@ from server.board.live import LiveBoards
 from server.classes.models import SchoolClass
 from server.course import Course
 from server.database import utc_now
-from server.hunts.questions import (
+from server.hunts.protocol import (
     AnswerComparison,
     ComparedAnswer,
     ComparisonRequest,

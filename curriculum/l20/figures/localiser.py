@@ -132,14 +132,16 @@ def draw_drift(figure: Figure, palette: Palette) -> None:
     end = LateralDrift(1000, 115.0, np.sqrt(2.0) * 1e-3 / 0.3)
     axes.plot(
         [0, 115],
-        [0, end.worst_case_deviation],
+        [0, end.constant_error_deviation],
         "--",
         color=palette.alert,
         lw=1.8,
         zorder=5,
         label="cap faux de 0,149 rad dès le départ",
     )
-    axes.text(116.5, end.worst_case_deviation, "17,1 m", color=palette.alert, va="center", fontsize=11, weight="bold")
+    axes.text(
+        116.5, end.constant_error_deviation, "17,1 m", color=palette.alert, va="center", fontsize=11, weight="bold"
+    )
     axes.text(116.5, -end.deviation, "9,9 m", color=palette.ink, va="center", fontsize=11, weight="bold")
     axes.set(xlim=(0, 128), ylim=(-34, 34), xlabel="avancée (m)", ylabel="écart latéral (m)")
     figure.legend(loc="outside lower center", ncols=2, fontsize=9.5)

@@ -144,13 +144,13 @@ def draw_drift(figure: Figure, palette: Palette) -> None:
     for sign in (1, -1):
         axes.plot(
             [0, end.distance],
-            [0, sign * end.worst_case_deviation],
+            [0, sign * end.constant_error_deviation],
             color=palette.alert,
             lw=1.6,
             ls=(0, (5, 3)),
             zorder=4,
         )
-    for height, colour in ((end.deviation, palette.truth), (end.worst_case_deviation, palette.alert)):
+    for height, colour in ((end.deviation, palette.truth), (end.constant_error_deviation, palette.alert)):
         axes.text(116.5, height, f"{height:.1f} m".replace(".", ","), color=colour, va="center", fontsize=10)
     axes.set(xlabel="distance (m)", ylabel="écart latéral (m)", xlim=(0, 130), ylim=(-28, 28))
 

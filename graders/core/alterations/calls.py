@@ -79,7 +79,7 @@ def _is_method(text: ProgramText, node: ast.Call) -> bool:
     root: ast.expr = node.func
     while isinstance(root, ast.Attribute):
         root = root.value
-    return isinstance(node.func, ast.Attribute) and not (isinstance(root, ast.Name) and root.id in text.imported)
+    return isinstance(node.func, ast.Attribute) and not (isinstance(root, ast.Name) and root.id in text.import_names)
 
 
 def _dropped(text: ProgramText, node: ast.Call) -> Iterator[Change]:

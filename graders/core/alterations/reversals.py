@@ -124,7 +124,7 @@ def _indented(text: ProgramText, node: ast.stmt) -> Iterator[Change]:
 
 def variables(text: ProgramText, node: ast.AST) -> Iterator[Change]:
     """Another variable of the same function."""
-    if not isinstance(node, ast.Name) or not isinstance(node.ctx, ast.Load) or node.id in text.imported:
+    if not isinstance(node, ast.Name) or not isinstance(node.ctx, ast.Load) or node.id in text.import_names:
         return
     if isinstance(text.parent(node), ast.Call) and text.parent(node).func is node:  # type: ignore[attr-defined]
         return

@@ -55,8 +55,8 @@ class ProgramText:
         return self.raw[start:end].decode()
 
     @cached_property
-    def imported(self) -> frozenset[str]:
-        """The names of modules: imported ones, and those that every kit gives."""
+    def import_names(self) -> frozenset[str]:
+        """The names that imports bind (aliases too), and np, math and cmath, which every kit gives."""
         names = {"np", "math", "cmath"}
         for node in ast.walk(self.tree):
             if isinstance(node, ast.Import | ast.ImportFrom):

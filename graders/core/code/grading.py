@@ -28,7 +28,7 @@ from graders.core.code.rounded_constants import rounded_constant_diagnosis
 from graders.core.code.runner import DEFAULT_BUDGET, Runner
 from graders.core.code.running import run_check, run_checks
 from graders.core.code.stale_answers import hold_stale_answers
-from graders.core.code.undoing import verify_ruled, verify_silent
+from graders.core.code.undoing import verify_rule_names, verify_silent
 from graders.core.compare.shrinking import Budget
 from graders.core.compare.slips import SLIPS
 from graders.core.contract.films import film_to_json
@@ -232,7 +232,7 @@ class CodeGrader:
         blamed, (functions, alone) = _blamed(failed), self._asked_of(failed)
         found = self.prober.recognise(runner, functions, alone, search) if self.prober else RecognisedMistakes()
         found = verify_silent(found, self.prober, runner, partial(self._explainer.holds, runner, seed))
-        found = verify_ruled(found, self.prober, runner, alone)
+        found = verify_rule_names(found, self.prober, runner, alone)
         told = [check for check, finding in pairs if explains_itself(finding.result.message)]
         others = {name for check in failed if check not in told for name in check.functions}
         left = ((alone if found.mistakes else blamed) - set(found.consequences)) & others

@@ -51,13 +51,13 @@ def verify_silent(
     return found._replace(mistakes=mistakes, certain=False, likely=tuple(likely))
 
 
-def verify_ruled(
-    found: RecognisedMistakes, prober: Prober | None, runner: Runner, broken: Collection[str]
+def verify_rule_names(
+    found: RecognisedMistakes, prober: Prober | None, runner: Runner, broken_functions: Collection[str]
 ) -> RecognisedMistakes:
     """Return what was found, each name that a rule has given held against the program by the experiment of its rule.
 
     A name that its experiment belies gives way to that of a later rule; one that it leaves open is `likely` only. None
-    stands in a function that calls one of the `broken` ones: what its answers have in common may come of these.
+    stands in a function that calls one of `broken_functions`: what its answers have in common may come of these.
     """
     if prober is None:
         return found
@@ -65,7 +65,7 @@ def verify_ruled(
     likely = list(found.likely)
     for ruled in found.ruled:
         function = prober.probes[ruled.number].function
-        if function in find_callers(runner.source, [other for other in broken if other != function]):
+        if function in find_callers(runner.source, [other for other in broken_functions if other != function]):
             instead[ruled.mistake] = ()
             continue
         name, is_open = _borne_out_name(ruled, prober, runner)

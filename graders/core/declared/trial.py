@@ -34,7 +34,7 @@ from graders.core.declared.tried_inputs import (
     ProposedCase,
     TriedInputs,
     answer_text,
-    may_be_proposed,
+    fails_within_limits,
     parts_of,
     text_of,
 )
@@ -241,7 +241,7 @@ class ExerciseTrial:
         played = self.play_briefly(grader, program, scenarios)
         others = self.play_briefly(grader, unlike, scenarios) if unlike else played
         for (at, case, right), got, other in zip(inputs.near, played, others, strict=True):
-            wrong = may_be_proposed(judge(grader.declaration.checks[at], case, right, got))
+            wrong = fails_within_limits(judge(grader.declaration.checks[at], case, right, got))
             if wrong and (not unlike or probe_answer(got) != probe_answer(other)):
                 return inputs.describe(at, case, right)
         return ProposedCase()
@@ -279,7 +279,7 @@ class ExerciseTrial:
                     for (at, case, right), got in zip(trios, played, strict=True)
                 )
                 failures = ((at, right, failure) for at, right, failure in judged if failure is not None)
-                found = next((each for each in failures if is_known or may_be_proposed(each[2])), None)
+                found = next((each for each in failures if is_known or fails_within_limits(each[2])), None)
                 if found is None:
                     continue
                 at, right, failure = found

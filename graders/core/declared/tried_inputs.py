@@ -143,8 +143,8 @@ def parts_of(items: Sequence[Item]) -> Iterator[Sequence[Item]]:
     return (items[start : start + SCENARIOS_AT_ONCE] for start in range(0, len(items), SCENARIOS_AT_ONCE))
 
 
-def may_be_proposed(failure: Failure | None) -> bool:
-    """Whether a case is proposed in which a program fails so: not where a limit alone stops it."""
+def fails_within_limits(failure: Failure | None) -> bool:
+    """Whether there is a failure, and no limit (time, memory, output) alone caused it: a case worth proposing."""
     return failure is not None and not (failure.got.fault is not None and failure.got.fault.outcome in LIMITS)
 
 

@@ -62,7 +62,7 @@ def show_new_form(
     access = rights.require_right(reader.db, reader.account, Right.manage_assignments, class_id)
     require_open(access.school_class)
     values = exam_papers.paper_form_values(reader.course, access.school_class.module, sujet)
-    if groupe in editing.load_labels(reader.db, access.school_class):
+    if groupe in editing.load_groups(reader.db, access.school_class):
         values = replace(values, audience="groupes", groups=(groupe,))
     if exercice in editing.assignable_exercises(reader.db, reader.course, access.school_class):
         values = replace(values, weights={**values.weights, exercice: "1"})
@@ -86,7 +86,7 @@ def create_assignment(
         drawn = validate_assignment(
             wanted,
             editing.assignable_exercises(db, course, access.school_class),
-            editing.load_labels(db, access.school_class),
+            editing.load_groups(db, access.school_class),
         )
         problems = {}
     except InvalidFields as refused:
@@ -149,7 +149,7 @@ def update_assignment(
             editing.update_assignment(db, course, access.school_class, account.id, found, wanted)
             return redirect(assignment_views.assignment_href(found))
         known = {each.exercise: each.exercise for each in before.exercises}
-        labels = {*editing.load_labels(db, access.school_class), *before.groups}
+        labels = {*editing.load_groups(db, access.school_class), *before.groups}
         known |= dict(editing.assignable_exercises(db, course, access.school_class))
         drawn = validate_assignment(wanted, known, labels)
         problems = {}

@@ -102,8 +102,8 @@ class NatsConnection:
         return self._loop
 
     @property
-    def client(self) -> Client:
-        """The client, for the connection's thread. Raises NatsUnavailableError."""
+    def connected_client(self) -> Client:
+        """The client, for the connection's thread; never connects. Raises NatsUnavailableError while down."""
         if self._client is None:
             raise NatsUnavailableError(self._last_error)
         return self._client
@@ -130,11 +130,11 @@ class NatsConnection:
 
     def publish_change(self, notification: str) -> None:
         """Publish a job change; from any thread, without waiting."""
-        self._send("news", lambda: self.client.publish(CHANGED, notification.encode()))
+        self._send("news", lambda: self.connected_client.publish(CHANGED, notification.encode()))
 
     def reply(self, reply_subject: str, payload: bytes) -> None:
         """Acknowledge or reject a work message; from any thread, without waiting."""
-        self._send("answer", lambda: self.client.publish(reply_subject, payload))
+        self._send("answer", lambda: self.connected_client.publish(reply_subject, payload))
 
     def run_blocking(self, query: Callable[[], Coroutine[Any, Any, T]], seconds: float) -> T:
         """Run a coroutine on the connection's thread; return its result. Raises NatsUnavailableError, or its error."""

@@ -168,7 +168,7 @@ class PullSubscription:
 
     async def _request_message(self, consumer: JobConsumer, options: Mapping[str, object], seconds: float) -> bool:
         """Send one pull request; return whether it brought a message."""
-        client = self._connection.client
+        client = self._connection.connected_client
         subject = f"$JS.API.CONSUMER.MSG.NEXT.{STREAM}.{consumer.consumer_name}"
         request = json.dumps({"batch": 1, **options})
         response = await client.request(subject, request.encode(), timeout=seconds, old_style=True)

@@ -39,7 +39,7 @@ def test_odometry_and_its_drift() -> None:
     assert states("exercices-corriges", drift.turn_deviation * 1000, 2)
     assert states("exercices-corriges", drift.heading_deviation, 3)
     assert states("exercices-corriges", float(np.degrees(drift.heading_deviation)), 1)
-    assert states("exercices-corriges", drift.worst_case_deviation, 1)
+    assert states("exercices-corriges", drift.constant_error_deviation, 1)
     assert states("exercices-corriges", drift.deviation, 3)
     turned_first = 0.115 * drift.turn_deviation * np.sqrt(1000 * 1001 * 2001 / 6)
     assert states("exercices-corriges", float(turned_first), 3)

@@ -34,9 +34,9 @@ def test_the_drift_of_the_course() -> None:
     drift = LateralDrift(1000, 115.0, ROBOT.turn_deviation(LEFT, RIGHT))
     assert drift.turn_deviation == pytest.approx(math.sqrt(2) * 1e-3 / 0.3)
     assert drift.heading_deviation == pytest.approx(0.149, abs=5e-4)
-    assert drift.worst_case_deviation == pytest.approx(17.14, abs=0.01)
+    assert drift.constant_error_deviation == pytest.approx(17.14, abs=0.01)
     assert drift.deviation == pytest.approx(9.90, abs=0.01)
-    assert drift.deviation == pytest.approx(drift.worst_case_deviation / math.sqrt(3), rel=1e-6)
+    assert drift.deviation == pytest.approx(drift.constant_error_deviation / math.sqrt(3), rel=1e-6)
 
 
 def test_robots_that_drive_straight_drift_as_predicted() -> None:
@@ -52,8 +52,8 @@ def test_robots_that_drive_straight_drift_as_predicted() -> None:
     allowed = 6.0 / math.sqrt(2 * journeys)
     assert np.std(ends[:, 2]) == pytest.approx(drift.heading_deviation, rel=allowed)
     assert np.std(ends[:, 1]) == pytest.approx(drift.deviation, rel=allowed)
-    beyond = np.mean(np.abs(ends[:, 1]) > drift.worst_case_deviation)
-    share = math.erfc(math.sqrt(1.5))  # 2 Phi(-sqrt 3): the worst_case_deviation estimate is no bound
+    beyond = np.mean(np.abs(ends[:, 1]) > drift.constant_error_deviation)
+    share = math.erfc(math.sqrt(1.5))  # 2 Phi(-sqrt 3): the constant error is no bound
     assert share == pytest.approx(0.083, abs=5e-4)
     assert beyond == pytest.approx(share, abs=6.0 * math.sqrt(share / journeys))
 
@@ -64,8 +64,8 @@ def test_headings_off_by_no_more_than_their_deviation_keep_within_the_pessimisti
     headings = rng.uniform(-1, 1, (2000, steps)) * drift.heading_deviation
     headings[0] = drift.heading_deviation
     beside = np.abs(np.sum(0.1 * np.sin(headings), axis=1))
-    assert np.all(beside <= drift.worst_case_deviation)
-    assert beside[0] == pytest.approx(drift.worst_case_deviation, rel=2e-3)
+    assert np.all(beside <= drift.constant_error_deviation)
+    assert beside[0] == pytest.approx(drift.constant_error_deviation, rel=2e-3)
 
 
 def test_the_linear_covariance_is_the_formula_of_the_drift() -> None:

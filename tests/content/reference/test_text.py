@@ -14,7 +14,7 @@ from reference.formats.pgm import read_pgm
 from reference.formats.trajectory_files import read_kitti, read_tum
 from reference.planning.moving_ai import parse_map, parse_scenarios
 from reference.pose_graph import dumps_g2o, loads_g2o
-from reference.text import decode_lines, decode_text
+from reference.text import decode_and_normalize, decode_lines
 from reference.world.grid_map import GridMap
 from tests.support.tables import folded
 
@@ -79,7 +79,7 @@ def test_a_line_is_counted_as_editors_count_it(end: str) -> None:
 def test_lines_have_no_empty_one_behind_the_last() -> None:
     assert decode_lines("") == []
     assert decode_lines("a\r\n\r\nb\r") == ["a", "", "b"]
-    assert decode_text(b"") == ""
+    assert decode_and_normalize(b"") == ""
 
 
 @pytest.mark.parametrize(
@@ -92,7 +92,7 @@ def test_lines_have_no_empty_one_behind_the_last() -> None:
 )
 def test_bytes_that_are_no_text_are_refused_with_their_line(data: bytes) -> None:
     with pytest.raises(InvalidArgumentError, match="line 3 is no text"):
-        decode_text(data)
+        decode_and_normalize(data)
 
 
 @pytest.mark.parametrize(

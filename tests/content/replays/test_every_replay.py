@@ -13,7 +13,7 @@ from server.replays.service import ReplayLibrary
 from tests.support.replays import REPLAYS, scene_of, size, unpacked
 from tests.support.shipped import MODULES
 
-NAMES = [(module, name) for module in MODULES for name in REPLAYS.names(module)]
+NAMES = [(module, name) for module in MODULES for name in REPLAYS.replay_names(module)]
 COLORS = {*get_args(Color)}
 DEFAULT_BYTES, MOST_BYTES = 1_000_000, 4_000_000
 

@@ -28,7 +28,7 @@ from reference.sensors.beam import plain_log_likelihood
 from server.base.errors import Invalid, NotFound
 from tests.content.replays.hand_scripts import FOLDER, REPLAYS, Script, start
 
-NAMES = REPLAYS.manipulations("l20")
+NAMES = REPLAYS.manipulation_names("l20")
 KERNELS: dict[str, Kernel] = {"huber": Huber(1.0), "dcs": DCS(10.0), "commutables": Switchable(10.0)}
 FALSE = (6, 16)
 

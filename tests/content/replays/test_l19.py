@@ -54,7 +54,7 @@ def test_what_one_is_asked_to_try(name: str, settings: dict[str, str], said: str
 
 
 def test_every_replay_has_its_question_held() -> None:
-    assert {name for name, *_ in HOLDS} == set(REPLAYS.names("l19"))
+    assert {name for name, *_ in HOLDS} == set(REPLAYS.replay_names("l19"))
 
 
 def test_no_imposed_gain_ends_with_less_doubt_than_kalman_s() -> None:

@@ -83,7 +83,7 @@ def test_what_is_told_is_what_happens(
 
 
 def test_every_replay_has_its_question_and_every_question_is_held() -> None:
-    assert {name for name, *_ in HOLDS} == set(ReplayLibrary().names("l20"))
+    assert {name for name, *_ in HOLDS} == set(ReplayLibrary().replay_names("l20"))
 
 
 def placed(name: str) -> tuple[Placed, dict[str, Any]]:

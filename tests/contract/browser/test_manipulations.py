@@ -15,7 +15,7 @@ pytestmark = pytest.mark.slow
 expect = sync_api.expect
 MOVES = True  # what is played is played as it is for who asks for nothing
 Locator = sync_api.Locator
-NAMES = ReplayLibrary().manipulations("l20")
+NAMES = ReplayLibrary().manipulation_names("l20")
 WHERE = {
     "ressorts": "slam",
     "elastique": "theoremes",

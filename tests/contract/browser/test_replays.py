@@ -67,7 +67,7 @@ def reading(visitor: Visit, *names: str, module: str = "l20") -> Page:
     ],
 )
 def test_every_replay_draws_plays_and_follows_the_theme(visit: NewVisit, module: str, width: int) -> None:
-    names = ReplayLibrary().names(module)
+    names = ReplayLibrary().replay_names(module)
     page = reading(visit(width=width, color_scheme="light"), *names, module=module)
     for name in names:
         figure = page.locator(f"#rejeu-{name}")

@@ -18,7 +18,7 @@ import pytest
 from server.base.errors import InternalFailure, Overloaded
 from server.base.settings import Settings
 from server.cells.supervisor import MAX_CELLS_PER_READER, CellRunner
-from server.hunts.questions import HuntQuestion, PreparationRequest
+from server.hunts.protocol import HuntQuestion, PreparationRequest
 from tests.support.live import alive, children, until
 from tests.support.quick import in_a_loop, the_course
 

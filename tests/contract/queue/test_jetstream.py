@@ -366,9 +366,9 @@ def test_a_connection_that_meets_something_unheard_of_is_made_again(
 
     monkeypatch.setattr(TlsEnforcingClient, "connect", connect)
     connection = machine.engine.connection
-    connection.call_on_loop(lambda: asyncio.ensure_future(connection.client.close()))
+    connection.call_on_loop(lambda: asyncio.ensure_future(connection.connected_client.close()))
     until(lambda: not refusals and connection.is_up, "it is up again")
-    machine.engine.connection.run_blocking(connection.client.flush, PATIENCE)
+    machine.engine.connection.run_blocking(connection.connected_client.flush, PATIENCE)
 
 
 def test_a_ticket_too_many_finds_no_job_and_goes(service: Service) -> None:

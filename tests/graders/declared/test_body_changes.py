@@ -15,7 +15,7 @@ from graders.core.declared.judging import Case, judge
 from graders.core.declared.scenarios import Scenario
 from graders.core.declared.trial import MAX_BRIEF_SECONDS, ExerciseTrial
 from graders.core.declared.trial_report import TrialReport, TriedChange
-from graders.core.declared.tried_inputs import may_be_proposed
+from graders.core.declared.tried_inputs import fails_within_limits
 from server.grading.sandbox_grader import SandboxPrograms
 from server.sandbox import Policy, Sandbox
 
@@ -145,7 +145,7 @@ def test_a_case_that_a_limit_alone_refuses_is_not_proposed(sandbox: Sandbox) -> 
     played = [trial.play_briefly(grader, program, [scenario])[0] for program in (COUNT, loops["programme"])]
     failure = judge(grader.declaration.checks[0], Case(scenario), *played)
     assert failure is not None, "a grading refuses it"
-    assert not may_be_proposed(failure)
+    assert not fails_within_limits(failure)
 
 
 def test_a_busy_machine_gives_loops_no_more_time_and_is_said_of_it(sandbox: Sandbox) -> None:

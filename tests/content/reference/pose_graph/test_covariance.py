@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from reference.pose_graph import (
-    EdgeIndexError,
+    NodeIndexError,
     NormalEquations,
     PoseGraph,
     Sightings,
@@ -107,7 +107,7 @@ def test_the_drift_along_the_chain_is_least_at_its_ends_once_closed() -> None:
 
 def test_what_has_no_covariance_is_refused() -> None:
     content = loop(0)
-    with pytest.raises(EdgeIndexError) as caught:
+    with pytest.raises(NodeIndexError) as caught:
         joint_covariance(content.graph, content.poses, [8])
     assert caught.value.argument == "nodes"
     seen = Sightings.from_edges(1, [(0, 0, [1, 0], np.eye(2)), (1, 0, [0, 1], np.eye(2))])

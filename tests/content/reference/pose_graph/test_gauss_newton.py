@@ -12,7 +12,7 @@ from scipy.optimize import least_squares
 
 from reference.pose_graph import (
     DisconnectedGraphError,
-    EdgeIndexError,
+    EdgeEndsError,
     InformationError,
     NonFiniteError,
     NormalEquations,
@@ -178,9 +178,9 @@ def edge(i: int = 0, j: int = 1, z: tuple = (1, 0, 0), omega: np.ndarray = EYE) 
     [
         (3, [edge()], DisconnectedGraphError, "edges"),
         (2, [], DisconnectedGraphError, "edges"),
-        (2, [edge(j=2)], EdgeIndexError, "j"),
-        (2, [edge(i=-1)], EdgeIndexError, "i"),
-        (2, [edge(), edge(i=1)], EdgeIndexError, "j"),
+        (2, [edge(j=2)], EdgeEndsError, "j"),
+        (2, [edge(i=-1)], EdgeEndsError, "i"),
+        (2, [edge(), edge(i=1)], EdgeEndsError, "j"),
         (2, [edge(z=(1, math.nan, 0))], NonFiniteError, "z_i_j"),
         (2, [edge(omega=np.full((3, 3), math.inf))], NonFiniteError, "information"),
         (2, [edge(omega=EYE + np.eye(3, k=1))], InformationError, "information"),

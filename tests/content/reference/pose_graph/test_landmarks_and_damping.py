@@ -8,7 +8,7 @@ from scipy.optimize import least_squares
 
 from reference.pose_graph import (
     DisconnectedGraphError,
-    EdgeIndexError,
+    EdgeEndsError,
     NormalEquations,
     ParameterError,
     PoseGraph,
@@ -221,8 +221,8 @@ def line(seen: list, n_landmarks: int = 1, **settings) -> PoseGraph:
     ("make", "error", "argument"),
     [
         (lambda: line([]), DisconnectedGraphError, "edges"),
-        (lambda: line([(0, 1, [1, 1], np.eye(2))]), EdgeIndexError, "sightings.landmark"),
-        (lambda: line([(2, 0, [1, 1], np.eye(2))]), EdgeIndexError, "sightings.i"),
+        (lambda: line([(0, 1, [1, 1], np.eye(2))]), EdgeEndsError, "sightings.landmark"),
+        (lambda: line([(2, 0, [1, 1], np.eye(2))]), EdgeEndsError, "sightings.i"),
         (lambda: line([(0, 0, [1, np.nan], np.eye(2))]), ValueError, "sightings.p_i_l"),
         (lambda: line([(0, 0, [1, 1], -np.eye(2))]), ValueError, "sightings.information"),
         (lambda: line([], 0, fixed=()), ParameterError, "fixed"),

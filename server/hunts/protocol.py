@@ -15,13 +15,13 @@ MAX_OFFERS = 12
 GONE = "Cette chasse n’existe plus : prenez-en une autre."
 
 
-class HuntMessage(BaseModel):
-    """A request or an answer: strict, and unchanged once made."""
+class HuntProtocolModel(BaseModel):
+    """Base of all requests and answers between the service and the process of hunts: strict and frozen."""
 
     model_config = ConfigDict(extra="forbid", frozen=True)
 
 
-class HuntName(HuntMessage):
+class HuntName(HuntProtocolModel):
     """The program of a misconception, in an exercise ("l20/poses"); an empty `function`: any that has the mistake."""
 
     exercise: str
@@ -29,7 +29,7 @@ class HuntName(HuntMessage):
     function: str = ""
 
 
-class OfferRequest(HuntMessage):
+class OfferRequest(HuntProtocolModel):
     """A request for the first of these hunts that can be made, in the form that `seed` gives its program."""
 
     kind: Literal["offer"] = "offer"
@@ -37,7 +37,7 @@ class OfferRequest(HuntMessage):
     seed: int
 
 
-class InputTrial(HuntMessage):
+class InputTrial(HuntProtocolModel):
     """A request to run both programs on an input; `typed` are the arguments as they were typed, by name."""
 
     kind: Literal["input"] = "input"
@@ -45,7 +45,7 @@ class InputTrial(HuntMessage):
     typed: dict[str, str]
 
 
-class PredictionTrial(HuntMessage):
+class PredictionTrial(HuntProtocolModel):
     """A request to compare a typed value with what the wrong program answers to the witness."""
 
     kind: Literal["prediction"] = "prediction"
@@ -53,7 +53,7 @@ class PredictionTrial(HuntMessage):
     typed: str
 
 
-class LineTrial(HuntMessage):
+class LineTrial(HuntProtocolModel):
     """A request to say whether a line makes the program wrong, in the form of `seed`; line 0 gives up."""
 
     kind: Literal["line"] = "line"
@@ -62,14 +62,14 @@ class LineTrial(HuntMessage):
     line: int
 
 
-class ComparisonRequest(HuntMessage):
+class ComparisonRequest(HuntProtocolModel):
     """A request for a call on which the first possible of these mistakes shows, with the answers of other mistakes."""
 
     kind: Literal["comparison"] = "comparison"
     hunts: tuple[HuntName, ...]
 
 
-class ReviewRequest(HuntMessage):
+class ReviewRequest(HuntProtocolModel):
     """A request to say what could be written otherwise in a program that passes."""
 
     kind: Literal["review"] = "review"
@@ -77,13 +77,13 @@ class ReviewRequest(HuntMessage):
     source: str
 
 
-class PreparationRequest(HuntMessage):
+class PreparationRequest(HuntProtocolModel):
     """A request to be ready for the others; its answer says nothing."""
 
     kind: Literal["readiness"] = "readiness"
 
 
-class HuntQuestion(HuntMessage):
+class HuntQuestion(HuntProtocolModel):
     """A question of the service, recognised by its field `hunts`; `declarations` are those of declared exercises."""
 
     hunts: Annotated[
@@ -99,7 +99,7 @@ class HuntQuestion(HuntMessage):
     declarations: dict[str, dict[str, Any]] = {}
 
 
-class Argument(HuntMessage):
+class Argument(HuntProtocolModel):
     """An argument of the hunted function, what it is in words, and its value in the witness."""
 
     name: str
@@ -108,7 +108,7 @@ class Argument(HuntMessage):
     optional: bool = False
 
 
-class OfferedHunt(HuntMessage):
+class OfferedHunt(HuntProtocolModel):
     """A hunt that can be made. `index` is its place among those asked for; `numbers` and `nonzero`, its answer's size,
     0 where that is not told in numbers.
 
@@ -128,7 +128,7 @@ class OfferedHunt(HuntMessage):
     returns: str
 
 
-class TrialOutcome(HuntMessage):
+class HuntTrialOutcome(HuntProtocolModel):
     """What an input shows, or why it cannot be taken (`refusal`, of the argument `argument`).
 
     `small`: no longer than the known answer. `expected` and `got` are written for readers, or lines of the program
@@ -144,7 +144,7 @@ class TrialOutcome(HuntMessage):
     small: bool = False
 
 
-class ProgramRemark(HuntMessage):
+class ProgramRemark(HuntProtocolModel):
     """Lines of a program to write otherwise, from `line` on; `gain`: how many times faster, 0 if untold."""
 
     line: int
@@ -154,21 +154,21 @@ class ProgramRemark(HuntMessage):
     gain: float = 0.0
 
 
-class ProgramReview(HuntMessage):
+class ProgramReview(HuntProtocolModel):
     """Remarks on a program, each tried; `ratio`: how many times the reference's time it takes, 0 if not measured."""
 
     remarks: tuple[ProgramRemark, ...] = ()
     ratio: float = 0.0
 
 
-class ComparedAnswer(HuntMessage):
+class ComparedAnswer(HuntProtocolModel):
     """An answer to a call, in words, and the misconception that leads to it."""
 
     misconception: str
     words: str
 
 
-class AnswerComparison(HuntMessage):
+class AnswerComparison(HuntProtocolModel):
     """A call, its right answer in words, and different ones of known mistakes, that of the hunt first. `index` is the
     place of the hunt among those asked for."""
 
@@ -179,10 +179,10 @@ class AnswerComparison(HuntMessage):
     wrong: tuple[ComparedAnswer, ...]
 
 
-class HuntReply(HuntMessage):
+class HuntReply(HuntProtocolModel):
     """The answer of the process: no hunt at all, an offer, the outcome of a trial, a comparison, or a review."""
 
     offer: OfferedHunt | None = None
-    outcome: TrialOutcome | None = None
+    outcome: HuntTrialOutcome | None = None
     comparison: AnswerComparison | None = None
     review: ProgramReview | None = None
