@@ -213,6 +213,15 @@ class MutantAnswerCache:
             self._rows_by_ids[key] = [self._row(index, mutant) for mutant in mutants]
         return self._rows_by_ids[key]
 
+    def needed(self, index: int, names: Sequence[str], sequence: AnswerSequence) -> Sequence[str]:
+        """Return three names without the first one that mutants need not to answer alike: they are found before all
+        pairs are tried, and one may change nothing here."""
+        for name in names if len(names) > MAX_COMBINED_MISTAKES else ():
+            others = [other for other in names if other != name]
+            if self.matching(index, self.mutants_making(index, others), sequence):
+                return others
+        return names
+
     def extended_mutants(self, index: int, answers: Sequence[ProbeAnswer]) -> Sequence[MutantRow]:
         """Return, for the mutants that match in the facet, those with one mistake more."""
         facet = self.probes[index].facet

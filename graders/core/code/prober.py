@@ -313,7 +313,8 @@ class Prober:
             fits = self._mutants.matching(index, fitting, sequence)
             common = common_mistakes(fits) if fits else []
             if common and self._mutants.are_shown(index, common, shown, blamed):
-                return common, any(set(row.mutant.ids) == set(common) for row in fits)
+                needed = self._mutants.needed(index, common, sequence)
+                return needed, needed != common or any(set(row.mutant.ids) == set(common) for row in fits)
             if fits:
                 break
         parts, certain = self._name_parts(index, shown, sequence, blamed)
@@ -332,7 +333,7 @@ class Prober:
         fits_of_parts = list(match_parts(shown.got, shown.right, rows))
         begun = [row for fits in fits_of_parts for row in fits]
         if whole := self._mutants.matching(index, self._mutants.with_one_more(index, begun), sequence):
-            return common_mistakes(whole), True
+            return self._mutants.needed(index, common_mistakes(whole), sequence), True
         return list(dict.fromkeys(name for fits in fits_of_parts for name in common_mistakes(fits))), False
 
     def _candidates(self, index: int, answers: Sequence[ProbeAnswer]) -> Iterator[Iterable[MutantRow]]:

@@ -6,11 +6,12 @@ from typing import Any
 
 import pytest
 
+from graders.core.code.isolation import replacing_suffix
 from graders.core.contract.local import LOCAL
 from graders.plotting import counterexample
 from tests.support.quick import THEMES, one_in
 from tests.support.shipped import CODE
-from tests.support.verdicts import verdict_of
+from tests.support.verdicts import model_with, verdict_of
 
 GRADER = CODE["l20/poses"]
 verdict = partial(verdict_of, GRADER.exercise)
@@ -39,6 +40,16 @@ def test_the_counterexample_of_a_forgotten_rotation_is_a_quarter_turn() -> None:
     assert counterexample.inputs["a"][:2] == [0.0, 0.0]
     assert counterexample.inputs["a"][2] == pytest.approx(1.5707963267948966)
     assert sorted(map(abs, counterexample.inputs["b"])) == [0.0, 0.0, 1.0]
+
+
+def test_a_third_mistake_that_changes_nothing_is_not_named() -> None:
+    source = model_with(
+        GRADER.exercise,
+        "return np.pi - (np.pi - angle) % (2 * np.pi)", "return np.fmod(angle + np.pi, 2 * np.pi) - np.pi",
+        "tb = b\n    c, s = np.cos(-ta), np.sin(-ta)", "tb = b\n    c, s = np.cos(-tb), np.sin(-tb)",
+    )  # fmt: skip
+    beside_right_ones = source + replacing_suffix(GRADER, source, ["composer", "inverse"])
+    assert set(GRADER.name_mistakes(beside_right_ones, LOCAL, 3).ids) == {"relatif_cap_de_b", "ramene_d_un_seul_cote"}
 
 
 @pytest.mark.parametrize("theme", THEMES)
