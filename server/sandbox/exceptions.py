@@ -121,8 +121,10 @@ def describe_exception(
 
 
 def _is_of_python(exception: str, text: str) -> bool:
-    """Whether the text is Python's own, about the statement that raises: « raise 3 »."""
-    return exception == "TypeError" and text.startswith("exceptions must")
+    """Whether the text is Python's own, about the statement that raises: « raise 3 », « raise ValuError »."""
+    return (exception == "TypeError" and text.startswith("exceptions must")) or (
+        exception == "NameError" and text.startswith("name '")
+    )
 
 
 def _own_exception(exception: str, text: str) -> str:

@@ -317,6 +317,7 @@ PROGRAMS: dict[str, str] = {
     "raise 'erreur'": '« raise » lève une exception : raise ValueError("le',
     "raise Exception": "Votre programme lève lui-même cette exception.",
     "raise Exception('bof')": "Votre programme lève lui-même cette exception : « bof ».",
+    "raise ValuError('bof')": "Vouliez-vous dire ValueError ?",
     "raise 3": '« raise » lève une exception : raise ValueError("le',
     "return f(x, v, m, l, d, s)": "Une fonction s’appelle elle-même sans fin : quel cas doit",
     "return str(10 ** 10000)": "Cet entier a plus de 4300 chiffres : il est trop long pour",

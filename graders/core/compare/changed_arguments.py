@@ -18,6 +18,8 @@ from graders.typography import elided
 
 #: Numbers of an argument that is changed: larger ones are maps and clouds of a closed loop.
 MAX_SIZE = 400
+#: Error up to which numbers are shares of 1.
+SUM_ONE = 1e-9
 Change = Callable[[Any], Any]
 
 
@@ -50,6 +52,8 @@ def variations(names: tuple[str, ...], call: Arguments) -> Iterator[tuple[int, A
             changes: list[tuple[str, Change]] = [(f"{name} change", lambda x: x * 1.25 + 0.1)]
             if isinstance(value, int):
                 changes = [(f"{name} change", lambda x: x + 1)]
+        elif _is_array(value) and _are_shares(value):
+            changes = [(f"{name} change", _other_shares)]
         elif _is_array(value):
             changes = [
                 (f"{name} change", _other_numbers),
@@ -66,6 +70,17 @@ def variations(names: tuple[str, ...], call: Arguments) -> Iterator[tuple[int, A
         else:
             continue
         yield from ((index, change) for change in _at(index, value, iter(changes)))
+
+
+def _are_shares(value: Floats) -> bool:
+    """Whether numbers are probabilities or weights of sum 1: they are given as such alone."""
+    return value.size > 1 and bool(np.all(value >= 0.0)) and abs(float(value.sum()) - 1.0) < SUM_ONE
+
+
+def _other_shares(value: Floats) -> Floats:
+    """Other shares of 1, those that are zero still so."""
+    other = value * (1.1 + 0.3 * np.cos(np.arange(value.size))).reshape(value.shape)
+    return np.asarray(other / other.sum())
 
 
 @dataclass(frozen=True)

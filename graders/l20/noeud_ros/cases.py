@@ -143,15 +143,16 @@ def settings(rng: Rng) -> Iterator[Scene]:
     """The parameter changes while the node runs; then a node that is launched with another value."""
     asked = [(0.5, 0.3), (0.5, 0.8), (0.7, 0.8), (0.85, 0.8), (0.25, 0.15), (0.12, 0.15), (0.25, 0.6), (0.17, 0.15)]
     yield Scene([_setting(near, distance) for near, distance in asked])
-    yield Scene([_setting(0.5, 0.6), _setting(0.7, 0.6), _setting(0.5, 0.4), _setting(0.35, 0.4)], launched=0.6)
+    at_launch = [_setting(near, 0.6, "donné au lancement :") for near in (0.5, 0.7)]
+    yield Scene([*at_launch, _setting(0.5, 0.4), _setting(0.35, 0.4)], launched=0.6)
     drawn = []
     for distance in np.round(rng.uniform(0.2, 0.9, 3), 2).tolist():
         drawn += [_setting(round(distance - 0.05, 2), distance), _setting(round(distance + 0.05, 2), distance)]
     yield Scene(drawn)
 
 
-def _setting(near: float, distance: float) -> Phase:
-    told = f"un obstacle à {_metres(near)} devant, distance_min réglé à {_metres(distance)}"
+def _setting(near: float, distance: float, how: str = "réglé à") -> Phase:
+    told = f"un obstacle à {_metres(near)} devant, distance_min {how} {_metres(distance)}"
     return phase(beams(36, {18: near}), told, distance=distance)
 
 

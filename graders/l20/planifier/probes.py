@@ -32,6 +32,7 @@ PATHS: tuple[Arguments, ...] = (
     ([(0, 0), (0, 1), (1, 1)], np.zeros((3, 4))),
     ([(0, 0), (1, 1)], np.zeros((3, 4))),
     ([(1, 1)], HILL),
+    ([(1, 1), (1, 2), (2, 2), (1, 1), (0, 0), (0, 1)], HILL),  # through a cell twice
 )
 PLANS: tuple[Arguments, ...] = (
     (cases.CORNER, cases.no_cost(cases.CORNER), (0, 0), (1, 1)),

@@ -106,7 +106,8 @@ class Answers(Check):
         if isinstance(failure.expected, str):
             got = f"elle lève {raised}" if raised else f"elle renvoie {render.text(failure.got)}"
             why = WHY[failure.expected == UNKNOWN_FRAME]
-            message = f"Ici, {why} : on attend {elided('que', self.function)} lève {failure.expected}, et {got}."
+            where = f" {failure.fault.message}" if failure.fault is not None else ""
+            message = f"Ici, {why} : on attend {elided('que', self.function)} lève {failure.expected}, et {got}.{where}"
             return Rejection(
                 message, inputs=inputs, expected=told, got=raised or failure.got, figure=figure, call=call,
                 sign=(self.function, failure.expected, raised) if raised else None,

@@ -8,6 +8,7 @@ import numpy as np
 
 from graders.core.code.bench import Bench
 from graders.core.code.checks import Rejection
+from graders.core.compare import words as render
 from graders.core.compare.comparison import unreadable
 from graders.core.contract.values import Arguments, Floats, UnreadableError, read_array, read_indices
 from graders.l20.tp_slam import pictures
@@ -68,11 +69,26 @@ def keys(bench: Bench) -> None:
         bench.observe("poses_cles", got, ok=got == wanted)
         if got != wanted:
             raise Rejection(
-                f"Sur ce chemin de {len(poses)} poses, on garde les indices {wanted}, et votre fonction {got[:20]}.",
+                f"Sur ce chemin de {len(poses)} poses, on garde les indices {wanted}, et votre fonction {got[:20]}."
+                f"{_first_difference(poses, wanted, got)}",
                 inputs={"poses": np.round(poses, 3)},
                 expected=wanted,
                 got=got[:20],
             )
+
+
+def _first_difference(poses: Floats, wanted: Sequence[int], got: Sequence[int]) -> str:
+    """Return how far the robot comes, from the index kept before, to the first one that is kept wrongly or not kept."""
+    index = min({*wanted} ^ {*got}, default=0)
+    if not 0 < index < len(poses):
+        return ""
+    last = max(kept for kept in wanted if kept < index)
+    length = float(np.hypot(*np.diff(poses[last : index + 1, :2], axis=0).T).sum())
+    turn = abs(float(wrap_angle(poses[index, 2] - poses[last, 2])))
+    return (
+        f" À l'indice {index}, le robot a fait {render.number(100.0 * length, 3)} cm et tourné de "
+        f"{render.number(turn, 3)} rad depuis l'indice {last}."
+    )
 
 
 def _scattered(seed: int, apart: float, count: int) -> Floats:

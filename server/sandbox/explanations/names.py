@@ -118,7 +118,7 @@ def _explain_near_name(name: str, function: str, bound: Sequence[tuple[str, str,
     near = folded.get(name.casefold()) or next(iter(difflib.get_close_matches(name, here, 1, 0.6)), None)
     if near:
         return f"Vouliez-vous dire {near} (ligne {here[near]}) ?"
-    known_names = [it for it in dir(builtins) if it.islower()] + sorted(keyword.kwlist)
+    known_names = [it for it in dir(builtins) if it.islower() or it.endswith("Error")] + sorted(keyword.kwlist)
     if (near := next(iter(difflib.get_close_matches(name, known_names, 1, 0.75)), None)) and len(name) > 3:
         return f"Vouliez-vous dire {near} ?"
     if len(name) > 3 and (near := next(iter(difflib.get_close_matches(name, numpy_names(), 1, 0.85)), None)):

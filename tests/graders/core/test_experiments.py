@@ -219,6 +219,13 @@ def test_a_change_that_leaves_a_call_as_it_is_or_makes_no_number_is_none() -> No
     assert {index for index, _ in variations(("r", "z"), call)} == {0, 1}
 
 
+def test_shares_of_one_vary_as_shares_of_one_alone() -> None:
+    shares = np.array([0.5, 0.3, 0.2, 0.0])
+    varied = [change.apply((shares,)) for _, change in variations(("poids",), (shares,))]
+    assert [call[0].sum() for call in varied if call] == pytest.approx([1.0])
+    assert not any(np.array_equal(call[0], shares) for call in varied if call)
+
+
 @pytest.mark.parametrize(("made_for", "other"), [(np.ones(3), 2.0), (2.0, np.ones(3)), (np.ones((2, 2)), 2.0)])
 def test_a_change_of_an_array_is_none_of_a_number(made_for: Floats | float, other: Floats | float) -> None:
     changes = [*replacements(("l",), (made_for,)), *(change for _, change in variations(("l",), (made_for,)))]
