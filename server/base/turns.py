@@ -96,12 +96,13 @@ class ProcessorUsage:
         self._now = now
         self._used: LRUCache[str, tuple[float, float]] = LRUCache(MAX_FLOWS)
 
-    def of(self, name: str) -> float:
+    def recent_seconds(self, name: str) -> float:
+        """Return the processor seconds of a flow, each halved every `HALF_LIFE` seconds since it was used."""
         seconds, at = self._used.get(name) or (0.0, 0.0)
         return seconds * 0.5 ** ((self._now() - at) / HALF_LIFE) if seconds else 0.0
 
     def add(self, name: str, seconds: float) -> None:
-        self._used.put(name, (self.of(name) + seconds, self._now()))
+        self._used.put(name, (self.recent_seconds(name) + seconds, self._now()))
 
 
 class RequestTurns:
@@ -163,7 +164,7 @@ class RequestTurns:
 
     def _doublings(self, name: str) -> int | None:
         """Return how often one has used twice what makes one busy; None for who is quiet."""
-        used = self._usage.of(name) / BUSY_SECONDS
+        used = self._usage.recent_seconds(name) / BUSY_SECONDS
         if used > 1.0:
             return int(math.log2(used))
         return 0 if self._in_progress[name] >= IN_PROGRESS else None

@@ -10,7 +10,7 @@ from typing import NamedTuple, TypeVar
 from uuid import UUID
 
 from graders.core.contract.outcomes import OPENS_HINTS, Blame, Outcome, blamed_on
-from server.gradebook.histories import Attempts, attempt_totals, computed_once
+from server.gradebook.histories import Attempts, attempt_totals, cached_per_series
 
 FAILURES = frozenset(outcome.value for outcome in blamed_on(Blame.STUDENT))
 #: Failures of programs that run and answer wrongly.
@@ -54,7 +54,7 @@ class FirstSuccess(NamedTuple):
     minutes: float
 
 
-@computed_once
+@cached_per_series
 def misconception_episodes(attempts: Attempts) -> Sequence[tuple[str, MisconceptionEpisode]]:
     """Return each misconception that some attempt shows, with its episode."""
     episodes = []
@@ -84,7 +84,7 @@ def is_solved(attempts: Attempts) -> bool:
     return solved_at(attempts) is not None
 
 
-@computed_once
+@cached_per_series
 def first_success(attempts: Attempts) -> FirstSuccess | None:
     for number, attempt in enumerate(attempts, 1):
         if attempt.outcome == Outcome.OK:

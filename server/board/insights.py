@@ -23,7 +23,7 @@ from server.board.schemas import (
 )
 from server.board.stuck import median_or_none
 from server.course import Course
-from server.gradebook.histories import Attempts, AttemptsByPair, attempt_totals, computed_for, group_by_account
+from server.gradebook.histories import Attempts, AttemptsByPair, attempt_totals, cached_per_history, group_by_account
 from server.gradebook.schemas import HINT_OPENS_AFTER
 from server.submissions.service import code_digest
 
@@ -54,7 +54,7 @@ def exercise_stats(exercises: Sequence[str], attempts: AttemptsByPair) -> tuple[
     return tuple(_stats_of(name, scores.get(name, {}), successes.get(name, []), sums) for name in exercises)
 
 
-@computed_for
+@cached_per_history
 def _own_scores(own: Mapping[str, Attempts], place: str) -> tuple[tuple[str, float, FirstSuccess | None], ...]:
     """Return the best score and the first success of a student at each exercise."""
     return tuple((name, attempt_totals(series).best_score, first_success(series)) for name, series in own.items())
@@ -118,7 +118,7 @@ def hint_stats(course: Course, exercises: Sequence[str], attempts: AttemptsByPai
     return tuple(HintStats(name, _by_hint(name, improved[name])) for name in exercises if name in improved)
 
 
-@computed_for
+@cached_per_history
 def _hints_opened(
     own: Mapping[str, Attempts],
     place: str,

@@ -17,7 +17,7 @@ from server.board import stuck
 from server.board.attempts import FAILURES, Pair, group_by_student, is_solved, is_unexplained
 from server.board.progress import ClassProgress
 from server.board.stuck import PRESENCE, StuckStudent, failures_without_progress, find_stuck
-from server.gradebook.histories import Attempts, AttemptsByPair, computed_once
+from server.gradebook.histories import Attempts, AttemptsByPair, cached_per_series
 
 #: Different failures without progress at the end of the period, from which a student is to be seen; fewer are enough
 #: for a student whom the lesson's page showed as stuck until its end.
@@ -282,7 +282,7 @@ def _overcome_mistakes(period: Mapping[Pair, Attempts]) -> tuple[OvercomeMistake
     return tuple(sorted(rows, key=lambda row: (-len(row.students), row.exercise, row.id)))
 
 
-@computed_once
+@cached_per_series
 def _overcome_in(attempts: Attempts) -> Sequence[str]:
     last, first_with = attempts[-1], {attempt.diagnosis: attempt for attempt in reversed(attempts)}
     return [

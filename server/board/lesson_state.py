@@ -12,7 +12,7 @@ from server.board.attempts import Pair, is_solved, solved_at
 from server.board.progress import ClassProgress
 from server.board.schemas import FEWEST_TO_PROJECT
 from server.board.stuck import PRESENCE, LessonExercises, StuckStudent
-from server.gradebook.histories import Attempts, AttemptsByPair, computed_once
+from server.gradebook.histories import Attempts, AttemptsByPair, cached_per_series
 from server.lesson.models import LiveLesson
 from server.lesson.repository import Visit
 
@@ -138,7 +138,7 @@ def lesson_mistakes(progress: ClassProgress, expected: LessonExercises) -> tuple
     return tuple(sorted(shown, key=lambda row: (-len(row.still), -row.made, order[row.exercise], row.id)))
 
 
-@computed_once
+@cached_per_series
 def _latest_times(attempts: Attempts) -> Mapping[str, datetime]:
     """Return when each misconception was shown last."""
     return {attempt.diagnosis: attempt.sent_at for attempt in attempts if attempt.diagnosis is not None}

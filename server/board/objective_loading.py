@@ -26,7 +26,7 @@ from server.board.progress import ClassProgress
 from server.classes import repository as classes
 from server.classes.models import SchoolClass, Status
 from server.course import Course, Module
-from server.gradebook.histories import Attempts, computed_for, group_by_account, load_attempts, load_revisions
+from server.gradebook.histories import Attempts, cached_per_history, group_by_account, load_attempts, load_revisions
 
 
 @dataclass(frozen=True)
@@ -91,7 +91,7 @@ class ClassObjectives:
         return summarise_class(self.practised, self.states, week_ends)
 
 
-@computed_for
+@cached_per_history
 def _find_own_states(
     own: Mapping[str, Attempts],
     place: tuple[UUID, str],

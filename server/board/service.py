@@ -35,7 +35,7 @@ from server.course import Course
 from server.gradebook.histories import (
     Attempts,
     attempt_totals,
-    computed_for,
+    cached_per_history,
     group_by_account,
     load_attempts,
     load_revisions,
@@ -108,7 +108,7 @@ class BoardInputs:
         }
 
 
-@computed_for
+@cached_per_history
 def _build_cells(
     own: Mapping[str, Attempts],
     class_id: UUID,

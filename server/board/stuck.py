@@ -16,7 +16,7 @@ from uuid import UUID
 
 from server.board.attempts import FAILURES, is_solved
 from server.board.schemas import ProgressState
-from server.gradebook.histories import Attempts, AttemptsByPair, computed_once, group_by_account
+from server.gradebook.histories import Attempts, AttemptsByPair, cached_per_series, group_by_account
 from server.gradebook.standings import StandingTotals
 
 #: Different failures without progress (a better score than all before), and their least duration.
@@ -174,7 +174,7 @@ def own_pace(all_series: Sequence[Attempts]) -> timedelta:
     return timedelta(seconds=median(gaps)) if len(gaps) >= MIN_GAPS else USUAL_PACE
 
 
-@computed_once
+@cached_per_series
 def _gaps(attempts: Attempts) -> Sequence[float]:
     """Return the seconds between an attempt and the next, breaks left out."""
     gaps = [later.sent_at - earlier.sent_at for earlier, later in pairwise(attempts)]

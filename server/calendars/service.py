@@ -46,7 +46,7 @@ def renew_address(db: Session, account: Account) -> str:
     if account.is_guest:
         raise Forbidden(FOR_ACCOUNTS)
     token = secrets.new_token()
-    repository.save_address(db, account.id, secrets.digest(token))
+    repository.save_address(db, account.id, secrets.sha256_hex(token))
     return token
 
 
@@ -57,7 +57,7 @@ def delete_address(db: Session, account: Account) -> None:
 
 def find_owner(db: Session, token: str) -> Account:
     """Return the account whose calendar has this address. Raises NotFound."""
-    digest = secrets.digest(token)
+    digest = secrets.sha256_hex(token)
     row = repository.find_owner(db, digest)
     if row is None or not compare_digest(row[0].token_digest, digest):
         raise NotFound(UNKNOWN)

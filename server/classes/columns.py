@@ -24,7 +24,7 @@ HEADER_ROWS = 20
 
 
 @dataclass(frozen=True)
-class Header:
+class RosterHeader:
     """Where the headers stand: `rows` rows of the list end with them. `doubt` says why a person has to look."""
 
     columns: tuple[ColumnReading, ...]
@@ -32,8 +32,8 @@ class Header:
     line: int
     doubt: str = ""
 
-    def of(self, field: RosterField) -> list[ColumnReading]:
-        """The columns of a field, those that count first before the others."""
+    def columns_of(self, field: RosterField) -> list[ColumnReading]:
+        """Return the columns of a field, those that count first before the others."""
         return sorted((c for c in self.columns if c.field is field), key=lambda c: (-c.rank, c.index))
 
     @property
@@ -45,7 +45,7 @@ class Header:
         return frozenset(column.field for column in self.columns if column.field)
 
 
-def find_header(rows: Sequence[SheetRow]) -> Header | None:
+def find_header(rows: Sequence[SheetRow]) -> RosterHeader | None:
     """Return the headers among the first rows: the first row that names most columns, a name at least."""
     best: tuple[int, int] | None = None
     for place, row in enumerate(rows[:HEADER_ROWS]):
@@ -56,7 +56,7 @@ def find_header(rows: Sequence[SheetRow]) -> Header | None:
     return None if best is None else _header_at(rows, best[1])
 
 
-def _header_at(rows: Sequence[SheetRow], place: int) -> Header:
+def _header_at(rows: Sequence[SheetRow], place: int) -> RosterHeader:
     width = max(len(row.cells) for row in rows)
     cells = list(rows[place].cells) + [""] * (width - len(rows[place].cells))
     last = place
@@ -72,7 +72,7 @@ def _header_at(rows: Sequence[SheetRow], place: int) -> Header:
     while columns and not columns[-1].header:
         columns.pop()
     readings, doubt = _settle(tuple(columns), rows[last + 1 :])
-    return Header(readings, last + 1, rows[place].line, doubt)
+    return RosterHeader(readings, last + 1, rows[place].line, doubt)
 
 
 def _cells_above(rows: Sequence[SheetRow], place: int, width: int) -> list[str]:

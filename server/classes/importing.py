@@ -60,10 +60,10 @@ class ImportPlan:
         return self.roster.ignored
 
     @property
-    def changes(self) -> bool:
+    def has_changes(self) -> bool:
         """Whether anything would be written."""
         here = bool(self.added or self.joining or self.updated or self.left)
-        return here or any(plan.changes for plan in self.others)
+        return here or any(plan.has_changes for plan in self.others)
 
     @cached_property
     def digest(self) -> str:

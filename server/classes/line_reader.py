@@ -7,7 +7,7 @@ import unicodedata
 
 from graders.typography import limit_marks
 from server.base.errors import Invalid
-from server.classes.columns import Header
+from server.classes.columns import RosterHeader
 from server.classes.encodings import damaged_word
 from server.classes.folding import normalise_name
 from server.classes.full_names import split_full_name
@@ -60,8 +60,8 @@ ENCODING_WORDS = {
 class LineReader:
     """Reads the rows of one list, one after the other: a person stands in it once."""
 
-    def __init__(self, header: Header) -> None:
-        self._columns = {name: header.of(name) for name in RosterField}
+    def __init__(self, header: RosterHeader) -> None:
+        self._columns = {name: header.columns_of(name) for name in RosterField}
         self._width = len(header.columns)
         self._seen: dict[str, int] = {}
         self._namesakes: dict[str, list[tuple[str, int]]] = {}

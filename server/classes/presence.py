@@ -21,14 +21,16 @@ def record_presence(db: Session, account_id: UUID) -> None:
     repository.update_last_seen(db, account_id, now, now - PRESENCE_INTERVAL)
 
 
-def is_member(db: Session, account_id: UUID, *, seen: bool = False) -> bool:
-    """Whether the account is an active member of a class that is not archived, which gives its work priority.
+def is_member(db: Session, account_id: UUID) -> bool:
+    """Whether the account is an active member of a class that is not archived, which gives its work priority."""
+    return any(archived_at is None for _, archived_at in repository.load_presence(db, account_id))
 
-    `seen` also records its presence, as `record_presence` does.
-    """
+
+def check_in(db: Session, account_id: UUID) -> bool:
+    """Record the account's presence as `record_presence` does, and return `is_member`: with one query for both."""
     memberships = repository.load_presence(db, account_id)
     since = utc_now() - PRESENCE_INTERVAL
-    if seen and any(last_seen is None or last_seen < since for last_seen, _ in memberships):
+    if any(last_seen is None or last_seen < since for last_seen, _ in memberships):
         record_presence(db, account_id)
     return any(archived_at is None for _, archived_at in memberships)
 

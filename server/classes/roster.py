@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 from itertools import pairwise
 
 from server.base.errors import Invalid
-from server.classes.columns import HEADER_ROWS, Header, columns_by_hand, find_header
+from server.classes.columns import HEADER_ROWS, RosterHeader, columns_by_hand, find_header
 from server.classes.folding import normalise_name
 from server.classes.headers import ColumnReading, RosterField
 from server.classes.line_reader import LineReader
@@ -60,7 +60,7 @@ class Roster:
     """A parsed list. `has_groups`: it has a column for groups, so that an empty cell means none."""
 
     source: ReadRows
-    header: Header
+    header: RosterHeader
     lines: tuple[RosterLine, ...]
     rejected: tuple[RejectedLine, ...]
     warnings: tuple[str, ...] = ()
@@ -120,7 +120,7 @@ def _fold_row(row: SheetRow) -> str:
     return " | ".join(map(normalise_name, row.cells))
 
 
-def _read_header(source: ReadRows, choice: ReadingChoice) -> Header:
+def _read_header(source: ReadRows, choice: ReadingChoice) -> RosterHeader:
     header = find_header(source.rows)
     if choice.columns:
         return _header_by_hand(source, choice, header)
@@ -134,14 +134,14 @@ def _read_header(source: ReadRows, choice: ReadingChoice) -> Header:
     return header
 
 
-def _header_by_hand(source: ReadRows, choice: ReadingChoice, header: Header | None) -> Header:
+def _header_by_hand(source: ReadRows, choice: ReadingChoice, header: RosterHeader | None) -> RosterHeader:
     """Return the columns as a person says; those that say the same as the headers are read as these say."""
     rows = header.rows if header else 0
     if choice.first_line:
         rows = sum(row.line < choice.first_line for row in source.rows)
     known = header.columns if header else ()
     columns = columns_by_hand(choice.columns, known)
-    chosen = Header(columns, rows, header.line if header else 0)
+    chosen = RosterHeader(columns, rows, header.line if header else 0)
     if not chosen.has_names:
         raise UnreadColumns(NO_NAME, source, columns)
     return chosen

@@ -22,7 +22,7 @@ from server.identity import repository as identity
 from server.identity.identities import ExternalPerson, clean_name
 from server.identity.models import Account, Role
 from server.identity.opened_sessions import OpenedSession
-from server.identity.secrets import digest
+from server.identity.secrets import sha256_hex
 from server.identity.service import AccountService
 
 ROLE_WORDS: Mapping[CourseRole, str] = {
@@ -74,7 +74,7 @@ def external_person(provider: IdentityProvider, person: SignedPerson) -> Externa
 
 def session_digest(provider: IdentityProvider, name: str) -> str:
     """Return the digest of a session's name in its provider: another provider's of the same name is another one."""
-    return digest(f"{provider.id} {name}")
+    return sha256_hex(f"{provider.id} {name}")
 
 
 def end_sessions(db: Session, provider: IdentityProvider, name: str) -> int:

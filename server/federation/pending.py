@@ -15,7 +15,7 @@ from server.database import Database, utc_now
 from server.federation import repository
 from server.federation.errors import Refused
 from server.federation.models import PendingSignIn
-from server.identity.secrets import digest, new_token
+from server.identity.secrets import new_token, sha256_hex
 
 LIFETIME = timedelta(minutes=10)
 NONCE = "nonce"
@@ -34,7 +34,7 @@ class BegunSignIn:
 
 def cookie_name(state: str) -> str:
     """Return the name of the cookie of a state: several frames of one page may begin at once."""
-    return COOKIE_PREFIX + digest(state)[:NAME_DIGITS]
+    return COOKIE_PREFIX + sha256_hex(state)[:NAME_DIGITS]
 
 
 def begin(
@@ -50,10 +50,10 @@ def begin(
     begun = BegunSignIn(new_token(), new_token())
     db.add(
         PendingSignIn(
-            state_digest=digest(begun.state),
+            state_digest=sha256_hex(begun.state),
             provider_id=provider_id,
-            nonce_digest=digest(nonce) if nonce else "",
-            browser_digest=digest(begun.browser),
+            nonce_digest=sha256_hex(nonce) if nonce else "",
+            browser_digest=sha256_hex(begun.browser),
             target=target,
             details=dict(details),
             expires_at=utc_now() + lifetime,
@@ -65,7 +65,7 @@ def begin(
 
 def find(db: Session, state: str) -> PendingSignIn:
     """Return a sign-in that has begun and is not used. Raises Refused."""
-    pending = repository.find_pending(db, digest(state), utc_now())
+    pending = repository.find_pending(db, sha256_hex(state), utc_now())
     if pending is None:
         raise Refused("state", USED)
     return pending
@@ -73,14 +73,14 @@ def find(db: Session, state: str) -> PendingSignIn:
 
 def require_browser(pending: PendingSignIn, browser: str) -> None:
     """Raise Refused for another browser than the one that has begun."""
-    if not browser or not compare_digest(pending.browser_digest, digest(browser)):
+    if not browser or not compare_digest(pending.browser_digest, sha256_hex(browser)):
         raise Refused("browser", OTHER_BROWSER)
 
 
 def draw_nonce(db: Session, pending: PendingSignIn, details: Mapping[str, Any]) -> str:
     """Return a new nonce for a sign-in, which replaces an earlier one. Raises Refused."""
     nonce = new_token()
-    row = repository.set_nonce(db, pending.state_digest, pending.browser_digest, digest(nonce), details)
+    row = repository.set_nonce(db, pending.state_digest, pending.browser_digest, sha256_hex(nonce), details)
     if not row:
         raise Refused("state", USED)
     return nonce
@@ -91,7 +91,7 @@ def consume(db: Session, pending: PendingSignIn, nonce: object) -> tuple[str, Ma
     if not isinstance(nonce, str) or not nonce:
         raise Refused("nonce", USED)
     row = repository.consume_pending(
-        db, pending.provider_id, pending.state_digest, digest(nonce), pending.browser_digest, utc_now()
+        db, pending.provider_id, pending.state_digest, sha256_hex(nonce), pending.browser_digest, utc_now()
     )
     if row is None:
         raise Refused("replayed", USED)

@@ -4,8 +4,8 @@ The database draws a new random revision for a submission whenever its counting 
 (`Submission.revision`). The sum of an account's revisions is a version tag: equal tags mean equal attempts. A page
 loads the tags with one small query, and reads the attempts only of the accounts whose tag has changed. Attempts are
 cached with the tag read in the same statement, so that an entry is right whatever other transactions do meanwhile.
-What is computed of a series of attempts alone (`computed_once`) lives as long as the series; what is computed of all
-attempts of an account, with other arguments, until these change (`computed_for`).
+A result that depends on a series of attempts alone lives as long as the series (`cached_per_series`); one that depends
+on all attempts of an account, and on other arguments, lives until these change (`cached_per_history`).
 """
 
 from __future__ import annotations
@@ -59,13 +59,13 @@ AttemptsByPair = Mapping[tuple[UUID, str], Attempts]
 
 
 class AttemptSeries(tuple[GradedAttempt, ...]):
-    """Attempts as a history holds them. Functions marked `computed_once` leave in it what they have returned of it."""
+    """Attempts as a history holds them. Functions marked `cached_per_series` store their results in it."""
 
 
 class OwnAttempts(dict[str, Attempts]):
     """Attempts of one account by exercise, as a history holds them: never changed. `by_pair`: the same.
 
-    Functions marked `computed_for` leave in it what they have returned of it.
+    Functions marked `cached_per_history` store their results in it.
     """
 
     def __init__(self, account: UUID, attempts: Mapping[str, Attempts]) -> None:
@@ -93,7 +93,7 @@ Place = TypeVar("Place", bound=Hashable)
 Arguments = TypeVarTuple("Arguments")
 
 
-def computed_once(compute: Callable[[Attempts], Result]) -> Callable[[Attempts], Result]:
+def cached_per_series(compute: Callable[[Attempts], Result]) -> Callable[[Attempts], Result]:
     """Compute what depends on attempts alone, and never changes, once for each series of a history."""
     name = f"{compute.__module__}.{compute.__qualname__}"
 
@@ -110,7 +110,7 @@ def computed_once(compute: Callable[[Attempts], Result]) -> Callable[[Attempts],
     return find_or_compute
 
 
-def computed_for(
+def cached_per_history(
     compute: Callable[[Mapping[str, Attempts], Place, Unpack[Arguments]], Result],
 ) -> Callable[[Mapping[str, Attempts], Place, Unpack[Arguments]], Result]:
     """Compute what depends on an account's attempts and other arguments anew only where one of these has changed.
@@ -135,7 +135,7 @@ def computed_for(
     return find_or_compute
 
 
-@computed_once
+@cached_per_series
 def attempt_totals(attempts: Attempts) -> StandingTotals:
     """Return what `compute_totals` does."""
     return compute_totals(attempts)
@@ -206,7 +206,7 @@ def group_by_account(attempts: AttemptsByPair) -> Mapping[UUID, Mapping[str, Att
     return by_account
 
 
-@computed_for
+@cached_per_history
 def _choose(own: Mapping[str, Attempts], wanted: frozenset[str], account: UUID) -> OwnAttempts:
     return OwnAttempts(account, {exercise: series for exercise, series in own.items() if exercise in wanted})
 

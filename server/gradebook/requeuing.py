@@ -18,12 +18,12 @@ def requeue(database: Database, submissions: Submissions, *, failed: bool, names
     Each takes a transaction of its own. Failed gradings stay in the history. Return the ids; raise NotFound.
     """
     with database.read() as db:
-        rows = (*stored.ungraded(db), *(repository.list_failed_submissions(db) if failed or names else ()))
+        rows = (*stored.list_ungraded(db), *(repository.list_failed_submissions(db) if failed or names else ()))
         grading_by_submission = {submission.id: submission.grading_id for submission in rows}
     wanted = list(map(parse_submission_id, names))
     for submission_id in sorted(set(wanted) - grading_by_submission.keys()):
         with database.read() as db:
-            unknown = stored.by_id(db, submission_id) is None
+            unknown = stored.find_submission(db, submission_id) is None
         raise NotFound(UNKNOWN_SUBMISSION if unknown else NOTHING_TO_DO.format(name=submission_id))
     return [
         submission_id

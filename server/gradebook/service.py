@@ -38,7 +38,7 @@ def record_grading(db: Session, submission_id: UUID, graded: GradingResult) -> U
     if graded.verdict.diagnosis is not None or graded.verdict.outcome is not Outcome.OK:
         early_verdicts.drop(db, submission_id)
     if earlier_grading is not None:
-        standings.recount(db, account_id, exercise)
+        standings.rebuild_account(db, account_id, exercise)
     elif graded.verdict.outcome.counts:
         verdict = graded.verdict
         attempt = CountedAttempt(sent_at, verdict.outcome.value, verdict.score, verdict.counted_misconception)
@@ -68,12 +68,12 @@ def set_counting_gradings(
     The caller has locked the accounts (`standings.lock_accounts`) before it read the gradings.
     """
     repository.set_counting_gradings(db, grading_by_submission)
-    standings.recount_all(db, accounts, exercise)
+    standings.rebuild_accounts(db, accounts, exercise)
 
 
 def recount_standings(db: Session, account_id: UUID, exercise: str | None = None) -> int:
     """Rebuild an account's standings from its history. Return how many have changed."""
-    return standings.recount(db, account_id, exercise)
+    return standings.rebuild_account(db, account_id, exercise)
 
 
 def rebuild_all_standings(database: Database) -> tuple[int, int]:
@@ -210,7 +210,7 @@ def load_progress(db: Session, account: Account | None, exercise_id: str | None 
     visible = load_visible_standings(db, account.id, exercise_id)
     held_since = load_withholding_times(db, account.id, exercise_id)
     waiting = {
-        **stored.waiting(db, account.id, exercise_id),
+        **stored.count_waiting(db, account.id, exercise_id),
         **stored.count_waiting_or_since(db, account.id, held_since),
     }
     graded = {

@@ -110,13 +110,13 @@ def _count_statement(dialect: str) -> Insert:
     return statement.on_conflict_do_update(index_elements=KEY, set_=changes)
 
 
-def recount(db: Session, account_id: UUID, exercise: str | None = None) -> int:
+def rebuild_account(db: Session, account_id: UUID, exercise: str | None = None) -> int:
     """Rebuild an account's standings, in one exercise or in all. Return how many have changed."""
-    return recount_all(db, [account_id], exercise)
+    return rebuild_accounts(db, [account_id], exercise)
 
 
-def recount_all(db: Session, accounts: Collection[UUID], exercise: str | None = None) -> int:
-    """Rebuild the standings of many accounts.
+def rebuild_accounts(db: Session, accounts: Collection[UUID], exercise: str | None = None) -> int:
+    """Rebuild the standings of many accounts, in one exercise or in all. Return how many have changed.
 
     The rows of the accounts and of their standings are locked before the history is read, so that a grading that ends
     meanwhile is counted afterwards: `count_attempt` waits for the row of the standing, or for that of the account.

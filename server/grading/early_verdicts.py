@@ -29,8 +29,8 @@ class EarlyVerdicts:
     def __init__(self, database: Database, notifier: QueueNotifier, patience: float = PATIENCE_SECONDS) -> None:
         self._database, self._notifier, self._patience = database, notifier, patience
 
-    def of(self, submission_id: UUID) -> WhileNaming:
-        """Return the context within which the mistake of a submission is named."""
+    def naming_context(self, submission_id: UUID) -> WhileNaming:
+        """Return the context in which a mistake is named: where that takes long, the verdict is shown without it."""
 
         @contextmanager
         def while_naming(judgement: Judgement) -> Iterator[None]:

@@ -101,7 +101,7 @@ def _give_up_handler(course: Course) -> GiveUpHandler:
     """Return the handler that records an internal error after too many tries."""
 
     def give_up(db: Session, lease: Lease) -> None:
-        submission = submissions.by_id(db, UUID(lease.key))
+        submission = submissions.find_submission(db, UUID(lease.key))
         if submission is None:
             return
         log.error(

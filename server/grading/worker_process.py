@@ -131,7 +131,7 @@ def _run_worker(
                 )
 
         def grade(work: GradingInput) -> Judgement:
-            return grade_anew(work, early_verdicts.of(work.submission_id))
+            return grade_anew(work, early_verdicts.naming_context(work.submission_id))
 
         queue = TableQueue(notifier)
         tasks: Tasks = {

@@ -71,8 +71,8 @@ class HuntService:
     ask: TraceProgram
     prepare: Callable[[bytes], None]
 
-    async def wake(self) -> None:
-        """Have the process that makes hunts ready for a reader of whom a click asks for one. Waits for nothing."""
+    async def prepare_process(self) -> None:
+        """Prepare the process that makes hunts, for a reader who may ask for one at a click. Waits for nothing."""
         self.prepare(HuntQuestion(hunts=PreparationRequest()).model_dump_json().encode())
 
     async def offer(self, account: Account, exercise_id: str, skip: int, address: str) -> OfferedHunt | None:
@@ -129,7 +129,7 @@ class HuntService:
         """Store that no answer was found. Raises as `offer`."""
         exercise = self._exercise(hunt.exercise)
         await self._read(lambda db: require_may_hunt(db, account, exercise))
-        await self.store(account, exercise, hunt.misconception, kind, is_right=False)
+        await self.store_answer(account, exercise, hunt.misconception, kind, is_right=False)
 
     async def compare(self, account: Account, hunts: Sequence[HuntName], address: str) -> AnswerComparison | None:
         """Return a call on which students differ, from the first of these hunts that gives one; None where none does.
@@ -163,10 +163,10 @@ class HuntService:
             raise InternalFailure("La question n’a pas pu être posée : l’incident est de notre côté. Réessayez.")
         # A wrong input is no answer yet: one looks on. A wrong prediction is one, and so is a wrong line.
         if reply.outcome.is_right or (kind is not QuestionKind.hunt and not reply.outcome.refusal):
-            await self.store(account, exercise, hunt.misconception, kind, is_right=reply.outcome.is_right)
+            await self.store_answer(account, exercise, hunt.misconception, kind, is_right=reply.outcome.is_right)
         return reply.outcome
 
-    async def store(
+    async def store_answer(
         self, account: Account, exercise: Exercise, misconception: str, kind: QuestionKind, *, is_right: bool
     ) -> None:
         """Store an answer in a transaction of its own."""

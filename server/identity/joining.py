@@ -77,7 +77,7 @@ def _require_joinable(accounts: AccountService, newcomer: Account, session: str)
 def _find_newcomer(db: Session, newcomer_id: UUID, session: str) -> tuple[Account, BrowserSession]:
     """Return the account to join to another one, locked, with its session. Raises Conflict or RefusedForm."""
     newcomer = repository.lock_account(db, newcomer_id)
-    opened = repository.find_session(db, secrets.digest(session), utc_now())
+    opened = repository.find_session(db, secrets.sha256_hex(session), utc_now())
     if newcomer is None or opened is None:
         raise Conflict(JOIN_CHANGED)
     if newcomer.is_guest:

@@ -27,20 +27,20 @@ def invite_administrator(db: Session) -> str | None:
         return None
     repository.delete_unused_invitations(db, Role.administrator)
     token = secrets.new_token()
-    db.add(Invitation(token_digest=secrets.digest(token), role=Role.administrator))
+    db.add(Invitation(token_digest=secrets.sha256_hex(token), role=Role.administrator))
     return token
 
 
 def invite(db: Session, role: Role, lifetime: timedelta) -> str:
     """Return a one-time token that creates an account of this role; earlier ones stay valid."""
     token = secrets.new_token()
-    db.add(Invitation(token_digest=secrets.digest(token), role=role, expires_at=utc_now() + lifetime))
+    db.add(Invitation(token_digest=secrets.sha256_hex(token), role=role, expires_at=utc_now() + lifetime))
     return token
 
 
 def check_invitation(db: Session, token: str) -> Invitation:
     """Return an invitation that is still open. Raises NotFound."""
-    invitation = repository.find_open_invitation(db, secrets.digest(token), utc_now())
+    invitation = repository.find_open_invitation(db, secrets.sha256_hex(token), utc_now())
     if invitation is None:
         raise NotFound(USED)
     return invitation
@@ -48,7 +48,7 @@ def check_invitation(db: Session, token: str) -> Invitation:
 
 def use_invitation(db: Session, token: str) -> Role:
     """Use an invitation up, and return its role. Raises Conflict."""
-    role = repository.use_invitation(db, secrets.digest(token), utc_now())
+    role = repository.use_invitation(db, secrets.sha256_hex(token), utc_now())
     if role is None:
         raise Conflict(USED)
     return role
@@ -95,7 +95,7 @@ def create_password_link(
     """
     token = secrets.new_token() if class_id is None else secrets.new_code()
     repository.upsert_password_link(
-        db, account, secrets.digest(token), utc_now() + lifetime, class_id=class_id, made_by=made_by,
+        db, account, secrets.sha256_hex(token), utc_now() + lifetime, class_id=class_id, made_by=made_by,
         code=None if class_id is None else token,
     )  # fmt: skip
     return token
@@ -114,7 +114,7 @@ def find_link_owner(db: Session, token: str, is_in_force: LinkCheck = accept_eve
 
     Raises NotFound.
     """
-    row = repository.find_link_with_account(db, secrets.digest(secrets.read_token(token)), utc_now())
+    row = repository.find_link_with_account(db, secrets.sha256_hex(secrets.normalize_token(token)), utc_now())
     if row is None or not is_in_force(db, row[0]):
         raise NotFound(ENDED)
     return row[1]
@@ -122,7 +122,7 @@ def find_link_owner(db: Session, token: str, is_in_force: LinkCheck = accept_eve
 
 def use_password_link(db: Session, token: str, is_in_force: LinkCheck = accept_every_link) -> Account:
     """Use a link up, and return its account; of two simultaneous uses only one succeeds. Raises Conflict."""
-    token_digest = secrets.digest(secrets.read_token(token))
+    token_digest = secrets.sha256_hex(secrets.normalize_token(token))
     row = repository.find_link_with_account(db, token_digest, utc_now())
     if row is None or not is_in_force(db, row[0]):
         raise Conflict(ENDED)

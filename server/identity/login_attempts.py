@@ -56,10 +56,10 @@ def begin_login(db: Session, settings: Settings, login: str, address: str, devic
     account = repository.find_account_by_typed_login(db, login)
     folded = normalise_login(login)
     if devices.is_known(db, device, account):
-        own = f"login-in:{secrets.digest(f'{folded} {device}')}"
+        own = f"login-in:{secrets.sha256_hex(f'{folded} {device}')}"
         limits.take_token(db, own, settings.login_bucket, TOO_MANY_LOGINS)
         return LoginAttempt(folded, account, KNOWN, [own])
-    own = f"login:{secrets.digest(f'{folded} {address}')}"
+    own = f"login:{secrets.sha256_hex(f'{folded} {address}')}"
     everyone, nobody = f"login-from:{address}", f"login-nobody:{address}"
     limits.take_token(db, own, settings.login_bucket, TOO_MANY_LOGINS)
     refused = limits.seconds_until_token(db, nobody, settings.guest_bucket)

@@ -55,7 +55,7 @@ JoinCheck = Callable[[Session, UUID, UUID], None]
 
 def frames_of_session(db: Session, token: str) -> str:
     """Return the origins that may show a session in a frame, separated by spaces; empty for none."""
-    session = repository.find_session(db, secrets.digest(token), utc_now())
+    session = repository.find_session(db, secrets.sha256_hex(token), utc_now())
     return "" if session is None else session.frames
 
 

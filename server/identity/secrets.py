@@ -22,7 +22,7 @@ def new_code() -> str:
     return "".join(secrets.choice(CODE_LETTERS) for _ in range(CODE_LENGTH))
 
 
-def read_token(text: str) -> str:
+def normalize_token(text: str) -> str:
     """Return the token of a link: a code as it is typed, in any case and with spaces and dashes, or the text itself."""
     code = "".join(letter for letter in tidy_line(text).upper() if letter not in " -–—")
     return code if len(code) == CODE_LENGTH and set(code) <= set(CODE_LETTERS) else text
@@ -33,9 +33,9 @@ def format_code(code: str) -> str:
     return f"{code[: CODE_LENGTH // 2]}-{code[CODE_LENGTH // 2 :]}"
 
 
-def digest(token: str) -> str:
-    """Return the stored digest of a token; with 256 random bits, a plain hash is enough."""
-    return hashlib.sha256(token.encode("utf-8", errors="replace")).hexdigest()
+def sha256_hex(text: str) -> str:
+    """Return the SHA-256 of a text, as stored of a token: with its 256 random bits, a plain hash is enough."""
+    return hashlib.sha256(text.encode("utf-8", errors="replace")).hexdigest()
 
 
 @lru_cache(maxsize=1)

@@ -205,7 +205,7 @@ class AccountService:
 
     def _stored_password(self, account_id: UUID, credential: str) -> tuple[str | None, bool]:
         """Return the stored hash of an account, and whether `credential` is a session that proves who it is."""
-        token_digest = secrets.digest(credential)
+        token_digest = secrets.sha256_hex(credential)
         with self.database.write() as db:
             limits.take_token(db, f"password:{token_digest}", self.settings.login_bucket, TOO_MANY_LOGINS)
             account = repository.find_account(db, account_id)
@@ -238,7 +238,7 @@ class AccountService:
         form = await run_in_threadpool(validate_new_password, new, login=account.login, name=account.name)
         proof = await self.require_password(account, old, credential=session, address=address)
         hashed = await self.hashing.hash(form, address=address, rank=KNOWN)
-        await run_in_threadpool(self._change, proof, hashed, secrets.digest(session))
+        await run_in_threadpool(self._change, proof, hashed, secrets.sha256_hex(session))
 
     def _change(self, proof: PasswordProof | None, hashed: str, session_digest: str) -> None:
         with self.database.write() as db:
@@ -289,7 +289,7 @@ class AccountService:
         token, now, source = secrets.new_token(), utc_now(), origin or SessionOrigin()
         db.add(
             BrowserSession(
-                token_digest=secrets.digest(token),
+                token_digest=secrets.sha256_hex(token),
                 account_id=account.id,
                 expires_at=now + timedelta(days=self.settings.session_days),
                 identity_id=source.identity_id,
@@ -332,7 +332,7 @@ def create_for_roster(db: Session, login: str, name: str) -> Account:
 
 
 def close_session(db: Session, token: str) -> None:
-    repository.delete_session(db, secrets.digest(token))
+    repository.delete_session(db, secrets.sha256_hex(token))
 
 
 def delete_expired(db: Session) -> None:
@@ -344,7 +344,7 @@ def delete_expired(db: Session) -> None:
 
 
 def account_of_session(db: Session, token: str) -> Account | None:
-    account = repository.find_account_by_session(db, secrets.digest(token), utc_now())
+    account = repository.find_account_by_session(db, secrets.sha256_hex(token), utc_now())
     if account is not None:
         record_sender(token, account.id, is_guest=account.is_guest)
     return account

@@ -28,7 +28,7 @@ def create_token(db: Session, account: Account, label: str, settings: Settings) 
         raise RefusedForm({"label": FULL.format(most=settings.api_tokens)})
     secret = secrets.new_token(secrets.API_PREFIX)
     ends = now + timedelta(days=settings.api_token_days)
-    token = ApiToken(account_id=account.id, label=name, token_digest=secrets.digest(secret), expires_at=ends)
+    token = ApiToken(account_id=account.id, label=name, token_digest=secrets.sha256_hex(secret), expires_at=ends)
     db.add(token)
     db.flush()
     return token, secret
@@ -47,7 +47,7 @@ def revoke_token(db: Session, account: Account, token_id: UUID) -> None:
 
 def find_token_owner(database: Database, secret: str) -> Account | None:
     """Return the account of a token; its last use is recorded now and then."""
-    digest, now = secrets.digest(secret), utc_now()
+    digest, now = secrets.sha256_hex(secret), utc_now()
     with database.read() as db:
         row = repository.find_account_by_token(db, digest, now)
     if row is None:

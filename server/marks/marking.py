@@ -15,7 +15,7 @@ from server.assignments.models import Assignment, AttemptSelection, Mode, Sittin
 from server.assignments.rules import OUTSIDE, Rules, SendingWindow, concerns, rules_in_force
 from server.assignments.team_rules import TeamPlace, TeamShare, list_shares, team_rules_in_force
 from server.classes.schemas import StudentRecord
-from server.gradebook.histories import Attempts, computed_for
+from server.gradebook.histories import Attempts, cached_per_history
 from server.marks.schemas import ActiveDecision, ActiveOverride, AssignmentMark, ExerciseMark, OverrideKey
 from server.marks.states import DecidedState, MarkingRules, MarkState
 
@@ -122,7 +122,7 @@ def _sent_in(windows: SendingWindow, attempts: Attempts) -> Attempts:
     return [attempt for attempt in attempts if windows.judge(attempt.sent_at) is not OUTSIDE]
 
 
-@computed_for
+@cached_per_history
 def mark_exercises(
     own: Mapping[str, Attempts],
     assignment: UUID,
@@ -139,7 +139,7 @@ def mark_exercises(
     return tuple(marks)
 
 
-@computed_for
+@cached_per_history
 def _put_together(
     own: Mapping[str, Attempts],
     assignment: UUID,

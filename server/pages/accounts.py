@@ -141,7 +141,7 @@ async def log_in(
 @router.get("/nouveau-mot-de-passe")
 def open_slip(request: Request, account: OptionalAccount, code: CodeQuery = "") -> Response:
     """Asks for the code of a slip, and leads to its page."""
-    letters = "".join(letter for letter in secrets.read_token(code) if letter.isalnum())
+    letters = "".join(letter for letter in secrets.normalize_token(code) if letter.isalnum())
     if letters:
         return redirect(f"/nouveau-mot-de-passe/{letters}")
     return account_form(request, "billet.html", account)

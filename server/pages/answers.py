@@ -18,7 +18,7 @@ from server.course import Exercise
 from server.gradebook import service as gradebook
 from server.gradebook.schemas import Attempt
 from server.pages import service, withheld
-from server.pages.schemas import AnswersPage, GivenView, PieceView, QuestionView, ToldView
+from server.pages.schemas import AnswersPage, GivenView, PieceView, QuestionView, TranscriptView
 from server.submissions.models import Submission
 from server.web.rendering import jinja_environment
 from server.web.views import Reader
@@ -133,23 +133,23 @@ def _placed(fields: FormData, question: Question) -> Any:
     return [places[place] for place in sorted(places)]
 
 
-def told(exercise: Exercise, submission: Submission) -> Sequence[ToldView]:
+def build_transcript(exercise: Exercise, submission: Submission) -> Sequence[TranscriptView]:
     """Return the answers of an attempt for reading; blank questions too, where at least one was answered."""
     grader = _grader(exercise)
     try:
         answers = read_answers(submission.source)
     except UnreadableAnswersError:
-        return [ToldView("", "Fichier envoyé", display_text(submission.code), ())]
+        return [TranscriptView("", "Fichier envoyé", display_text(submission.code), ())]
     given = {answer.question: answer for answer in grader.transcribe(answers, submission.seed)}
     questions = grader.paper(submission.seed).questions if given else ()
     return [
-        told_view(exercise, given[question.id])
+        transcript_view(exercise, given[question.id])
         if question.id in given
-        else ToldView(question.id, exercise.line(question.title), "", ())
+        else TranscriptView(question.id, exercise.line(question.title), "", ())
         for question in questions
     ]
 
 
-def told_view(exercise: Exercise, answer: AnswerTranscript) -> ToldView:
+def transcript_view(exercise: Exercise, answer: AnswerTranscript) -> TranscriptView:
     pieces = tuple((piece.id, exercise.line(piece.text)) for piece in answer.pieces)
-    return ToldView(answer.question, exercise.line(answer.title), answer.text, pieces)
+    return TranscriptView(answer.question, exercise.line(answer.title), answer.text, pieces)

@@ -10,22 +10,22 @@ from server.course import Module
 
 
 @dataclass(frozen=True)
-class Taken:
+class KitDownload:
     content: bytes
     media_type: str
 
 
-def file_of(module: Module, kit: str) -> str:
+def file_name_of(module: Module, kit: str) -> str:
     """Return the file name of a downloaded kit."""
     return f"{kit}.py" if len(module.kits[kit]) == 1 else f"{kit}.zip"
 
 
-def taken(module: Module, file: str) -> Taken:
-    """Raises NotFound."""
-    kit = next((name for name in module.kits if file_of(module, name) == file), None)
+def build_download(module: Module, file: str) -> KitDownload:
+    """Return the file with this name of a kit: the program, or a zip of several. Raises NotFound."""
+    kit = next((name for name in module.kits if file_name_of(module, name) == file), None)
     if kit is None:
         raise NotFound("Ce fichier n’existe pas.")
     files = {path: text.encode() for path, text in module.kits[kit].items()}
     if len(files) > 1:
-        return Taken(reproducible_zip(kit, files), "application/zip")
-    return Taken(files[file], "text/x-python; charset=utf-8")
+        return KitDownload(reproducible_zip(kit, files), "application/zip")
+    return KitDownload(files[file], "text/x-python; charset=utf-8")

@@ -22,8 +22,10 @@ SIGNS_AND_WORDS: Mapping[MarkTone, tuple[str, str]] = {
 }
 
 
-def of(exercise: Exercise, submission: Submission, verdict: Verdict | None, seed: int | None) -> tuple[MarkView, ...]:
-    """A mark for each question of the page, which shows the deal of `seed`.
+def build_marks(
+    exercise: Exercise, submission: Submission, verdict: Verdict | None, seed: int | None
+) -> tuple[MarkView, ...]:
+    """Return a mark for each question of the page, which shows the deal of `seed`.
 
     Empty ones (of tone "none") where there is nothing to say of a question by itself: no verdict yet, steps to be
     ordered, another deal, a file that could not be read, a question that the exercise did not have.
@@ -35,11 +37,13 @@ def of(exercise: Exercise, submission: Submission, verdict: Verdict | None, seed
     if verdict is None or answers is None or submission.seed != seed or verdicts.common_message(verdict.checks):
         return tuple(_empty(question) for question in questions)
     checks = {check.id: check for check in verdict.checks}
-    told = {answer.question: answer for answer in exercise.answers.transcribe(answers, submission.seed)}
+    transcripts = {answer.question: answer for answer in exercise.answers.transcribe(answers, submission.seed)}
     return tuple(
         _empty(question)
         if question.form == "order" or question.id not in checks
-        else _mark(exercise, checks[question.id], told.get(question.id), blank=is_blank(answers.get(question.id)))
+        else _mark(
+            exercise, checks[question.id], transcripts.get(question.id), blank=is_blank(answers.get(question.id))
+        )
         for question in questions
     )
 
@@ -55,7 +59,7 @@ def _empty(question: Question) -> MarkView:
     return MarkView(question.id, "none", "", "", "", "", "", "", "", "")
 
 
-def _mark(exercise: Exercise, check: CheckResult, told: AnswerTranscript | None, *, blank: bool) -> MarkView:
+def _mark(exercise: Exercise, check: CheckResult, transcript: AnswerTranscript | None, *, blank: bool) -> MarkView:
     tone: MarkTone = "good" if check.passed else "blank" if blank else "partial" if check.points else "bad"
     sign, word = SIGNS_AND_WORDS[tone]
     expected = check.counterexample.expected if check.counterexample else None
@@ -66,12 +70,12 @@ def _mark(exercise: Exercise, check: CheckResult, told: AnswerTranscript | None,
         word=word,
         points=format_mark(check.points, check.max_points),
         max_points=format_points(check.max_points),
-        answered=_answered(told) if told else "",
+        answered=_answered(transcript) if transcript else "",
         expected=exercise.line(expected) if isinstance(expected, str) else "",
         message="" if blank else exercise.prose(check.message),
         hint=exercise.line(check.hint) if check.hint else "",
     )
 
 
-def _answered(told: AnswerTranscript) -> str:
-    return ", ".join(piece.id for piece in told.pieces) or told.text
+def _answered(transcript: AnswerTranscript) -> str:
+    return ", ".join(piece.id for piece in transcript.pieces) or transcript.text

@@ -21,9 +21,10 @@ from server.web.views import Reader, exercise_href, solution_switch_view
 from server.web.words import plural
 
 
-def hints(
+def build_hints(
     reader: Reader, exercise: Exercise, progress: ExerciseProgress, access: SolutionAccess
 ) -> tuple[HintView, ...]:
+    """Return the hints of an exercise; those not open yet say after how many failures they open."""
     if access.hints_held is not None and not access.teaches:
         return ()
     everything = progress.succeeded or access.teaches
@@ -46,10 +47,10 @@ def _opens(needed: int, left: int) -> str:
     return f"s’ouvre après {needed} essais différents non réussis, hors syntaxe (encore {left})."
 
 
-def solution(
+def build_solution(
     reader: Reader, exercise: Exercise, progress: ExerciseProgress, access: SolutionAccess, seed: int | None
 ) -> SolutionView | None:
-    """Raises nothing: a solution that one may not read yet is simply absent."""
+    """Return the solution, or None where the reader may not see it yet."""
     why = access.reason(progress)
     if why is None or (exercise.answers is not None and seed is None):
         return None

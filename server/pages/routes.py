@@ -75,9 +75,9 @@ def home(request: Request, reader: CurrentReader) -> HTMLResponse:
 
 @router.get("/{module:module}/kit/{file}")
 def kit(module: str, file: str, reader: CurrentReader) -> Response:
-    taken = kits.taken(find_module(reader.course, module), file)
+    download = kits.build_download(find_module(reader.course, module), file)
     headers = {"Content-Disposition": f'attachment; filename="{file}"'}
-    return Response(taken.content, media_type=taken.media_type, headers=headers)
+    return Response(download.content, media_type=download.media_type, headers=headers)
 
 
 @router.get("/{module:module}/exercices/{slug}", dependencies=[Depends(render_exercise)])
@@ -129,7 +129,7 @@ def exercise_page(
 def _prepare_hunts(request: Request, answer: Response, *, offered: bool) -> None:
     """Once a page that leads to hunts is sent, have the process that makes them ready."""
     if offered:
-        answer.background = BackgroundTask(_hunts(request.app).wake)
+        answer.background = BackgroundTask(_hunts(request.app).prepare_process)
 
 
 def note_seen(request: Request, reader: Reader, database: Database, talks: Sequence[Conversation]) -> None:
@@ -267,7 +267,7 @@ def attempt_page(
     status: int = 200,
 ) -> HTMLResponse:
     exercise = find_exercise(reader.course, *attempt.submission.exercise.split("/"))
-    answered = None if exercise.answers is None else answers.told(exercise, attempt.submission)
+    answered = None if exercise.answers is None else answers.build_transcript(exercise, attempt.submission)
     view = service.attempt_page(reader, exercise, attempt, answered, again=again)
     work = view.results.work
     said = talk.attempt_talk(reader, exercise, attempt, aim, asks=work is not None and work.asks)

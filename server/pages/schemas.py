@@ -324,7 +324,7 @@ class AnswersPage(ExerciseFrame):
 
 
 @dataclass(frozen=True)
-class ToldView:
+class TranscriptView:
     """One answer of an attempt, `title` in HTML: its text, or the letters and HTML of what was chosen.
 
     `question` is what it answers; neither text nor letters where it was left blank.
@@ -344,5 +344,5 @@ class AttemptPage:
     take_href: str
     when: datetime
     code: str
-    told: tuple[ToldView, ...] | None
+    transcript: tuple[TranscriptView, ...] | None
     results: Results

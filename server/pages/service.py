@@ -35,7 +35,7 @@ from server.pages.schemas import (
     RecalledMistake,
     Results,
     ReusedView,
-    ToldView,
+    TranscriptView,
     WorkView,
 )
 from server.pages.waiting import waiting_text
@@ -73,7 +73,7 @@ def exercise_page(reader: Reader, exercise: Exercise, taken: str | None) -> Exer
     latest = gradebook.find_latest_attempt(reader.db, reader.account, exercise.id)
     saved = withheld.load_saved_work(reader, exercise, latest) if taken is None else None
     written = saved.source.decode() if saved else latest.submission.code if latest else exercise.starter
-    kit = "" if exercise.kit == SCENARIOS else kits.file_of(reader.course.modules[exercise.module], exercise.kit)
+    kit = "" if exercise.kit == SCENARIOS else kits.file_name_of(reader.course.modules[exercise.module], exercise.kit)
     return ExercisePage(
         **common_parts(reader, exercise, latest, saved),
         functions=exercise.functions,
@@ -147,7 +147,7 @@ def attempt_page(
     reader: Reader,
     exercise: Exercise,
     attempt: Attempt,
-    answered: Sequence[ToldView] | None = None,
+    answered: Sequence[TranscriptView] | None = None,
     *,
     again: bool = False,
 ) -> AttemptPage:
@@ -163,7 +163,7 @@ def attempt_page(
         take_href=f"{href}?reprendre={submission.id}",
         when=submission.created_at,
         code=submission.code,
-        told=None if answered is None else tuple(answered),
+        transcript=None if answered is None else tuple(answered),
         results=results(
             reader, exercise, _beside(reader, attempt, number), work, submission.seed, attempt.feedback.diagnosis
         ),
@@ -214,8 +214,8 @@ def results(
     access = solutions.load_solution_access(reader.db, reader.account, exercise.id)
     return Results(
         work=work,
-        hints=opening.hints(reader, exercise, progress, access),
-        solution=opening.solution(reader, exercise, progress, access, seed),
+        hints=opening.build_hints(reader, exercise, progress, access),
+        solution=opening.build_solution(reader, exercise, progress, access, seed),
         attempts=_rows(exercise, attempts),
         all_attempts=f"{exercise_href(exercise)}/essais" if attempts.total > RECENT_ATTEMPTS else "",
         own=own_progress(progress),
@@ -262,7 +262,7 @@ def _work(
         events=f"{href}/evenements",
         fragment=f"{href}/verdict{'?deja=true' if again else ''}",
         again=again,
-        marks=marks.of(exercise, submission, verdict, seed),
+        marks=marks.build_marks(exercise, submission, verdict, seed),
         progress=_progress(reader, exercise, attempt, verdict),
         asks=talk.may_ask(reader, exercise, submission.account_id),
         regraded=regraded.load_regraded_view(reader.db, attempt.grading.id, exercise.kind)

@@ -79,7 +79,7 @@ def _authored(db: Session, account_id: UUID) -> list[dict[str, Any]]:
 
 def _attempt(database: Database, course: Course, name: UUID) -> Iterator[File]:
     with database.read() as db:
-        submission = submissions.by_id(db, name)
+        submission = submissions.find_submission(db, name)
         if submission is None:
             return
         feedback_rules = feedback.load_holds(db, submission.account_id, submission.exercise)

@@ -188,7 +188,7 @@ def delete_exercise(db: Session, exercise: AuthoredExercise) -> None:
     db.flush()
 
 
-def lend(exercise: AuthoredExercise, action: str) -> None:
+def change_sharing(exercise: AuthoredExercise, action: str) -> None:
     """Change who may copy an exercise, by its code or in the bank, and whether classes find it in their module."""
     if action in {SHARE, WITHDRAW}:
         exercise.share_code = (exercise.share_code or new_code(SHARE_CODE_LENGTH)) if action == SHARE else None
@@ -206,7 +206,7 @@ def find_shared(db: Session, code: str) -> AuthoredExercise:
     return found
 
 
-def find_lent(db: Session, exercise_id: str) -> AuthoredExercise:
+def find_in_bank(db: Session, exercise_id: str) -> AuthoredExercise:
     """Return an exercise of the bank. Raises NotFound."""
     found = repository.find_exercise(db, parse_uuid(exercise_id, UNKNOWN))
     if found is None or not found.in_bank:

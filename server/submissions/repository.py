@@ -40,12 +40,12 @@ GRADING_ROW = select(*(_submissions.c[name] for name in GradingRow._fields)).whe
 
 
 @prepared_statement
-def _by_id(submission_id: UUID) -> Select[Submission]:
+def _submission_by_id(submission_id: UUID) -> Select[Submission]:
     return select(Submission).where(Submission.id == submission_id)
 
 
-def by_id(db: Session, submission_id: UUID) -> Submission | None:
-    return db.execute(*_by_id(submission_id)).scalar_one_or_none()
+def find_submission(db: Session, submission_id: UUID) -> Submission | None:
+    return db.execute(*_submission_by_id(submission_id)).scalar_one_or_none()
 
 
 def load_grading_row(db: Session, submission_id: UUID) -> GradingRow | None:
@@ -53,20 +53,20 @@ def load_grading_row(db: Session, submission_id: UUID) -> GradingRow | None:
     return None if row is None else GradingRow(*row)
 
 
-def add(db: Session, **values: Any) -> Submission:
+def insert_submission(db: Session, **values: Any) -> Submission:
     """Insert a submission that waits for its first grading; the returned object is detached."""
     write_core(db, INSERT, values)
     return detached_instance(Submission, {**values, "grading_id": None}.items())
 
 
-def ungraded(db: Session) -> Sequence[Submission]:
+def list_ungraded(db: Session) -> Sequence[Submission]:
     """Load all submissions that wait for their first grading, without their source."""
     query = select(Submission).where(Submission.grading_id.is_(None)).options(defer(Submission.source))
     return db.execute(query.order_by(Submission.created_at, Submission.id)).scalars().all()
 
 
 @prepared_statement
-def _waiting(account_id: UUID, exercise: str, *, everywhere: bool) -> Select[str, int]:
+def _waiting_counts(account_id: UUID, exercise: str, *, everywhere: bool) -> Select[str, int]:
     query = (
         select(Submission.exercise, func.count())
         .where(Submission.account_id == account_id, Submission.grading_id.is_(None))
@@ -75,9 +75,9 @@ def _waiting(account_id: UUID, exercise: str, *, everywhere: bool) -> Select[str
     return query if everywhere else query.where(Submission.exercise == exercise)
 
 
-def waiting(db: Session, account_id: UUID, exercise: str | None = None) -> Mapping[str, int]:
-    """How many of an account's submissions wait for their first grading, by exercise (in all, or in one alone)."""
-    return dict(select_core(db, *_waiting(account_id, exercise or "", everywhere=exercise is None)).all())
+def count_waiting(db: Session, account_id: UUID, exercise: str | None = None) -> Mapping[str, int]:
+    """Count an account's submissions that wait for their first grading, by exercise (in all, or in one alone)."""
+    return dict(select_core(db, *_waiting_counts(account_id, exercise or "", everywhere=exercise is None)).all())
 
 
 def count_waiting_or_since(db: Session, account_id: UUID, since: Mapping[str, datetime]) -> Mapping[str, int]:
@@ -103,8 +103,8 @@ def _count_by_exercise(
     return dict(db.execute(query.group_by(Submission.exercise)).all())
 
 
-def latest(db: Session, account_id: UUID, exercise: str) -> Submission | None:
-    """Load the latest submission, graded or not."""
+def find_latest(db: Session, account_id: UUID, exercise: str) -> Submission | None:
+    """Load an account's latest submission to an exercise, graded or not."""
     query = select(Submission).where(Submission.account_id == account_id, Submission.exercise == exercise)
     return db.execute(query.order_by(Submission.created_at.desc(), Submission.id.desc()).limit(1)).scalar_one_or_none()
 

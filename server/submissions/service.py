@@ -133,7 +133,7 @@ class Submissions:
         self, db: Session, account: Account, exercise_id: str, source: bytes, sent_at: datetime, *, answers: bool
     ) -> Submission:
         """Store what a student had saved as their test ended, as if submitted then; no limit applies."""
-        is_member = presence.is_member(db, account.id, seen=True)
+        is_member = presence.check_in(db, account.id)
         return self._store(db, account, "", exercise_id, source, sent_at, uuid4(), answers=answers, is_member=is_member)
 
     def save_work(
@@ -178,7 +178,7 @@ class Submissions:
             sittings.require_no_tested_imports(
                 db, account.id, source, [exercise.id for exercise in self._reused_exercises(exercise_id)]
             )
-        is_member = presence.is_member(db, account.id, seen=True)
+        is_member = presence.check_in(db, account.id)
         if not is_member and free_bytes(self._settings.data_dir) < MIN_FREE_FOR_STRANGERS:
             raise StorageFull(DISK_NEARLY_FULL, retry_after=DISK_RETRY_SECONDS)
         draws = self._draws(account, len(source), None if is_member else address)
@@ -222,7 +222,9 @@ class Submissions:
     ) -> Submission:
         seed = variants.get_or_create_seed(db, account, exercise_id) if answers else secrets.randbits(SEED_BITS)
         values = {"source": source, "digest": code_digest(source.decode()), "seed": seed, "created_at": sent_at}
-        submission = repository.add(db, id=submission_id, account_id=account.id, exercise=exercise_id, **values)
+        submission = repository.insert_submission(
+            db, id=submission_id, account_id=account.id, exercise=exercise_id, **values
+        )
         sender = queue_sender(account, address, member=is_member)
         needs = version_requirement(exercise_id, self._needed_version(exercise_id))
         self._queue.enqueue(
@@ -281,7 +283,7 @@ def _find_resubmission(
     db: Session, account: Account, submission_id: UUID, exercise_id: str, source: bytes
 ) -> Submission | None:
     """Return the submission stored under this id. Raises Invalid where its content differs."""
-    stored = repository.by_id(db, submission_id)
+    stored = repository.find_submission(db, submission_id)
     if stored is not None and (stored.account_id, stored.exercise, stored.source) != (account.id, exercise_id, source):
         raise Invalid(KEY_REUSED)
     return stored

@@ -94,7 +94,7 @@ class SittingCollector:
         if exercise is None:
             log.warning("%s has left the course: what was saved in a test is kept, and not graded", saved.exercise)
             return
-        last_submission = stored.latest(db, account.id, saved.exercise)
+        last_submission = stored.find_latest(db, account.id, saved.exercise)
         if last_submission is not None and (
             last_submission.created_at >= saved.saved_at or last_submission.source == saved.source
         ):

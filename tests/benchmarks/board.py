@@ -27,7 +27,7 @@ from server.course import Course, load_course
 from server.database import Database, utc_now
 from server.database.migrate import upgrade
 from server.identity.models import Account, BrowserSession, Role
-from server.identity.secrets import digest, new_token
+from server.identity.secrets import new_token, sha256_hex
 from tests.benchmarks.measure import figure, median, p95, table
 from tests.support.classes import new_class
 from tests.support.client import TestClient
@@ -73,7 +73,7 @@ def site(data: Path, course: Course) -> Iterator[tuple[TestClient, Database, Acc
             db.add(teacher)
             db.flush()
             later = utc_now().replace(year=2100)
-            db.add(BrowserSession(token_digest=digest(cookie), account_id=teacher.id, expires_at=later))
+            db.add(BrowserSession(token_digest=sha256_hex(cookie), account_id=teacher.id, expires_at=later))
         client.cookies.set(SESSION_COOKIE, cookie)
         yield client, database, teacher
 

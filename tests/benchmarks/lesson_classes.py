@@ -15,7 +15,7 @@ from server.course import Course
 from server.database import Database, table_of, utc_now
 from server.database.migrate import upgrade
 from server.identity.models import Account, BrowserSession, Role
-from server.identity.secrets import digest, new_token
+from server.identity.secrets import new_token, sha256_hex
 from server.lesson.models import LiveLesson
 from tests.benchmarks.crowd.plan import MODULE
 from tests.support.classes import assign, new_class
@@ -64,7 +64,7 @@ def _lesson(
     with database.write() as db:
         later = now.replace(year=2100)
         sessions = [
-            {"token_digest": digest(cookie), "account_id": account, "expires_at": later}
+            {"token_digest": sha256_hex(cookie), "account_id": account, "expires_at": later}
             for account, cookie in cookies.items()
         ]
         db.execute(insert(table_of(BrowserSession)), sessions)

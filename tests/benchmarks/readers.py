@@ -21,7 +21,7 @@ from server.database import Database, utc_now
 from server.database.migrate import upgrade
 from server.gradebook.models import Standing
 from server.identity.models import Account, ApiToken, BrowserSession, Role
-from server.identity.secrets import digest, new_token
+from server.identity.secrets import new_token, sha256_hex
 from server.submissions.models import Submission
 from tests.benchmarks.bench_http import PROJECT
 from tests.support.classes import assign, new_class
@@ -69,8 +69,8 @@ def school(data: Path, course: Course) -> School:
         later = utc_now().replace(year=2100)
         owners = {"student": students[0], "teacher": teacher.id}
         for who, cookie in cookies.items():
-            db.add(BrowserSession(token_digest=digest(cookie), account_id=owners[who], expires_at=later))
-        db.add(ApiToken(account_id=students[0], label="banc", token_digest=digest(token), expires_at=later))
+            db.add(BrowserSession(token_digest=sha256_hex(cookie), account_id=owners[who], expires_at=later))
+        db.add(ApiToken(account_id=students[0], label="banc", token_digest=sha256_hex(token), expires_at=later))
     database.close()
     shown = {who: {SESSION_COOKIE: cookie} for who, cookie in cookies.items()}
     return School({"visitor": {}, **shown}, token, made.id, students[0], given, mistakes[EXERCISE][0])

@@ -12,7 +12,7 @@ from sqlalchemy import Connection, Engine
 from graders.core.contract.outcomes import Outcome
 from server.database.engine import writing_engine
 from server.database.migrate import upgrade
-from server.identity.secrets import digest
+from server.identity.secrets import sha256_hex
 
 BEFORE = "0002"
 POSES, ANSWERS = "l20/poses", "l20/calcul_odometrie"
@@ -72,7 +72,7 @@ class Landed:
             (self.busy, "student", "Bob"),
         ):
             self._add("account", id=account_id, role=role, name=name)
-            token = {"token_digest": digest(name), "account_id": account_id}
+            token = {"token_digest": sha256_hex(name), "account_id": account_id}
             self._add("browser_session", **token, expires_at=LATER)
             self._add("api_token", **token, id=uuid4(), label="essai")
 

@@ -120,7 +120,7 @@ def test_what_is_written_is_a_class_whose_standings_are_right(
     codes = [one for one in graded if course.exercises[one[0]].kind == "code"]
     assert len(codes) == len(set(codes)), "the same file is graded once"
     with database.write() as db:
-        assert not any(standings.recount(db, account) for account in loaded.accounts)
+        assert not any(standings.rebuild_account(db, account) for account in loaded.accounts)
     soon = [replace(step, sent_at=utc_now()) for step in loaded.upcoming[:2]]
     lesson = OngoingLesson(database, course, store, replace(loaded, upcoming=soon))
     lesson.start()

@@ -20,8 +20,8 @@ from server.gradebook.histories import (
     Attempts,
     GradedAttempt,
     Revision,
-    computed_for,
-    computed_once,
+    cached_per_history,
+    cached_per_series,
     load_revisions,
 )
 from server.gradebook.models import Grading
@@ -208,7 +208,7 @@ def test_only_changed_accounts_are_read_again(database: Database, ada: UUID) -> 
 def test_what_follows_from_attempts_alone_is_computed_once(database: Database, ada: UUID) -> None:
     computed = []
 
-    @computed_once
+    @cached_per_series
     def count(attempts: Attempts) -> int:
         computed.append(len(attempts))
         return len(attempts)
@@ -229,7 +229,7 @@ def test_what_follows_from_attempts_alone_is_computed_once(database: Database, a
 def test_what_other_arguments_decide_is_computed_anew_with_these(database: Database, ada: UUID) -> None:
     computed = []
 
-    @computed_for
+    @cached_per_history
     def score(own: Mapping[str, Attempts], place: str, weights: list[float]) -> float:
         computed.append(place)
         return sum(weights) * sum(map(len, own.values()))

@@ -31,7 +31,7 @@ def test_checks_are_shown_while_the_mistake_is_sought(small_site: SmallSite) -> 
     shown: list[str] = []
 
     def grade(sent: GradingInput) -> Judgement:
-        early = EarlyVerdicts(small_site.database, NullNotifier(), patience=0.0).of(sent.submission_id)
+        early = EarlyVerdicts(small_site.database, NullNotifier(), patience=0.0).naming_context(sent.submission_id)
         with early(Judgement(Verdict.from_json(verdict()))):
             while not _is_early(small_site, sent):
                 time.sleep(0.001)
@@ -66,7 +66,7 @@ def _is_early(site: SmallSite, sent: GradingInput) -> bool:
 
 def test_a_name_that_is_found_at_once_stores_nothing(small_site: SmallSite) -> None:
     identity = _identity(small_site.submit("x = 1"))
-    with EarlyVerdicts(small_site.database, NullNotifier(), patience=60.0).of(identity)(
+    with EarlyVerdicts(small_site.database, NullNotifier(), patience=60.0).naming_context(identity)(
         Judgement(Verdict.from_json(verdict()))
     ):
         pass

@@ -14,7 +14,7 @@ from server.classes.models import ClassRole, Membership, SchoolClass, Status
 from server.database import Database, utc_now
 from server.identity import tokens
 from server.identity.models import Account, BrowserSession, Role
-from server.identity.secrets import digest, new_token
+from server.identity.secrets import new_token, sha256_hex
 from tests.support.client import TestClient
 from tests.support.service import Site, new_account
 
@@ -71,5 +71,5 @@ def person(site: Site, role: Role = Role.student, name: str = "Ada", account: Ac
     with site.database.write() as db:
         _, secret = tokens.create_token(db, account, "essai", site.settings)
         ends = service.utc_now().replace(year=2100)
-        db.add(BrowserSession(token_digest=digest(cookie), account_id=account.id, expires_at=ends))
+        db.add(BrowserSession(token_digest=sha256_hex(cookie), account_id=account.id, expires_at=ends))
     return Person(account, {"Authorization": f"Bearer {secret}"}, {SESSION_COOKIE: cookie})

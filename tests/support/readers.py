@@ -62,7 +62,7 @@ from server.federation.rules import Rule
 from server.federation.tokens import read_header
 from server.hunts.service import MAX_TYPED_CHARACTERS
 from server.identity.schemas import validate_new_account, validate_new_password, validate_token_label
-from server.identity.secrets import digest, read_token
+from server.identity.secrets import normalize_token, sha256_hex
 from server.mails.service import parse_address
 from server.marks.cells import ascii_slug, french_csv, plain_csv
 from server.marks.rubric_items import RubricItem, parse_item
@@ -249,7 +249,11 @@ READERS: tuple[Reader, ...] = (
     ),
     Reader("a token's label", validate_token_label, BODY, TEXTS, "form:label"),
     Reader(
-        "a token", lambda text: digest(read_token(text)), BODY, TEXTS, "path:token query:code query:state form:state"
+        "a token",
+        lambda text: sha256_hex(normalize_token(text)),
+        BODY,
+        TEXTS,
+        "path:token query:code query:state form:state",
     ),
     Reader("a class's name", validate_class_name, BODY, TEXTS, "body:NewClass.name"),
     Reader("a class's code", parse_code, HEAD, TEXTS, "body:JoinCode.code"),
@@ -361,7 +365,7 @@ READERS: tuple[Reader, ...] = (
     ),
     Reader(
         "an answer of a system",
-        lambda text: (digest(text), is_service_ticket(text)),
+        lambda text: (sha256_hex(text), is_service_ticket(text)),
         HEAD,
         TEXTS,
         "query:etat query:ticket query:iss query:error raw:server.pages.school.entries.come_back "

@@ -109,7 +109,7 @@ def copy_exercise(
     """Copy an exercise into one's own library: one of the bank, or one whose author gave the code."""
     rights.require_server_right(account, Right.write_exercises)
     try:
-        source = service.find_lent(reader.db, exercice) if exercice else service.find_shared(reader.db, code)
+        source = service.find_in_bank(reader.db, exercice) if exercice else service.find_shared(reader.db, code)
     except NotFound as refused:
         studio.count_guess(reader.db, account)
         commit_then_read(reader.db)
@@ -201,7 +201,7 @@ def save_exercise(
     if action == "brouillon":
         commit_then_read(reader.db)
         return _render_report(context, service.find_own(reader.db, account, exercise_id))
-    service.lend(exercise, action)
+    service.change_sharing(exercise, action)
     return redirect(f"{views.exercise_path(exercise)}#essai")
 
 

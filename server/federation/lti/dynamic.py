@@ -25,7 +25,7 @@ from server.federation.models import ADDRESS_LENGTH, ID_LENGTH, NAME_LENGTH, Ide
 from server.federation.outgoing import Outgoing, is_url, origin_of
 from server.federation.providers import is_origin
 from server.identity.models import ISSUER_LENGTH, Account
-from server.identity.secrets import digest, new_token
+from server.identity.secrets import new_token, sha256_hex
 
 LINK_LIFETIME = timedelta(hours=24)
 TOOL = "https://purl.imsglobal.org/spec/lti-tool-configuration"
@@ -69,20 +69,20 @@ class ToolRegistration(BaseModel):
 def create_link(db: Session, by: Account) -> str:
     """Return the token of a one-time address at which a platform registers itself."""
     token = new_token()
-    db.add(RegistrationLink(token_digest=digest(token), created_by=by.id, expires_at=utc_now() + LINK_LIFETIME))
+    db.add(RegistrationLink(token_digest=sha256_hex(token), created_by=by.id, expires_at=utc_now() + LINK_LIFETIME))
     audit.record_event(db, None, by.id, AuditAction.platform_link_made)
     return token
 
 
 def require_link(db: Session, token: str) -> None:
     """Raise Refused for a link that has been used, or has ended."""
-    if repository.find_registration_link(db, digest(token), utc_now()) is None:
+    if repository.find_registration_link(db, sha256_hex(token), utc_now()) is None:
         raise Refused("registration link", USED_LINK)
 
 
 def use_link(db: Session, token: str) -> UUID:
     """Use a link up, and return who made it: of several uses at once one succeeds. Raises Refused."""
-    maker = repository.use_registration_link(db, digest(token), utc_now())
+    maker = repository.use_registration_link(db, sha256_hex(token), utc_now())
     if maker is None:
         raise Refused("registration link", USED_LINK)
     return maker

@@ -26,7 +26,7 @@ from server.federation.rule_forms import (
 )
 from server.identity.dependencies import OptionalAccount, SignedIn
 from server.identity.models import Account
-from server.identity.secrets import digest
+from server.identity.secrets import sha256_hex
 from server.pages.school.platforms import PLATFORM_PATH
 from server.web.forms import FormFields, redirect, redirect_to_login
 from server.web.rendering import render_page
@@ -64,7 +64,7 @@ def _rule_page(
 
 def _trial_digest(values: Mapping[str, str]) -> str:
     """Return a digest of a rule with the claims on which it has been tried."""
-    return digest("\0".join("\n".join(values.get(name, "").split()) for name in (*FIELDS, "claims")))
+    return sha256_hex("\0".join("\n".join(values.get(name, "").split()) for name in (*FIELDS, "claims")))
 
 
 @router.get(RULE_PATH)

@@ -12,7 +12,7 @@ from server.classes.models import ClassRole, Membership, Status
 from server.course import Course
 from server.database import Database, table_of, utc_now
 from server.identity.models import Account, BrowserSession, Role
-from server.identity.secrets import digest, hash_password, new_token
+from server.identity.secrets import hash_password, new_token, sha256_hex
 from tests.benchmarks.crowd.plan import MODULE, MOST_MISTAKES, Person, Programs
 from tests.support.classes import new_class
 
@@ -66,7 +66,9 @@ def _teacher(database: Database, number: int) -> tuple[Account, str]:
 
 
 def _session(account_id: UUID, cookie: str) -> BrowserSession:
-    return BrowserSession(token_digest=digest(cookie), account_id=account_id, expires_at=utc_now().replace(year=2100))
+    return BrowserSession(
+        token_digest=sha256_hex(cookie), account_id=account_id, expires_at=utc_now().replace(year=2100)
+    )
 
 
 def _seated(database: Database, class_id: UUID, start: int, size: int, hashed: str | None) -> list[Person]:

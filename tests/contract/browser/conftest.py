@@ -15,7 +15,7 @@ import pytest
 from server.base.http import SESSION_COOKIE
 from server.database import Database, utc_now
 from server.identity.models import Account, BrowserSession
-from server.identity.secrets import digest, new_token
+from server.identity.secrets import new_token, sha256_hex
 from tests.support.chromium import chromium
 from tests.support.served import Server
 
@@ -102,7 +102,7 @@ def enters(visitor: Visit, database: Database, account: Account) -> Visit:
     cookie = new_token()
     with database.write() as db:
         ends = utc_now().replace(year=2100)
-        db.add(BrowserSession(token_digest=digest(cookie), account_id=account.id, expires_at=ends))
+        db.add(BrowserSession(token_digest=sha256_hex(cookie), account_id=account.id, expires_at=ends))
     visitor.page.context.add_cookies([{"name": SESSION_COOKIE, "value": cookie, "url": visitor.server.address}])
     return visitor
 

@@ -21,7 +21,7 @@ from server.course import load_course
 from server.database import Database
 from server.identity import tokens
 from server.identity.models import Account, BrowserSession, Role
-from server.identity.secrets import digest, hash_password, new_token
+from server.identity.secrets import hash_password, new_token, sha256_hex
 from tests.contract.gate.attacker import Target
 from tests.support.classes import assign, new_class, seat
 from tests.support.live import Live, environment, until
@@ -169,5 +169,5 @@ def member(database: Database, settings: Settings, account: Account) -> Member:
     with database.write() as db:
         _, secret = tokens.create_token(db, account, "essai", settings)
         ends = utc_now().replace(year=2100)
-        db.add(BrowserSession(token_digest=digest(cookie), account_id=account.id, expires_at=ends))
+        db.add(BrowserSession(token_digest=sha256_hex(cookie), account_id=account.id, expires_at=ends))
     return Member(f"{SESSION_COOKIE}={cookie}", secret)

@@ -35,7 +35,7 @@ from server.gradebook.schemas import GradingResult
 from server.health import readiness
 from server.identity import links
 from server.identity.models import Account, ApiToken, BrowserSession, Invitation, Role
-from server.identity.secrets import digest, new_token
+from server.identity.secrets import new_token, sha256_hex
 from server.lesson.models import LiveLesson
 from server.mails.models import MailSubscription
 from server.mails.service import CONFIRM, sign_link_action
@@ -207,9 +207,9 @@ class Stage:
             db.flush()
             for who, account in self.accounts.items():
                 self.tokens[who], self.own_tokens[who] = new_token(), str(uuid4())
-                token = {"id": UUID(self.own_tokens[who]), "token_digest": digest(self.tokens[who])}
+                token = {"id": UUID(self.own_tokens[who]), "token_digest": sha256_hex(self.tokens[who])}
                 db.add(ApiToken(**token, account_id=account.id, label="essai", expires_at=later))
-                cookie = digest(self.cookies[who])
+                cookie = sha256_hex(self.cookies[who])
                 db.add(BrowserSession(token_digest=cookie, account_id=account.id, expires_at=later))
                 if who in SEATS:
                     db.add(Membership(class_id=self.made.id, account_id=account.id, role=SEATS[who]))
@@ -240,7 +240,7 @@ class Stage:
             self._give(db)
             self.link = links.create_password_link(db, self.accounts["stranger"], timedelta(hours=1))
             self.invitation = new_token()
-            db.add(Invitation(token_digest=digest(self.invitation), role=Role.teacher))
+            db.add(Invitation(token_digest=sha256_hex(self.invitation), role=Role.teacher))
             db.flush()
             self._grade(db)
             self.regrade = Regrade(class_id=self.made.id, exercise=EXERCISE, policy="replace")
