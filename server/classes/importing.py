@@ -125,7 +125,7 @@ def _plan_class(
         try:
             member = matching.match_member(line)
             if member is not None:
-                (updated.append((line, member)) if matching.changes(line, member) else unchanged.append(line))
+                (updated.append((line, member)) if matching.would_change(line, member) else unchanged.append(line))
                 continue
             account = matching.match_account(line)
             (added.append(line) if account is None else joining.append((line, account)))

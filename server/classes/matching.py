@@ -95,7 +95,7 @@ class MemberMatcher:
 
     def _match_namesakes(self, line: RosterLine, namesakes: Sequence[Member]) -> Member:
         """Return the namesake whom the line does not change, where the list has as many of them. Raises Invalid."""
-        free = (member for member in namesakes if member.id not in self.matched and not self.changes(line, member))
+        free = (member for member in namesakes if member.id not in self.matched and not self.would_change(line, member))
         same = next(free, None)
         if same is None or line.account_login or self.lines_by_name[_key(line.name)] != len(namesakes):
             raise Invalid(SEVERAL)
@@ -114,7 +114,8 @@ class MemberMatcher:
             raise Invalid(EXISTS.format(login=account.login))
         return account
 
-    def changes(self, line: RosterLine, member: Member) -> bool:
+    def would_change(self, line: RosterLine, member: Member) -> bool:
+        """Whether the import of this line would change the member."""
         fields = merge_fields(line, member.membership, self.has_groups)
         return member.status is not Status.active or fields != stored_fields(member.membership)
 

@@ -179,7 +179,7 @@ def one_correction(landmarks: int, update: Update) -> Callable[[], object]:
     robot = EkfSlam(SlamNoise(0.02, 0.01, 0.05, 0.02))
     root = rng.normal(size=(size, 8))
     robot.mean, robot.covariance = rng.normal(size=size), np.asfortranarray(root @ root.T + np.eye(size))
-    sighting = robot.compare(3, np.array([3.0, 0.2]))
+    sighting = robot.predict_sighting(3, np.array([3.0, 0.2]))
     return lambda: update(robot.covariance, sighting, robot.noise.sighting)
 
 
