@@ -56,6 +56,7 @@ CONTRACTS = (
             Boundary("une même paire mesurée plusieurs fois", has_pair_twice),
             Boundary("une arête à rebours, (j, i)", lambda p, a, *n: any(i > j for i, j, _, _ in a)),
             Boundary("n_iter omis", lambda *args: len(args) == 2),
+            Boundary("n_iter inférieur à 10", free="il n’est pas donné"),
             Boundary("un départ déjà au minimum", lambda p, a, *n: len(a) == 2 and np.array_equal(p[1], a[0][2])),
             Boundary("un cap de la première pose hors de ]−π, π]", free="il n’est pas donné"),
             Boundary("un graphe en plusieurs morceaux", free="il n’est pas demandé"),
