@@ -33,7 +33,7 @@ CONTRACTS = (
         {"P": array("n", "d"), "Q": array("n", "d")},
         TupleForm(
             parts={"R": array("d", "d"), "t": array("d")},
-            precision=f"Jugé par la somme des carrés, minimale à 10⁻⁷ près, en proportion, et "
+            precision="Jugé par la somme des carrés, minimale à 10⁻⁷ près, en proportion, et "
             f"RᵀR = I à {power_text(ORTHONORMAL)} près (un calcul en float32 ne suffit pas).",
         ),
         (
