@@ -111,13 +111,16 @@ class Prober:
                     ruled += self._ruled_names(index, sequence, last)
                     continue
                 names, is_certain = self._name_borne_out(index, sequence, functions, named)
-            if search is not None and not is_certain and (pair := self._find_pair(index, sequence, functions, search)):
+            pair = [] if search is None or is_certain else self._find_pair(index, sequence, functions, search)
+            if pair:
                 names, is_certain = self._borne_out(pair, self.probes[index].function, named), True
             with self._lock:
                 named[self.probes[index].function] = frozenset(names)
                 certain = certain and is_certain
                 alike |= {*names} if is_certain else set()
                 silent += self._silent_names(index, sequence, [name for name in names if name not in mistakes])
+                if len(names) > 1 and is_certain and not pair:  # together they may answer as a third, not catalogued
+                    silent += [SilentName(name, index, "", ()) for name in names]
                 mistakes += [mistake for mistake in names if mistake not in mistakes]
                 fallback += (last := () if names else self._fallback_names(index, sequence))
                 ruled += self._ruled_names(index, sequence, names or last)
@@ -257,13 +260,8 @@ class Prober:
             differs = [d or p.function in runner.stale for d, p in zip(differs, probes_of_kit, strict=False)]
             repeated: Sequence[list[ProbeAnswer]] = ()
             if any(differs):
-                repeated = probe_side_program(
-                    runner,
-                    probes_of_kit,
-                    batches,
-                    with_other_seed(probes_of_kit[0].kit),
-                    runner.clock() + MAX_PROBING_SECONDS,
-                )
+                other, until = with_other_seed(probes_of_kit[0].kit), runner.clock() + MAX_PROBING_SECONDS
+                repeated = probe_side_program(runner, probes_of_kit, batches, other, until)
             for k, answers in enumerate(results):
                 if len(answers) > len(probes_of_kit[k].calls):
                     again = repeated[k] if repeated and differs[k] else ()

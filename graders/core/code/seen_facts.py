@@ -159,6 +159,8 @@ def related_fact(trial: FunctionTrial, view: ReturnedValue) -> SeenFact | None:
     tries, wrong, example = len(trial.calls), sum(series.wrong), "" if trial.unique else " par exemple"
     title = f"{capital_subject(view.words)} {relation.words}"
     seen = f"C’est ainsi dans les {tries} essais{f', dont {wrong} faux' if wrong < tries else ''}."
+    if not relation.says_what:
+        seen = f"Sur {tries} essais, {wrong} sont faux."
     proof = (
         f"{seen} Par exemple, pour {trial.shown(trial.calls[k])}, "
         f"on attend{example} {shown_value(series.right[k])} et on obtient {shown_value(series.got[k])}."

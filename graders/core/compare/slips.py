@@ -139,9 +139,9 @@ SLIPS = {
         Slip(
             "precision_perdue",
             "Des résultats justes à quelques chiffres près seulement",
-            "Vos valeurs approchent les bonnes sans les atteindre. Cela vient d'un arrondi, d'une constante écrite "
-            "avec trop peu de chiffres, d'un terme ajouté « pour ne pas diviser par zéro », d'un calcul en float32, ou "
-            "d'un calcul approché dont le pas est trop grand.",
+            "Vos valeurs approchent les bonnes sans les atteindre. Cela vient souvent d'un arrondi, d'une constante "
+            "écrite avec trop peu de chiffres, d'un terme ajouté « pour ne pas diviser par zéro », d'une valeur "
+            "bornée, d'un calcul en float32, ou d'un calcul approché dont le pas est trop grand.",
             "Quelle ligne de votre code ne calcule qu'à peu près ?",
         ),
         Slip(

@@ -188,4 +188,4 @@ def _not_a_sum(error: float, k: int, stairs: Floats, n: int) -> str:
     if found is not None:
         return f"{text} : c'est {found}."
     sums = " ; ".join(render.number(float(value), 5) for value in stairs[:6])
-    return f"{text}, qui n'est la somme des carrés à aucun moment ({sums}…)."
+    return f"{text}, qui n'est aucune des sommes de carrés attendues ({sums}…)."

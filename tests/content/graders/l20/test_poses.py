@@ -52,6 +52,18 @@ def test_a_third_mistake_that_changes_nothing_is_not_named() -> None:
     assert set(GRADER.name_mistakes(beside_right_ones, LOCAL, 3).ids) == {"relatif_cap_de_b", "ramene_d_un_seul_cote"}
 
 
+def test_two_mistakes_of_one_function_that_are_not_found_in_it_are_told_as_a_resemblance() -> None:
+    """A position that is conjugated too answers as two mistakes of the catalogue together."""
+    source = model_with(
+        GRADER.exercise,
+        "u = -(c * x - s * y)", "autre = -complex(x, y) * complex(np.cos(t), np.sin(t))\n    u = autre.real",
+        "v = -(s * x + c * y)", "v = -autre.imag",
+    )  # fmt: skip
+    diagnosis = verdict(source, 3).diagnosis
+    assert diagnosis is not None
+    assert all(title.casefold().startswith("peut-être") for title in diagnosis.titles)
+
+
 @pytest.mark.parametrize("theme", THEMES)
 def test_figures_draw(theme: str) -> None:
     mistake = next(m for m in GRADER.misconceptions if m.id == "degres_dans_cos")
