@@ -119,8 +119,10 @@ class Prober:
                 certain = certain and is_certain
                 alike |= {*names} if is_certain else set()
                 silent += self._silent_names(index, sequence, [name for name in names if name not in mistakes])
-                if len(names) > 1 and is_certain and not pair:  # together they may answer as a third, not catalogued
-                    silent += [SilentName(name, index, "", ()) for name in names]
+                if len(names) > 1 and is_certain and not pair:  # together they may answer as a third, not known
+                    both = self._mutants.matching_first_answer(index, MAX_COMBINED_MISTAKES, answers[0])
+                    if self._mutants.matching(index, both, sequence):
+                        silent += [SilentName(name, index, "", ()) for name in names]
                 mistakes += [mistake for mistake in names if mistake not in mistakes]
                 fallback += (last := () if names else self._fallback_names(index, sequence))
                 ruled += self._ruled_names(index, sequence, names or last)
