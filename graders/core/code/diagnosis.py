@@ -126,8 +126,7 @@ def combine_diagnoses(
     """Return one diagnosis of several mistakes, slips and facts: the id of the first, the texts of all.
 
     `hidden` are the titles of those that show only where the other functions are right, `grounds` those of the ids.
-    What is true only of a program
-    with one mistake is left out beside another one, and where not `explains_all`.
+    What is true only of a program with one mistake is left out beside another one, and where not `explains_all`.
     """
     named: dict[str, Misconception | Slip] = {**SLIPS, **{mistake.id: mistake for mistake in misconceptions}}
     together: list[Misconception | Slip] = [*(named[mistake] for mistake in ids), *facts]

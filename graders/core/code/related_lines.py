@@ -12,6 +12,7 @@ from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass
 
 from graders.core.code.call_graph import find_callers
+from graders.core.compare.forms import text_list
 from graders.core.syntax_trees import parse_or_none
 
 #: Names that a line reads that are told; lines where one name is read.
@@ -89,7 +90,8 @@ def _told_reads(tree: ast.Module, scope: ast.AST, statements: Sequence[ast.stmt]
             above = inside or ([] if _is_parameter(scope, name) else _set_at(tree, name, own_only=True))
             if above and above[-1] not in lines:
                 told.setdefault(name, above[-1])
-    return _listed([f"{name} (ligne {line})" for name, line in list(told.items())[:MAX_NAMES]])
+    where = [f"{name} (ligne {line})" for name, line in list(told.items())[:MAX_NAMES]]
+    return text_list(where) if where else ""
 
 
 def _told_uses(scope: ast.AST, statements: Sequence[ast.stmt]) -> str:
@@ -105,7 +107,7 @@ def _told_uses(scope: ast.AST, statements: Sequence[ast.stmt]) -> str:
                 found |= uses
     if not found or len(found) > MAX_USES:
         return ""
-    return f"{_listed(counted)} {'servent' if len(counted) > 1 else 'sert'} {_numbered(sorted(found), 'à')}"
+    return f"{text_list(counted)} {'servent' if len(counted) > 1 else 'sert'} {_numbered(sorted(found), 'à')}"
 
 
 def _function_around(tree: ast.Module, line: int) -> ast.FunctionDef | None:
@@ -169,9 +171,4 @@ def _numbered(lines: Sequence[int], preposition: str = "") -> str:
     """« ligne 36 », « lignes 36 et 38 »; « à la ligne 36 », « aux lignes 36 et 38 »."""
     noun = "lignes" if len(lines) > 1 else "ligne"
     article = {"": "", "à": "aux " if len(lines) > 1 else "à la "}[preposition]
-    return f"{article}{noun} {_listed([str(line) for line in lines])}"
-
-
-def _listed(words: Sequence[str]) -> str:
-    *first, last = words or ("",)
-    return f"{', '.join(first)} et {last}" if first else last
+    return f"{article}{noun} {text_list([str(line) for line in lines])}"

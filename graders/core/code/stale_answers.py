@@ -18,14 +18,14 @@ import numpy as np
 from graders.core.code.checks import Check, Rejection
 from graders.core.code.contracts import FunctionContract
 from graders.core.code.probe_runs import MEMORY
-from graders.core.code.probes import TOLERANCE, Probes
+from graders.core.code.probes import Probes, same_probe_answer
 from graders.core.code.runner import Runner
 from graders.core.code.running import failed_finding
 from graders.core.code.stateless import may_change_state
 from graders.core.compare.python_values import in_counterexample
 from graders.core.contract.findings import Finding
 from graders.core.contract.program import Answer, PlannedCalls, Reply, StudentFault, flatten_blocks
-from graders.core.contract.values import Arguments, Value, same_value
+from graders.core.contract.values import Arguments, Value
 
 #: Seconds for all calls of one launch.
 MAX_SECONDS = 2.0
@@ -163,17 +163,13 @@ def _stale_answer(
     """Compare the answers to a series with those of another launch to some of its calls, by their places."""
     for place, fresh in again.items() if len(answers) == len(series) else ():
         changed, old, now = series[place], answers[series[place].base], answers[place]
-        if not isinstance(old, Reply) or not isinstance(now, Reply) or not _is_same(now.value, old.value):
+        if not isinstance(old, Reply) or not isinstance(now, Reply) or not same_probe_answer(now.value, old.value):
             continue
         if isinstance(fresh, StudentFault):
             return StaleAnswer(function, changed.args, changed.index, f"une exception ({fresh.exception})", now.value)
-        if not _is_same(fresh.value, old.value):
+        if not same_probe_answer(fresh.value, old.value):
             return StaleAnswer(function, changed.args, changed.index, fresh.value, now.value)
     return None
-
-
-def _is_same(first: Value, second: Value) -> bool:
-    return same_value(first, second, tolerance=TOLERANCE)
 
 
 def _other_values(value: Any, others: Sequence[Any]) -> Iterator[Any]:

@@ -52,7 +52,7 @@ def variations(names: tuple[str, ...], call: Arguments) -> Iterator[tuple[int, A
             changes: list[tuple[str, Change]] = [(f"{name} change", lambda x: x * 1.25 + 0.1)]
             if isinstance(value, int):
                 changes = [(f"{name} change", lambda x: x + 1)]
-        elif _is_array(value) and _are_shares(value):
+        elif _is_array(value) and are_shares(value):
             changes = [(f"{name} change", _other_shares)]
         elif _is_array(value):
             changes = [
@@ -72,7 +72,7 @@ def variations(names: tuple[str, ...], call: Arguments) -> Iterator[tuple[int, A
         yield from ((index, change) for change in _at(index, value, iter(changes)))
 
 
-def _are_shares(value: Floats) -> bool:
+def are_shares(value: Floats) -> bool:
     """Whether numbers are probabilities or weights of sum 1: they are given as such alone."""
     return value.size > 1 and bool(np.all(value >= 0.0)) and abs(float(value.sum()) - 1.0) < SUM_ONE
 

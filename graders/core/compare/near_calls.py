@@ -10,6 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from graders.core.compare.changed_arguments import are_shares
 from graders.core.contract.values import Arguments, Floats, Value
 from graders.typography import elided
 
@@ -60,7 +61,7 @@ def _other_numbers(old: float) -> list[float]:
 def _array_changes(name: str, old: Floats) -> Iterator[tuple[int, str, Floats]]:
     is_square = old.ndim == 2 and old.shape[0] == old.shape[1] > 1
     is_symmetric = is_square and np.array_equal(old, old.T)
-    is_share = old.ndim == 1 and old.size > 1 and (old >= 0.0).all() and abs(float(old.sum()) - 1.0) < 1e-9
+    is_share = old.ndim == 1 and are_shares(old)
     if old.size <= MAX_ENTRIES and not is_share:
         for place in np.ndindex(old.shape):
             if is_symmetric and place[0] > place[1]:

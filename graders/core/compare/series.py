@@ -11,6 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from graders.core.compare.forms import text_list
 from graders.core.compare.invariants import tell_invariants, tell_sizes
 from graders.core.compare.words import number
 from graders.core.contract.values import Arguments, Floats
@@ -300,18 +301,13 @@ def _lines(series: Series) -> Iterator[str]:
     if all(got.ndim == 2 for got, _ in pairs):
         columns = {tuple(np.flatnonzero(_differs(got.T, right.T)).tolist()) for got, right in pairs}
         if len(columns) == 1 and 0 < len(only := columns.pop()) < pairs[0][0].shape[1]:
-            told = _listed(only)
+            told = text_list([*map(str, only)])
             yield f"n’est faux que dans {'la colonne' if len(only) == 1 else 'les colonnes'} {told} {seen}"
     elif len(set(lengths)) == 1 and 1 < lengths[0] <= 6:
         places = {tuple(rows.tolist()) for rows in wrong_rows}
         if len(places) == 1 and 0 < len(only := places.pop()) < lengths[0]:
-            told = _listed(only)
+            told = text_list([*map(str, only)])
             yield f"n’est faux qu’{'à l’indice' if len(only) == 1 else 'aux indices'} {told} {seen}"
-
-
-def _listed(numbers: Sequence[int]) -> str:
-    *first, last = map(str, numbers)
-    return f"{', '.join(first)} et {last}" if first else last
 
 
 def _differs(got: Floats, right: Floats) -> np.ndarray:
