@@ -92,6 +92,7 @@ def test_two_tabs_keep_both_versions_until_one_is_chosen(visit: NewVisit) -> Non
     told, told_there = page.locator("#versions"), other.locator("#versions")
     expect(told).to_contain_text("dans un autre onglet")
     expect(code).to_contain_text("a = 1")
+    expect(told_there).to_be_visible()  # what was put aside has reached the other tab: the browser holds it
 
     page.reload()
     expect(code).to_contain_text("b = 2")
