@@ -25,31 +25,31 @@ class AnswerSequence:
 
     def add(self, answer: ProbeAnswer) -> None:
         self.answers.append(answer)
-        self.arrays.append(_read(answer))
-        for name in ("_shapes", "_numbers", "_begins"):
+        self.arrays.append(_read_answer_array(answer))
+        for name in ("_array_shapes", "_all_numbers", "_begin_offsets"):
             self.__dict__.pop(name, None)
 
     @cached_property
-    def _shapes(self) -> tuple[Shape, ...] | None:
+    def _array_shapes(self) -> tuple[Shape, ...] | None:
         """Shapes of the arrays; None where some answer is not a non-empty array of numbers."""
         shapes = tuple(array.shape for array in self.arrays if array is not None and array.size)
         return shapes if len(shapes) == len(self.arrays) else None
 
     @cached_property
-    def _numbers(self) -> Floats:
+    def _all_numbers(self) -> Floats:
         return np.concatenate([array.ravel() for array in self.arrays if array is not None])
 
     @cached_property
-    def _begins(self) -> NDArray[np.int64]:
+    def _begin_offsets(self) -> NDArray[np.int64]:
         return np.cumsum([0, *(array.size for array in self.arrays[:-1] if array is not None)])
 
     def agreement(self, other: AnswerSequence) -> list[bool]:
         """Return whether each answer agrees with the other sequence's answer at its index."""
         count = min(len(self.arrays), len(other.arrays))
-        if not count or self._shapes is None or self._shapes != other._shapes:
+        if not count or self._array_shapes is None or self._array_shapes != other._array_shapes:
             return [self.agrees_at(other, k) for k in range(count)]
-        same = near(self._numbers, other._numbers, TOLERANCE)
-        return list(map(bool, np.logical_and.reduceat(same, self._begins)))
+        same = near(self._all_numbers, other._all_numbers, TOLERANCE)
+        return list(map(bool, np.logical_and.reduceat(same, self._begin_offsets)))
 
     def agrees_at(self, other: AnswerSequence, k: int) -> bool:
         """Whether the k-th answers agree."""
@@ -66,7 +66,7 @@ class AnswerColumn:
         self._answers = answers
         self._unread: list[int] = []
         self._places: dict[Shape, list[int]] = {}
-        arrays = list(map(_read, answers))
+        arrays = list(map(_read_answer_array, answers))
         for index, array in enumerate(arrays):
             (self._unread if array is None else self._places.setdefault(array.shape, [])).append(index)
         self._rows = {
@@ -76,7 +76,7 @@ class AnswerColumn:
 
     def indices_of(self, answer: ProbeAnswer) -> list[int]:
         """Return the indices of the answers that agree with this one."""
-        array = _read(answer)
+        array = _read_answer_array(answer)
         if array is None:
             return [index for index in self._unread if same_probe_answer(self._answers[index], answer)]
         if array.shape not in self._rows:
@@ -86,7 +86,7 @@ class AnswerColumn:
         return [indices[k] for k in np.flatnonzero(same)]
 
 
-def _read(answer: ProbeAnswer) -> Floats | None:
+def _read_answer_array(answer: ProbeAnswer) -> Floats | None:
     """Read an answer as an array of numbers; None where it is not one."""
     if isinstance(answer, ProbeFault):
         return None

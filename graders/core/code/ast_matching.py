@@ -26,7 +26,7 @@ def match_nodes(pattern: ast.AST, node: ast.AST, names: Names, fixed_names: froz
         before = names.get(pattern.id)
         if before is None:
             yield {**names, pattern.id: node}
-        elif _source(before) == _source(node):
+        elif _unparse_node(before) == _unparse_node(node):
             yield names
         return
     if isinstance(pattern, ast.expr) and isinstance(node, ast.expr):
@@ -42,7 +42,7 @@ def match_nodes(pattern: ast.AST, node: ast.AST, names: Names, fixed_names: froz
                 for matched in match_nodes(pattern.left, left, names, fixed_names):
                     yield from match_nodes(pattern.right, other, matched, fixed_names)
             return
-    if _library_function(pattern) and _library_function(pattern) == _library_function(node):
+    if _library_function_name(pattern) and _library_function_name(pattern) == _library_function_name(node):
         yield names
     elif type(pattern) is type(node):
         yield from _match_fields(pattern, node, names, fixed_names)
@@ -51,7 +51,7 @@ def match_nodes(pattern: ast.AST, node: ast.AST, names: Names, fixed_names: froz
 def _match_fields(pattern: ast.AST, node: ast.AST, names: Names, fixed_names: frozenset[str]) -> Iterator[Names]:
     pairs = paired_children(pattern, node)
     if pairs is not None:
-        yield from _match_pairs(pairs, names, fixed_names)
+        yield from _match_node_pairs(pairs, names, fixed_names)
 
 
 def paired_children(first: ast.AST, other: ast.AST) -> Sequence[tuple[ast.AST, ast.AST]] | None:
@@ -71,7 +71,7 @@ def paired_children(first: ast.AST, other: ast.AST) -> Sequence[tuple[ast.AST, a
     return pairs
 
 
-def _match_pairs(
+def _match_node_pairs(
     pairs: Sequence[tuple[ast.AST, ast.AST]], names: Names, fixed_names: frozenset[str]
 ) -> Iterator[Names]:
     if not pairs:
@@ -79,7 +79,7 @@ def _match_pairs(
         return
     (pattern, node), *others = pairs
     for matched in match_nodes(pattern, node, names, fixed_names):
-        yield from _match_pairs(others, matched, fixed_names)
+        yield from _match_node_pairs(others, matched, fixed_names)
 
 
 def match_terms(
@@ -88,7 +88,7 @@ def match_terms(
     """Yield each substitution under which two lists of signed terms match in this order."""
     if all(own[0] == other[0] for own, other in zip(pattern_terms, node_terms, strict=True)):
         pairs = [(own[1], other[1]) for own, other in zip(pattern_terms, node_terms, strict=True)]
-        yield from _match_pairs(pairs, names, fixed_names)
+        yield from _match_node_pairs(pairs, names, fixed_names)
 
 
 def signed_terms(node: ast.expr, *, plus: bool = True) -> list[Term]:
@@ -110,12 +110,12 @@ def _is_product(node: ast.AST) -> bool:
     return isinstance(node, ast.BinOp) and isinstance(node.op, ast.Mult)
 
 
-def _library_function(node: ast.AST) -> str:
+def _library_function_name(node: ast.AST) -> str:
     """Return the bare name of a library function: `cos` for np.cos and math.cos; "" otherwise."""
     if isinstance(node, ast.Attribute) and isinstance(node.value, ast.Name) and node.value.id in MODULES:
         return node.attr
     return ""
 
 
-def _source(node: ast.expr) -> str:
+def _unparse_node(node: ast.expr) -> str:
     return ast.unparse(node)

@@ -29,7 +29,7 @@ def take_plain_answers(blocks: Iterator[Sequence[Answer]]) -> Sequence[Answer]:
     plain: list[Sequence[Answer]] = []
     for answers in blocks:
         plain.append(answers)
-        if not _is_plain(answers):
+        if not _are_small_numbers(answers):
             break
     return concatenate_blocks(plain)
 
@@ -43,9 +43,9 @@ def judge_batch(
     """
     if not isinstance(answers, ArrayReplies) or not isinstance(compare, RowComparator):
         return ()
-    if not 0 < len(batch.calls) == len(answers) or not _is_plain(answers):
+    if not 0 < len(batch.calls) == len(answers) or not _are_small_numbers(answers):
         return ()
-    expected_rows, got = np.asarray(expected(*_columns(batch.calls))), answers.values
+    expected_rows, got = np.asarray(expected(*_argument_columns(batch.calls))), answers.values
     errors = compare.row_errors(expected_rows, got) if expected_rows.shape == got.shape else None
     if errors is None:
         return ()
@@ -59,11 +59,11 @@ def answer_value(answer: Answer) -> Value:
     return answer.value if isinstance(answer, Reply) else None
 
 
-def _columns(calls: Sequence[Arguments]) -> Iterable[Floats]:
+def _argument_columns(calls: Sequence[Arguments]) -> Iterable[Floats]:
     return calls.columns if isinstance(calls, Rows) else map(np.array, zip(*calls, strict=True))
 
 
-def _is_plain(answers: Sequence[Answer]) -> bool:
+def _are_small_numbers(answers: Sequence[Answer]) -> bool:
     """Whether all answers are numbers, or small arrays of numbers."""
     if isinstance(answers, ArrayReplies):
         return answers.values[:1].size <= MAX_BATCHED_ITEMS
@@ -78,7 +78,7 @@ def _concatenate_arrays(blocks: Sequence[Sequence[Answer]]) -> ArrayReplies | No
     """Return all answers as one array; None unless all are floats or arrays of one shape, without arguments."""
     arrays: list[Floats] = []
     for block in blocks:
-        array = block.values if isinstance(block, ArrayReplies) else _as_array(block)
+        array = block.values if isinstance(block, ArrayReplies) else _to_plain_array(block)
         if array is None or (arrays and array.shape[1:] != arrays[0].shape[1:]):
             return None
         arrays.append(array)
@@ -87,7 +87,7 @@ def _concatenate_arrays(blocks: Sequence[Sequence[Answer]]) -> ArrayReplies | No
     return ArrayReplies(arrays[0] if len(arrays) == 1 else np.concatenate(arrays))
 
 
-def _as_array(answers: Sequence[Answer]) -> Floats | None:
+def _to_plain_array(answers: Sequence[Answer]) -> Floats | None:
     if not all(isinstance(answer, Reply) and answer.arguments is None for answer in answers):
         return None
     values = list(map(answer_value, answers))

@@ -82,7 +82,7 @@ class Behaviour:
 
 
 @dataclass
-class _SeriesResult:
+class _SeriesAnswers:
     """The answers to one series of calls, and the part of them that is compared."""
 
     answers: list[Answer]
@@ -122,21 +122,21 @@ class BehaviourObserver:
     @cached_property
     def series(self) -> tuple[CallSeries, ...]:
         """All series of calls, grouped by kit."""
-        all_series = [*self._probed(), *self._recorded()]
-        kits = list({id(series.kit): series.kit for series in all_series}.values()) or [self._kit]
-        all_series += self._left_alone(kits[0])
+        all_series = [*self._iter_probe_series(), *self._iter_recorded_series()]
+        kits = list({id(series.kit): series.kit for series in all_series}.values()) or [self._kit_settings]
+        all_series += self._iter_unmodified_argument_series(kits[0])
         return tuple(series for kit in kits for series in all_series if series.kit is kit)
 
     @cached_property
-    def _kit(self) -> KitSettings:
+    def _kit_settings(self) -> KitSettings:
         return self._grader.kit(stream(self._seed, "kit"))
 
-    def _probed(self) -> Iterator[CallSeries]:
+    def _iter_probe_series(self) -> Iterator[CallSeries]:
         prober = self._grader.prober
         for index, probes in enumerate(prober.probes if prober else ()):
             yield CallSeries(probes.function, probes.calls, probes.kit, probes.read, index)
 
-    def _recorded(self) -> Iterator[CallSeries]:
+    def _iter_recorded_series(self) -> Iterator[CallSeries]:
         """Yield the calls that the checks make of the solution, for functions without probes."""
         prober = self._grader.prober
         missing = [
@@ -145,16 +145,16 @@ class BehaviourObserver:
         if not missing:
             return
         recorder = CallRecorder(missing)
-        runner = Runner(recorder, self._grader.solution.encode(), self._kit, reenacting=True)
+        runner = Runner(recorder, self._grader.solution.encode(), self._kit_settings, reenacting=True)
         with closing(runner):
             for check in self._grader.checks:
                 if set(missing) & set(check.functions) and not isinstance(check, Untouched):
                     with suppress(Rejection, StudentFault):
-                        check.run(Bench(check.id, runner, stream(self._seed, check.id), self._kit))
+                        check.run(Bench(check.id, runner, stream(self._seed, check.id), self._kit_settings))
         for kit, function, calls in recorder.calls_by_kit():
-            yield CallSeries(function, calls, self._kit if kit == self._kit else kit)
+            yield CallSeries(function, calls, self._kit_settings if kit == self._kit_settings else kit)
 
-    def _left_alone(self, kit: KitSettings) -> Iterator[CallSeries]:
+    def _iter_unmodified_argument_series(self, kit: KitSettings) -> Iterator[CallSeries]:
         for check in self._grader.checks:
             if isinstance(check, Untouched):
                 for function, args in check.inputs(stream(self._seed, check.id)).items():
@@ -162,19 +162,23 @@ class BehaviourObserver:
 
     def observe(self, source: bytes, programs: Programs) -> Behaviour:
         """Return the behaviour of a file's program. It is launched twice; unstable answers do not count."""
-        first = self._round(source, programs, frozenset())
+        first = self._answer_all_series(source, programs, frozenset())
         if first is None:
             return Behaviour((), is_loadable=False)
         stopped = frozenset(
-            series.function for series, result in zip(self.series, first, strict=True) if _stopped(result.answers)
+            series.function
+            for series, result in zip(self.series, first, strict=True)
+            if _has_fatal_fault(result.answers)
         )
-        second = self._round(source, programs, stopped)
+        second = self._answer_all_series(source, programs, stopped)
         if second is None:
             return Behaviour((), is_loadable=False)
         with self._lock:
-            return self._behaviour(first, second, stopped)
+            return self._compare_launches(first, second, stopped)
 
-    def _round(self, source: bytes, programs: Programs, without: Collection[str]) -> list[_SeriesResult] | None:
+    def _answer_all_series(
+        self, source: bytes, programs: Programs, without: Collection[str]
+    ) -> list[_SeriesAnswers] | None:
         """Launch the program and answer every series, without the functions `without`; None if it does not load."""
         results = []
         for _, group in itertools.groupby(self.series, key=lambda series: id(series.kit)):
@@ -186,18 +190,20 @@ class BehaviourObserver:
                     return None
                 for series in group_series:
                     answers = [] if series.function in without else list(call_series(runner, series))
-                    results.append(_SeriesResult(answers, stored_answers(series, answers)))
+                    results.append(_SeriesAnswers(answers, stored_answers(series, answers)))
         return results
 
-    def _behaviour(
-        self, first: Sequence[_SeriesResult], second: Sequence[_SeriesResult], stopped: Collection[str]
+    def _compare_launches(
+        self, first: Sequence[_SeriesAnswers], second: Sequence[_SeriesAnswers], stopped: Collection[str]
     ) -> Behaviour:
         answers: list[StoredAnswer] = []
         wrong: list[int] = []
         wrong_answers: list[_WrongAnswer] = []
         for series, result, repeated in zip(self.series, first, second, strict=True):
-            steady = result.shown if series.function in stopped else _steady(result.shown, repeated.shown)
-            for k in () if _lacks(result.answers) else self._wrong(series, result, steady):
+            steady = (
+                result.shown if series.function in stopped else _mark_unstable_answers(result.shown, repeated.shown)
+            )
+            for k in () if _lacks_function(result.answers) else self._wrong_answer_indices(series, result, steady):
                 wrong.append(len(answers) + k)
                 wrong_answers.append(_WrongAnswer(series, k, result.answers[k] if k < len(result.answers) else None))
             answers += steady
@@ -205,18 +211,20 @@ class BehaviourObserver:
             truncate_answers(answers),
             tuple(wrong),
             tuple(dict.fromkeys(result.series.function for result in wrong_answers)),
-            lacks_function=any(_lacks(result.answers) for result in first),
-            example=self._example(wrong_answers),
+            lacks_function=any(_lacks_function(result.answers) for result in first),
+            example=self._choose_example(wrong_answers),
         )
 
-    def _wrong(self, series: CallSeries, result: _SeriesResult, steady: Sequence[StoredAnswer]) -> list[int]:
+    def _wrong_answer_indices(
+        self, series: CallSeries, result: _SeriesAnswers, steady: Sequence[StoredAnswer]
+    ) -> list[int]:
         """Return the indices of the stable answers that are wrong."""
-        right = self._right(series, result.answers)
+        right = self._right_answers(series, result.answers)
         return [
             k for k, answer in enumerate(steady) if not (same_answer(answer, right[k]) or same_answer(answer, UNSTABLE))
         ]
 
-    def _right(self, series: CallSeries, answers: Sequence[Answer]) -> Sequence[StoredAnswer]:
+    def _right_answers(self, series: CallSeries, answers: Sequence[Answer]) -> Sequence[StoredAnswer]:
         """Return the right answers, in the style of this program where the exercise knows several."""
         if series.keeping:
             return [to_stored("")]
@@ -224,59 +232,59 @@ class BehaviourObserver:
         if series.probes is not None and prober is not None:
             padded = [*read_answers(series, answers), *[STOPPED] * len(series.calls)][: len(series.calls)]
             return [to_stored(right_answer) for right_answer in prober.nearest_right_answers(series.probes, padded)]
-        return [to_stored(read_answer(args, self._solved(series, args), series.read)) for args in series.calls]
+        return [to_stored(read_answer(args, self._solution_answer(series, args), series.read)) for args in series.calls]
 
-    def _solved(self, series: CallSeries, args: Arguments) -> Answer:
+    def _solution_answer(self, series: CallSeries, args: Arguments) -> Answer:
         """Return the solution's answer to one call, from a fresh launch."""
         try:
             return LocalProgram(self._grader.solution.encode(), series.kit).call(series.function, *args)
         except StudentFault as fault:
             return fault
 
-    def _example(self, wrong: Sequence[_WrongAnswer]) -> Example | None:
+    def _choose_example(self, wrong: Sequence[_WrongAnswer]) -> Example | None:
         """Return the smallest wrong input, preferably with a unique right answer and without an exception."""
         ranked = [
-            (self._is_free(wrong_answer.series), wrong_answer.raises, wrong_answer.size, index)
+            (self._has_several_right_answers(wrong_answer.series), wrong_answer.raises, wrong_answer.size, index)
             for index, wrong_answer in enumerate(wrong)
         ]
         chosen = [wrong[index] for *_, index in sorted(ranked) if wrong[index].answer is not None]
         if not chosen:
             return None
         series, answer, args = chosen[0].series, chosen[0].answer, chosen[0].args
-        names = _parameters(self._grader.solution, series.function, len(args))
+        names = _parameter_names(self._grader.solution, series.function, len(args))
         inputs = {name: to_jsonable(value) for name, value in zip(names, args, strict=True)}
         if isinstance(answer, Reply) and series.keeping:
             at = series.keeping.index(modified_arguments(series, answer)[0])
             return Example(series.function, inputs, to_jsonable(args[at]), to_jsonable((answer.arguments or ())[at]))
-        solved = None if self._is_free(series) else self._solved(series, args)
+        solved = None if self._has_several_right_answers(series) else self._solution_answer(series, args)
         expected = tidy(to_jsonable(solved.value)) if isinstance(solved, Reply) else None
         got = tidy(to_jsonable(answer.value)) if isinstance(answer, Reply) else str(answer)[:MAX_MESSAGE]
         return Example(series.function, inputs, expected, got)
 
-    def _is_free(self, series: CallSeries) -> bool:
+    def _has_several_right_answers(self, series: CallSeries) -> bool:
         """Whether several answers are right, so that the solution itself may differ from the model."""
         if series not in self._free:
-            answers = [] if series.keeping else [self._solved(series, args) for args in series.calls]
+            answers = [] if series.keeping else [self._solution_answer(series, args) for args in series.calls]
             stored = stored_answers(series, answers)
             self._free[series] = not series.keeping and bool(
-                self._wrong(series, _SeriesResult(answers, stored), stored)
+                self._wrong_answer_indices(series, _SeriesAnswers(answers, stored), stored)
             )
         return self._free[series]
 
 
-def _steady(first: Sequence[StoredAnswer], second: Sequence[StoredAnswer]) -> list[StoredAnswer]:
+def _mark_unstable_answers(first: Sequence[StoredAnswer], second: Sequence[StoredAnswer]) -> list[StoredAnswer]:
     return [a if same_answer(a, b) else UNSTABLE for a, b in zip(first, second, strict=True)]
 
 
-def _stopped(answers: Sequence[Answer]) -> bool:
+def _has_fatal_fault(answers: Sequence[Answer]) -> bool:
     return any(isinstance(answer, StudentFault) and answer.fatal for answer in answers)
 
 
-def _lacks(answers: Sequence[Answer]) -> bool:
+def _lacks_function(answers: Sequence[Answer]) -> bool:
     return any(isinstance(answer, StudentFault) and answer.outcome is Outcome.MISSING_FUNCTION for answer in answers)
 
 
-def _parameters(source: str, function: str, count: int) -> tuple[str, ...]:
+def _parameter_names(source: str, function: str, count: int) -> tuple[str, ...]:
     """Return the names of the first parameters of a function in a source."""
     for node in ast.walk(parse_source(source)):
         if isinstance(node, ast.FunctionDef) and node.name == function and len(node.args.args) >= count:

@@ -63,9 +63,9 @@ class Bench:
         """Return the prefetched answer to a call: from `prefetch`, or the next planned call; None otherwise."""
         for batch, answers_received in self._unindexed:
             for arguments, answer in zip(batch.calls, answers_received, strict=False):
-                self._prefetched.setdefault(_key(batch.function, arguments), deque()).append(answer)
+                self._prefetched.setdefault(_hashable_call_key(batch.function, arguments), deque()).append(answer)
         self._unindexed.clear()
-        stored = self._prefetched.get(_key(function, args)) if self._prefetched else None
+        stored = self._prefetched.get(_hashable_call_key(function, args)) if self._prefetched else None
         if stored:
             return stored.popleft()
         if self._planned_turns is None:
@@ -179,7 +179,7 @@ class Bench:
         self.side_kit = None  # what fails later fails on the main program
 
 
-def _key(function: str, args: Arguments) -> Key:
+def _hashable_call_key(function: str, args: Arguments) -> Key:
     """Return a hashable key of a call: numbers and arrays by their bytes."""
     arrays = [np.asarray(arg) for arg in args]
     return function, tuple((array.dtype.str, array.shape, array.tobytes()) for array in arrays)

@@ -10,17 +10,17 @@ from graders.core.syntax_trees import parse_or_none
 
 def find_callers(source: bytes, names: Collection[str]) -> frozenset[str]:
     """Return the functions of a program that call one of these, by others or not; none where it cannot be read."""
-    return _callers(_read_names(source), names)
+    return _transitive_callers(_names_read_by_function(source), names)
 
 
 def find_shared_helpers(source: bytes, functions: Collection[str], asked: Collection[str]) -> list[str]:
     """Return the functions of a program, none `asked` by the exercise, that several of these functions call."""
-    read = _read_names(source)
+    read = _names_read_by_function(source)
     helpers = [name for name in read if name not in asked]
-    return [name for name in helpers if len(_callers(read, [name]).intersection(functions)) > 1]
+    return [name for name in helpers if len(_transitive_callers(read, [name]).intersection(functions)) > 1]
 
 
-def _read_names(source: bytes) -> Mapping[str, Set[str]]:
+def _names_read_by_function(source: bytes) -> Mapping[str, Set[str]]:
     """Return the names that each function of a program reads; none where it cannot be read."""
     tree = parse_or_none(source)
     if tree is None:
@@ -32,7 +32,7 @@ def _read_names(source: bytes) -> Mapping[str, Set[str]]:
     }
 
 
-def _callers(read: Mapping[str, Set[str]], names: Collection[str]) -> frozenset[str]:
+def _transitive_callers(read: Mapping[str, Set[str]], names: Collection[str]) -> frozenset[str]:
     found = set(names)
     while more := {name for name, used in read.items() if used & found} - found:
         found |= more

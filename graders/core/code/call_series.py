@@ -51,10 +51,10 @@ def stored_answers(series: CallSeries, answers: Sequence[Answer]) -> list[Stored
 
 def read_answers(series: CallSeries, answers: Sequence[Answer]) -> list[ProbeAnswer]:
     """Return the compared part of each answer."""
-    return [_read_one(series, args, answer) for args, answer in zip(series.calls, answers, strict=False)]
+    return [_read_compared_part(series, args, answer) for args, answer in zip(series.calls, answers, strict=False)]
 
 
-def _read_one(series: CallSeries, args: Arguments, answer: Answer) -> ProbeAnswer:
+def _read_compared_part(series: CallSeries, args: Arguments, answer: Answer) -> ProbeAnswer:
     if isinstance(answer, Reply) and series.keeping:
         return ", ".join(modified_arguments(series, answer))
     if isinstance(answer, StudentFault) and answer.exception in NAME_ERRORS:

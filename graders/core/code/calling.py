@@ -24,8 +24,8 @@ def tell_signatures(findings: Sequence[Finding], solution: str) -> list[Finding]
 
     A wrong call within the student's own file, which has a line, is left as it is.
     """
-    signatures = _signatures(solution)
-    return [_with_signature(finding, signatures) for finding in findings]
+    signatures = _solution_signatures(solution)
+    return [_add_signature_to_message(finding, signatures) for finding in findings]
 
 
 def tell_once(findings: Sequence[Finding]) -> list[Finding]:
@@ -41,7 +41,7 @@ def tell_once(findings: Sequence[Finding]) -> list[Finding]:
             continue
         functions = None if finding.sign else finding.result.message
         first = first_of.setdefault((finding.cause, finding.sign, functions), finding)
-        shortened.append(finding if first is finding else _told_before(finding, first))
+        shortened.append(finding if first is finding else _shorten_repeated_reason(finding, first))
     return shortened
 
 
@@ -52,7 +52,7 @@ _REASONS = {
 }
 
 
-def _told_before(finding: Finding, first: Finding) -> Finding:
+def _shorten_repeated_reason(finding: Finding, first: Finding) -> Finding:
     told = replace(finding.result, hint=None, repeats=first.result.id)
     if finding.cause not in _SHORTENED:  # what concerns the whole file: pages fold it
         return replace(finding, result=told)
@@ -63,7 +63,7 @@ def _told_before(finding: Finding, first: Finding) -> Finding:
     return replace(finding, result=replace(told, message=message))
 
 
-def _with_signature(finding: Finding, signatures: dict[str, str]) -> Finding:
+def _add_signature_to_message(finding: Finding, signatures: dict[str, str]) -> Finding:
     message = finding.result.message or ""
     called = _WRONG_CALL.search(message.replace("\u00a0", " "))
     if finding.cause is not Outcome.RUNTIME_ERROR or called is None or _BEGINS_WITH_LINE.match(message):
@@ -76,7 +76,7 @@ def _with_signature(finding: Finding, signatures: dict[str, str]) -> Finding:
 
 
 @cache
-def _signatures(solution: str) -> dict[str, str]:
+def _solution_signatures(solution: str) -> dict[str, str]:
     """Return how the functions of a solution are defined, by name: « odometrie(pose, ds_g, ds_d, L) »."""
     return {
         node.name: f"{node.name}({ast.unparse(node.args)})"

@@ -53,20 +53,20 @@ def find_changes(
     text = ProgramText.read(source)
     if text is None:
         return []
-    nodes = sorted(_reached_nodes(text, functions, apart), key=lambda node: getattr(node, "lineno", 0))
+    nodes = sorted(_iter_reachable_nodes(text, functions, apart), key=lambda node: getattr(node, "lineno", 0))
     lines = {getattr(node, "lineno", 0) for node in nodes}
     undone = (
         change
-        for change in _undone_mistakes(source, functions, model, spent)
+        for change in _iter_mistake_repairs(source, functions, model, spent)
         if lines.issuperset((change.line, *change.further))
     )
     changes: dict[str, ProgramChange] = {}
-    for change in itertools.islice(itertools.chain(undone, _other_changes(text, nodes)), MAX_CHANGES):
+    for change in itertools.islice(itertools.chain(undone, _iter_rule_changes(text, nodes)), MAX_CHANGES):
         changes.setdefault(change.text, change)
     return list(changes.values())
 
 
-def _undone_mistakes(
+def _iter_mistake_repairs(
     source: str, functions: Sequence[str], model: Model | None, spent: Callable[[], bool]
 ) -> Iterator[ProgramChange]:
     for mistake in dict.fromkeys(edit.id for edit in model.edits) if model else ():
@@ -76,20 +76,20 @@ def _undone_mistakes(
             yield ProgramChange(repair.text, count_turns(repair.text), first, "", mistake, tuple(others))
 
 
-def _other_changes(text: ProgramText, nodes: Sequence[ast.AST]) -> Iterator[ProgramChange]:
+def _iter_rule_changes(text: ProgramText, nodes: Sequence[ast.AST]) -> Iterator[ProgramChange]:
     counters = turn_counters(text)
     for rules in (_LIKELY, reversals.UNLIKELY):
         for node in nodes:
             for rule in rules:
                 for change in rule(text, node):
                     line = text.raw.count(b"\n", 0, change.start) + 1
-                    counted = _counted(text, change, counters)
+                    counted = _apply_with_counters(text, change, counters)
                     yield ProgramChange(
                         text.apply(change), counted, line, change.operator, unlikely=rules is reversals.UNLIKELY
                     )
 
 
-def _reached_nodes(text: ProgramText, functions: Sequence[str], apart: Collection[str]) -> Iterator[ast.AST]:
+def _iter_reachable_nodes(text: ProgramText, functions: Sequence[str], apart: Collection[str]) -> Iterator[ast.AST]:
     """Yield the nodes of these functions, of those that they call but those `apart`, and of the top level."""
     every = {node.name: node for node in text.tree.body if isinstance(node, ast.FunctionDef)}
     defined = {name: node for name, node in every.items() if name not in apart}
@@ -148,7 +148,9 @@ def noted_line(source: str, line: int) -> tuple[str, list[str]] | None:
 
 def with_insertions(text: ProgramText, added: Sequence[tuple[int, bytes]]) -> str:
     """Return a program whose loops count their turns, with further texts at these byte offsets."""
-    return _counted(text, Change(0, 0, "", ""), sorted([*turn_counters(text), *added], key=lambda pair: pair[0]))
+    return _apply_with_counters(
+        text, Change(0, 0, "", ""), sorted([*turn_counters(text), *added], key=lambda pair: pair[0])
+    )
 
 
 def count_turns(source: str) -> str:
@@ -156,10 +158,10 @@ def count_turns(source: str) -> str:
     text = ProgramText.read(source)
     if text is None:
         return source
-    return _counted(text, Change(0, 0, "", ""), turn_counters(text))
+    return _apply_with_counters(text, Change(0, 0, "", ""), turn_counters(text))
 
 
-def _counted(text: ProgramText, change: Change, counters: Sequence[tuple[int, bytes]]) -> str:
+def _apply_with_counters(text: ProgramText, change: Change, counters: Sequence[tuple[int, bytes]]) -> str:
     """Return a changed program whose loops count their turns, but for those within the change."""
     pieces, last = [], 0
     kept = [(at, at, added) for at, added in counters if not change.start < at < change.end]

@@ -158,7 +158,7 @@ class Untouched(Check):
 
     def run(self, bench: Bench) -> None:
         for batch in planned_calls_of(self, bench):
-            answers = self._answers(bench, batch)
+            answers = self._replies_or_reject(bench, batch)
             if not batch.return_arguments:
                 continue
             args, after = batch.calls[0], answers[0].arguments or ()
@@ -167,9 +167,9 @@ class Untouched(Check):
             bench.observe(batch.function, ",".join(changed), ok=not changed)
             if changed:
                 raise self._rejection(batch.function, changed[0], args, after)
-            self._keep_results(bench, batch, answers)
+            self._check_results_stay_unmodified(bench, batch, answers)
 
-    def _keep_results(self, bench: Bench, batch: PlannedCalls, answers: Sequence[Answer]) -> None:
+    def _check_results_stay_unmodified(self, bench: Bench, batch: PlannedCalls, answers: Sequence[Answer]) -> None:
         """Results that the student returned must stay as they were, whatever is called next."""
         if (found := find_changed_result(batch.calls, answers)) is None:
             return
@@ -182,7 +182,7 @@ class Untouched(Check):
             slip=SHARED,
         )
 
-    def _answers(self, bench: Bench, batch: PlannedCalls) -> Sequence[Reply]:
+    def _replies_or_reject(self, bench: Bench, batch: PlannedCalls) -> Sequence[Reply]:
         """Return the replies to all calls. Raises Rejection for a fault."""
         replies = []
         for args, answer in bench.answers(batch):
@@ -227,7 +227,7 @@ class Cases(Check):
     `shrinkers`, one for each argument, simplify a failing case as long as `valid` holds of it;
     `figure(args, expected, got)` makes the data of a drawing, or None where there is nothing to draw; `got` is None
     unless it has the expected shape, a tuple of arrays where a tuple of arrays is expected. With `rows`, `expected`
-    accepts arrays of arguments, one case a row, and a RowComparator judges all answers at once, without `_judged`.
+    accepts arrays of arguments, one case a row, and a RowComparator judges all answers at once.
     """
 
     reports_call: ClassVar[bool] = True
@@ -261,14 +261,14 @@ class Cases(Check):
         if isinstance(plain, ArrayReplies) and at_once and None not in at_once:
             bench.observe_all(self.function, plain.values, at_once)
             wrong = at_once.index(False) if False in at_once else None
-            first = None if wrong is None else self._judged(batch.calls[wrong], plain[wrong])
+            first = None if wrong is None else self._find_failure(batch.calls[wrong], plain[wrong])
         else:
             answers = itertools.chain(plain, itertools.chain.from_iterable(blocks))
-            first = self._judged_in_turn(bench, batch, answers, at_once)
+            first = self._observe_and_find_failure(bench, batch, answers, at_once)
         if first is not None and not bench.runner.reenacting:
-            self._reject(bench, first)
+            self._raise_shrunk_rejection(bench, first)
 
-    def _judged_in_turn(
+    def _observe_and_find_failure(
         self, bench: Bench, batch: PlannedCalls, answers: Iterator[Answer], at_once: Sequence[bool | None]
     ) -> Failure | None:
         """Record all observations and return the first failure; answers judged in the batch are not compared again."""
@@ -276,7 +276,7 @@ class Cases(Check):
         judged = itertools.chain(at_once, itertools.repeat(None))
         for args, answer, right in zip(batch.calls, answers, judged, strict=False):
             bench.last_call = (self.function, args)
-            failure = self._judged(args, answer) if right is None or not (right or first) else None
+            failure = self._find_failure(args, answer) if right is None or not (right or first) else None
             if isinstance(answer, StudentFault):
                 bench.observe(self.function, None, ok=False, fault=answer)
             else:
@@ -284,19 +284,19 @@ class Cases(Check):
             first = first or failure
         return first
 
-    def _judged(self, args: Arguments, answer: Answer) -> Failure | None:
+    def _find_failure(self, args: Arguments, answer: Answer) -> Failure | None:
         expected = self.expected(*args)
         if isinstance(answer, StudentFault):
             return Failure(args, expected, None, None, answer)
         mismatch = compare(self.compare, expected, answer.value)
         return Failure(args, expected, answer.value, mismatch, None) if mismatch else None
 
-    def _reject(self, bench: Bench, failure: Failure) -> NoReturn:
+    def _raise_shrunk_rejection(self, bench: Bench, failure: Failure) -> NoReturn:
         if not self.shrinkers:
             raise self._rejection(failure)
 
         def judge(args: Arguments, answer: Answer) -> Failure | None:
-            simpler = self._judged(args, answer)
+            simpler = self._find_failure(args, answer)
             return simpler if simpler is not None and fails_alike(failure, simpler) else None
 
         shrink_and_reject(

@@ -89,7 +89,7 @@ class ConfinedWork:
                 continue
             begin, end = done, min((k for k in unfinished if k > done), default=len(items))
             try:
-                for answer in self._ask((items[begin:end], context), telling=telling):
+                for answer in self._ask_helper((items[begin:end], context), telling=telling):
                     yield answer
                     done += 1
             except Unfinished as error:
@@ -99,8 +99,8 @@ class ConfinedWork:
                 else:
                     unfinished[culprit] = error
 
-    def _ask(self, question: Any, *, telling: bool) -> Iterator[Any]:
-        helper = _take_helper(self.number)
+    def _ask_helper(self, question: Any, *, telling: bool) -> Iterator[Any]:
+        helper = _acquire_helper(self.number)
         try:
             helper.send(self.number, telling, question)
             while (answers := helper.receive()) is not None:
@@ -110,10 +110,10 @@ class ConfinedWork:
                 error.position, error.last_report = helper.position(), helper.last_report() if telling else ""
             helper.stop()
             raise
-        _give_back(helper)
+        _release_helper(helper)
 
 
-class _Message(NamedTuple):
+class _HelperMessage(NamedTuple):
     """A message of a helper: some answers, or the end, or what went wrong."""
 
     kind: str
@@ -122,11 +122,11 @@ class _Message(NamedTuple):
 
 _NUMBERS = itertools.count()
 _WORKS: weakref.WeakValueDictionary[int, ConfinedWork] = weakref.WeakValueDictionary()
-_IDLE: list[_Helper] = []
+_IDLE: list[_HelperProcess] = []
 _LOCK = threading.Lock()
 
 
-class _Helper:
+class _HelperProcess:
     """A forked process that answers questions, one at a time."""
 
     def __init__(self) -> None:
@@ -139,7 +139,7 @@ class _Helper:
             works = dict(_WORKS.items())  # dict(_WORKS) fails where a work is collected between a key and its value
             self._pid = os.fork()
         if self._pid == 0:
-            _serve(inner, works, self._shared)
+            _serve_questions(inner, works, self._shared)
         inner.close()
         self._numbers = frozenset(works)
 
@@ -164,10 +164,10 @@ class _Helper:
     def receive(self) -> Sequence[Any] | None:
         """Return the next answers; None after the last one. Raises Unfinished or ConfinedError."""
         try:
-            self._wait()
-            message: _Message = self._channel.recv()
+            self._wait_for_answers()
+            message: _HelperMessage = self._channel.recv()
         except (EOFError, OSError) as error:
-            raise self._death() from error
+            raise self._reap_and_explain_death() from error
         match message.kind:
             case "answers":
                 answers: Sequence[Any] = message.content
@@ -178,7 +178,7 @@ class _Helper:
                 raise Unfinished(_TOO_MUCH_MEMORY)
         raise ConfinedError(message.content)
 
-    def _wait(self) -> None:
+    def _wait_for_answers(self) -> None:
         """Return when there is something to read. Raises Unfinished where the helper uses no processor."""
         used, changed = -1.0, time.monotonic()
         while not self._channel.poll(_LOOK_SECONDS):
@@ -188,7 +188,7 @@ class _Helper:
             elif time.monotonic() - changed > ASLEEP_SECONDS and _is_asleep(self._pid):
                 raise Unfinished("attend sans rien calculer", uncertain=True)
 
-    def _death(self) -> Unfinished:
+    def _reap_and_explain_death(self) -> Unfinished:
         _, status = os.waitpid(self._pid, 0)
         self._pid = 0
         if os.WIFSIGNALED(status) and os.WTERMSIG(status) == signal.SIGPROF:
@@ -220,18 +220,18 @@ def report(make_text: Callable[[], str]) -> None:
         memory[8:] = make_text().encode()[:_REPORT_BYTES].ljust(_REPORT_BYTES, b"\0")
 
 
-def _take_helper(number: int) -> _Helper:
+def _acquire_helper(number: int) -> _HelperProcess:
     while True:
         with _LOCK:
             helper = _IDLE.pop() if _IDLE else None
         if helper is None:
-            return _Helper()
+            return _HelperProcess()
         if helper.knows(number):
             return helper
         helper.stop()
 
 
-def _give_back(helper: _Helper) -> None:
+def _release_helper(helper: _HelperProcess) -> None:
     with _LOCK:
         if len(_IDLE) < _MAX_IDLE:
             _IDLE.append(helper)
@@ -240,32 +240,32 @@ def _give_back(helper: _Helper) -> None:
 
 
 def _processor_ticks(pid: int) -> float:
-    return sum(map(float, _stat(pid)[11:13]))
+    return sum(map(float, _read_proc_stat(pid)[11:13]))
 
 
 def _is_asleep(pid: int) -> bool:
-    return _stat(pid)[0] not in "RD"
+    return _read_proc_stat(pid)[0] not in "RD"
 
 
-def _stat(pid: int) -> list[str]:
+def _read_proc_stat(pid: int) -> list[str]:
     """Return the fields of /proc/PID/stat that follow the name, from the state on."""
     with open(f"/proc/{pid}/stat", encoding="utf-8") as file:
         return file.read().rpartition(")")[2].split()
 
 
-def _serve(channel: Connection, works: dict[int, ConfinedWork], shared: mmap.mmap) -> NoReturn:
+def _serve_questions(channel: Connection, works: dict[int, ConfinedWork], shared: mmap.mmap) -> NoReturn:
     """Answer questions in the forked process until its owner closes the channel."""
     try:
-        _leave_owner(channel.fileno())
+        _release_owner_resources(channel.fileno())
         while True:
             number, telling, question = channel.recv()
             _REPORTS[:] = [shared] if telling else []
-            _answer(channel, works[number].handler(*question), shared)
+            _send_answers(channel, works[number].handler(*question), shared)
     except BaseException:  # nothing of the owner's may run here
         os._exit(0)
 
 
-def _leave_owner(channel: int) -> None:
+def _release_owner_resources(channel: int) -> None:
     """Let go what is the owner's: signals, open files, and as much memory as there is.
 
     A number of a file stays taken, so that an object of the owner's which closes it does not close another one.
@@ -288,7 +288,7 @@ def _leave_owner(channel: int) -> None:
     gc.freeze()
 
 
-def _answer(channel: Connection, answers: Iterator[Any], shared: mmap.mmap) -> None:
+def _send_answers(channel: Connection, answers: Iterator[Any], shared: mmap.mmap) -> None:
     """Send the answers of a handler, each made within its time, as soon as some milliseconds of them are there."""
     ready: list[Any] = []
     sent_at = time.monotonic()
@@ -300,15 +300,15 @@ def _answer(channel: Connection, answers: Iterator[Any], shared: mmap.mmap) -> N
             if answer is not _END:
                 ready.append(answer)
             if answer is _END or time.monotonic() - sent_at > _BUFFERED_SECONDS:
-                channel.send(_Message("answers", ready))
+                channel.send(_HelperMessage("answers", ready))
                 ready, sent_at = [], time.monotonic()
             if answer is _END:
                 break
-        channel.send(_Message("end"))
+        channel.send(_HelperMessage("end"))
     except MemoryError:
-        channel.send(_Message("memory"))
+        channel.send(_HelperMessage("memory"))
         os._exit(0)
     except Exception:
-        channel.send(_Message("error", traceback.format_exc()))
+        channel.send(_HelperMessage("error", traceback.format_exc()))
     finally:
         signal.setitimer(signal.ITIMER_PROF, 0.0)

@@ -57,11 +57,11 @@ class FunctionContract:
 
     def lines(self) -> tuple[PromiseLine, ...]:
         """Return what students are told of it."""
-        return tuple(PromiseLine(label, text) for label, text in self._told() if text)
+        return tuple(PromiseLine(label, text) for label, text in self._iter_labelled_lines() if text)
 
-    def _told(self) -> Iterator[tuple[str, str]]:
+    def _iter_labelled_lines(self) -> Iterator[tuple[str, str]]:
         intact = " Vos arguments doivent rester intacts." if self.untouched else ""
-        yield "Reçoit", f"{_taken(self.takes)}. {PLAIN}{intact}"
+        yield "Reçoit", f"{_parameters_text(self.takes)}. {PLAIN}{intact}"
         yield "Sans valeur donnée", text_list([f"{name} vaut {value}" for name, value in self.defaults] or [""])
         lasting = " Un résultat renvoyé ne doit plus changer." if self.untouched else ""
         yield "Renvoie", f"{self.returns.words}.{lasting}"
@@ -72,7 +72,7 @@ class FunctionContract:
         yield "Votre fichier", self.relaunched
 
 
-def _taken(takes: Mapping[str, ValueForm]) -> str:
+def _parameters_text(takes: Mapping[str, ValueForm]) -> str:
     """« a et b, une pose (3,) ; L, un nombre »."""
     groups: dict[str, list[str]] = {}
     for name, form in takes.items():
@@ -84,12 +84,12 @@ def complete_contracts(
     contracts: Sequence[FunctionContract], checks: Sequence[Check], solution: str
 ) -> tuple[FunctionContract, ...]:
     """Return the contracts with what the checks and the solution say already."""
-    defaults = _defaults(solution)
+    defaults = _read_default_values(solution)
     kept = {name for check in checks if isinstance(check, Untouched) for name in check.functions}
     return tuple(
         replace(
             contract,
-            returns=_toleranced(contract, checks),
+            returns=_returns_with_tolerance(contract, checks),
             defaults=tuple(pair for pair in defaults.get(contract.function, ()) if pair[0] in contract.takes),
             untouched=contract.function in kept,
         )
@@ -97,7 +97,7 @@ def complete_contracts(
     )
 
 
-def _toleranced(contract: FunctionContract, checks: Sequence[Check]) -> ValueForm:
+def _returns_with_tolerance(contract: FunctionContract, checks: Sequence[Check]) -> ValueForm:
     """Return the form of the answers with the tolerance of the comparators, where these have one."""
     tolerances = [
         tolerance
@@ -108,7 +108,7 @@ def _toleranced(contract: FunctionContract, checks: Sequence[Check]) -> ValueFor
     return with_tolerance(contract.returns, min(tolerances)) if tolerances else contract.returns
 
 
-def _defaults(solution: str) -> dict[str, tuple[tuple[str, str], ...]]:
+def _read_default_values(solution: str) -> dict[str, tuple[tuple[str, str], ...]]:
     """Return the default values of the functions of a solution, as they are written."""
     found = {}
     for node in parse_source(solution).body:

@@ -41,23 +41,25 @@ def find_contrast(trial: FunctionTrial, views: Sequence[ReturnedValue], run: Ask
             near = list(near_calls(trial.names, failed))
             calls = [failed, *(each.call for each in near), failed]
             mine, its = run(calls), solve(calls)
-            if len(mine) < len(calls) or len(its) < len(calls) or _are_just(view, mine[0], its[0]):
+            if len(mine) < len(calls) or len(its) < len(calls) or _are_equal_to_the_digit(view, mine[0], its[0]):
                 continue
-            if not _are_just(view, mine[0], mine[-1]):
+            if not _are_equal_to_the_digit(view, mine[0], mine[-1]):
                 continue
             just = [
                 (each, right)
                 for each, got, right in zip(near, mine[1:], its[1:], strict=False)
-                if right is not None and _are_just(view, got, right) and _is_comparable(view, right, its[0])
+                if right is not None
+                and _are_equal_to_the_digit(view, got, right)
+                and _is_right_value_unchanged(view, right, its[0])
             ]
-            felt = _felt_arguments(trial.names, failed, its[0], view, solve) if just else frozenset()
+            felt = _influential_arguments(trial.names, failed, its[0], view, solve) if just else frozenset()
             for each, right in just[:MAX_LOOKED_AT]:
-                if felt <= _felt_arguments(trial.names, each.call, right, view, solve):
-                    return _told(trial, view, number, each.words, view.read(right))
+                if felt <= _influential_arguments(trial.names, each.call, right, view, solve):
+                    return _contrast_fact(trial, view, number, each.words, view.read(right))
     return None
 
 
-def _is_comparable(view: ReturnedValue, near: Sequence[Floats], failed: Sequence[Floats] | None) -> bool:
+def _is_right_value_unchanged(view: ReturnedValue, near: Sequence[Floats], failed: Sequence[Floats] | None) -> bool:
     """Whether two right answers are the same, unless they hold more than whole numbers."""
     if failed is None:
         return False
@@ -66,7 +68,7 @@ def _is_comparable(view: ReturnedValue, near: Sequence[Floats], failed: Sequence
     return not are_whole or same(first, second)
 
 
-def _felt_arguments(
+def _influential_arguments(
     names: tuple[str, ...], call: Arguments, right: Sequence[Floats] | None, view: ReturnedValue, solve: Ask
 ) -> frozenset[int]:
     """Return the indices of the arguments of which some variation changes the right answer to a call."""
@@ -80,14 +82,14 @@ def _felt_arguments(
     )
 
 
-def _are_just(view: ReturnedValue, got: Sequence[Floats] | None, right: Sequence[Floats] | None) -> bool:
+def _are_equal_to_the_digit(view: ReturnedValue, got: Sequence[Floats] | None, right: Sequence[Floats] | None) -> bool:
     if got is None or right is None or len(got) != len(right):
         return False
     mine, its = view.read(got), view.read(right)
     return mine.shape == its.shape and bool(np.all(np.isfinite(its)) and np.allclose(mine, its, rtol=JUST, atol=JUST))
 
 
-def _told(trial: FunctionTrial, view: ReturnedValue, number: int, words: str, answer: Floats) -> SeenFact:
+def _contrast_fact(trial: FunctionTrial, view: ReturnedValue, number: int, words: str, answer: Floats) -> SeenFact:
     series = trial.series(view)
     title = f"{capital_subject(view.words)} est faux pour un appel, et juste pour le même appel mais {words}"
     proof = (

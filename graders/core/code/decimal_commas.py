@@ -32,12 +32,14 @@ def find_decimal_commas(source: str) -> list[tuple[int, str]]:
         if equals and "," in target and not re.search(r"[\[(]", target):
             continue
         found += [
-            (line, it[0]) for it in re.finditer(r"(?<![\w.,])\d+,\d+(?![\w.,])", code) if _is_bare(code, it.start())
+            (line, it[0])
+            for it in re.finditer(r"(?<![\w.,])\d+,\d+(?![\w.,])", code)
+            if _is_outside_call_or_list(code, it.start())
         ]
     return found
 
 
-def _is_bare(code: str, at: int) -> bool:
+def _is_outside_call_or_list(code: str, at: int) -> bool:
     """Whether the innermost bracket around a place is none, or a parenthesis that calls nothing."""
     depth = 0
     for k in range(at - 1, -1, -1):

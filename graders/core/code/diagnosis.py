@@ -56,11 +56,11 @@ def choose_explanation(explanations: Sequence[Explanation]) -> Misconception | N
     if not explanations:
         return None
     best, *others = sorted(explanations, key=lambda e: e.rank, reverse=True)
-    rivals = [e for e in others if e.rank == best.rank and _compete(e.misconception, best.misconception)]
+    rivals = [e for e in others if e.rank == best.rank and _are_rivals(e.misconception, best.misconception)]
     return None if rivals else best.misconception
 
 
-def _compete(misconception: Misconception, other: Misconception) -> bool:
+def _are_rivals(misconception: Misconception, other: Misconception) -> bool:
     return misconception.id != other.id and bool(set(misconception.functions) & set(other.functions))
 
 
@@ -69,7 +69,7 @@ def explain(
 ) -> Explanation | None:
     """Return how well a misconception explains the observations; None where it does not."""
     seen = reenactment.observe(partial(is_ruled_out, observations, misconception))
-    pairs = _paired(observations, seen)
+    pairs = _pair_observations(observations, seen)
     relevant = [p for p in pairs if p[0].function in misconception.functions and not (p[0].ok and p[1].ok)]
     explained = sum(not mine.ok and agree(mine, other) for mine, other in pairs)
     agreement = sum(agree(*p) for p in relevant) / len(relevant) if relevant else 0.0
@@ -83,7 +83,7 @@ def is_ruled_out(
 ) -> bool:
     """Whether the checks re-enacted so far already rule the misconception out."""
     judged = [o for o in observations if o.function in misconception.functions]
-    pairs = _paired(judged, seen)
+    pairs = _pair_observations(judged, seen)
     differing = sum(not (mine.ok and other.ok) and not agree(mine, other) for mine, other in pairs)
     return differing > (1.0 - MIN_AGREEMENT) * len(judged) + 1e-9
 
@@ -92,7 +92,7 @@ def judged_alike(
     observations: Sequence[Observation], seen: Sequence[Observation], function: str, tolerance: float
 ) -> bool:
     """Whether two programs gave the same results wherever one of them is wrong, nearly always, and one is."""
-    pairs = _paired([mine for mine in observations if mine.function == function], seen)
+    pairs = _pair_observations([mine for mine in observations if mine.function == function], seen)
     telling = [(mine, other) for mine, other in pairs if not (mine.ok and other.ok)]
     alike = sum(
         mine.ok == other.ok and mine.fault == other.fault and same_value(mine.value, other.value, tolerance=tolerance)
@@ -101,7 +101,9 @@ def judged_alike(
     return bool(telling) and alike >= MIN_AGREEMENT * len(telling)
 
 
-def _paired(mine: Sequence[Observation], seen: Sequence[Observation]) -> list[tuple[Observation, Observation]]:
+def _pair_observations(
+    mine: Sequence[Observation], seen: Sequence[Observation]
+) -> list[tuple[Observation, Observation]]:
     """Return the pairs of observations of both programs at the same index of the same check and function."""
     theirs = {(o.check, o.index, o.function): o for o in seen}
     return [(o, theirs[o.check, o.index, o.function]) for o in mine if (o.check, o.index, o.function) in theirs]
@@ -134,7 +136,7 @@ def combine_diagnoses(
     by_answers = [m.id for m in together if grounds.get(m.id) is Ground.ANSWERS and _ANSWERS_ARE not in m.explanation]
     paragraphs: list[str] = []
     for mistake in together:
-        explanation = mistake.explanation if is_alone else _beside_others(mistake)
+        explanation = mistake.explanation if is_alone else _explanation_true_beside_other_mistakes(mistake)
         ground = grounds.get(mistake.id)
         is_hidden, is_likely = mistake.title in hidden, ground is Ground.RESEMBLANCE
         begin = f"Cette erreur {_HIDDEN}. " if is_hidden else ""
@@ -154,7 +156,7 @@ def combine_diagnoses(
     return Diagnosis(together[0].id, title, "\n\n".join(part.strip() for part in paragraphs))
 
 
-def _beside_others(mistake: Misconception | Slip) -> str:
+def _explanation_true_beside_other_mistakes(mistake: Misconception | Slip) -> str:
     """Return what a mistake's explanation says of every program that has the mistake, among others."""
     explanation = mistake.explanation
     for text in mistake.alone:
@@ -193,7 +195,9 @@ def tell_remainder(
     if is_quoted and left[0].message and not left[0].repeats:
         named += f". {left[0].message.splitlines()[0].removesuffix('.')}"
     least = "au moins " if any(check.id in doubtful and check.id not in explained for check in lost) else ""
-    share = f"{least}{_points_text(check for check in lost if check.id in explained)} des {_points_text(lost)}"
+    share = (
+        f"{least}{_lost_points_text(check for check in lost if check.id in explained)} des {_lost_points_text(lost)}"
+    )
     counted = f"{EXPLAINS} {share} points perdus. " if explained and explained.issubset(mended) else ""
     told = f"{counted}{fail} : {named}."
     if waiting := [check for check in checks if check.neutral]:
@@ -202,7 +206,7 @@ def tell_remainder(
     return replace(diagnosis, explanation=f"{diagnosis.explanation}\n\n{told}")
 
 
-def _points_text(checks: Iterable[CheckResult]) -> str:
+def _lost_points_text(checks: Iterable[CheckResult]) -> str:
     return number_text(sum(check.max_points - check.points for check in checks))
 
 

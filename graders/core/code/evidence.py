@@ -15,14 +15,17 @@ from graders.core.contract.values import Arguments
 def are_telling(shown: ProbeResults) -> bool:
     """Whether some wrong answer is a value of its own: no argument that was given, nor none at all."""
     return any(
-        not isinstance(shown.got[k], str) and _is_own(shown.got[k], shown.calls[k]) for k in shown.wrong_indices()
+        not isinstance(shown.got[k], str) and _differs_from_arguments(shown.got[k], shown.calls[k])
+        for k in shown.wrong_indices()
     )
 
 
 def say_nothing(shown: ProbeResults) -> bool:
     """Whether no answer, right or wrong, is a value of its own, nor anything but zeros."""
     pairs = zip(shown.calls, shown.got, strict=False)
-    return len(shown.got) > 1 and not any(_is_own(answer, call) and not _is_empty(answer) for call, answer in pairs)
+    return len(shown.got) > 1 and not any(
+        _differs_from_arguments(answer, call) and not _holds_only_zeros(answer) for call, answer in pairs
+    )
 
 
 def are_too_poor_for_two(shown: ProbeResults) -> bool:
@@ -37,7 +40,7 @@ def are_too_poor_for_two(shown: ProbeResults) -> bool:
 def are_opinions(shown: ProbeResults) -> bool:
     """Whether each wrong answer is wrong in one place, which holds 0, 1 or −1: as a yes or a no."""
     for k in shown.wrong_indices():
-        mine, wanted = list(_leaves(shown.got[k])), list(_leaves(shown.right[k]))
+        mine, wanted = list(_iter_leaves(shown.got[k])), list(_iter_leaves(shown.right[k]))
         if len(mine) != len(wanted):
             return False
         differing = [a for a, b in zip(mine, wanted, strict=True) if not same_probe_answer(a, b)]
@@ -67,22 +70,22 @@ def explain_themselves(shown: ProbeResults) -> bool:
     return bool(wrong) and all(isinstance(answer, ProbeFault) and answer.explains_itself for answer in wrong)
 
 
-def _is_own(answer: ProbeAnswer, call: Arguments) -> bool:
+def _differs_from_arguments(answer: ProbeAnswer, call: Arguments) -> bool:
     if answer is None or isinstance(answer, ProbeFault):
         return False
     return not any(same_probe_answer(answer, argument) for argument in call)
 
 
-def _is_empty(answer: ProbeAnswer) -> bool:
+def _holds_only_zeros(answer: ProbeAnswer) -> bool:
     """Whether an answer holds zeros, False and no number only."""
-    return all(isinstance(leaf, int | float) and (leaf == 0 or math.isnan(leaf)) for leaf in _leaves(answer))
+    return all(isinstance(leaf, int | float) and (leaf == 0 or math.isnan(leaf)) for leaf in _iter_leaves(answer))
 
 
-def _leaves(value: Any) -> Iterator[Any]:
+def _iter_leaves(value: Any) -> Iterator[Any]:
     if isinstance(value, np.ndarray):
         yield from value.ravel().tolist()
     elif isinstance(value, list | tuple):
         for item in value:
-            yield from _leaves(item)
+            yield from _iter_leaves(item)
     else:
         yield value

@@ -14,19 +14,19 @@ def like_call(call: Arguments, shown: Arguments) -> Arguments | None:
     if len(shown) > len(call):
         return None
     try:
-        return tuple(_like(model, value) for model, value in zip(call, shown, strict=False))
+        return tuple(_convert_to_type_of(model, value) for model, value in zip(call, shown, strict=False))
     except (ValueError, TypeError):
         return None
 
 
-def _like(model: Value, value: Any) -> Value:
+def _convert_to_type_of(model: Value, value: Any) -> Value:
     """Return a value in the type of a model, each item of a list in that of the model's first one."""
     if isinstance(model, np.ndarray):
         return np.array(value, dtype=model.dtype)
     if isinstance(model, tuple):
-        return tuple(_like(item, part) for item, part in zip(model, value, strict=True))
+        return tuple(_convert_to_type_of(item, part) for item, part in zip(model, value, strict=True))
     if isinstance(model, list):
         if not model:
             raise ValueError("an empty list tells no type")
-        return [_like(model[0], part) for part in value]
+        return [_convert_to_type_of(model[0], part) for part in value]
     return value if model is None or isinstance(model, dict) else type(model)(value)

@@ -49,7 +49,7 @@ MAX_CALLS, SLICE, MAX_FACTS = 12, 120, 2
 #: Further calls that bear a fact out, of each check and in all.
 MAX_DRAWN, MAX_FURTHER = 16, 60
 #: A varied call, the answer of the program, and that of the solution.
-_VariedAnswer = tuple[Variation, list[Floats] | None, list[Floats] | None]
+_VariedCallAnswers = tuple[Variation, list[Floats] | None, list[Floats] | None]
 _NO_EXAMPLES: Mapping[str, Sequence[Arguments]] = MappingProxyType({})
 
 
@@ -70,40 +70,39 @@ class Experimenter:
         """Return facts on the answers of these functions, the most telling first; [] where nothing is established."""
         facts = []
         for function in functions:
-            trial = None if self._spent() else self._trial(source, function)
-            trial = trial if trial is None or trial.wrong_views() else self._widened(source, trial)
+            trial = None if self._spent() else self._try_on_probes(source, function)
+            trial = trial if trial is None or trial.wrong_views() else self._add_check_calls(source, trial)
             if trial is not None and trial.wrong_views():
-                facts += self._facts_of(source, trial)[:MAX_FACTS]
+                facts += self._find_facts_of_trial(source, trial)[:MAX_FACTS]
         return facts
 
-    def _facts_of(self, source: str, trial: FunctionTrial) -> list[SeenFact]:
+    def _find_facts_of_trial(self, source: str, trial: FunctionTrial) -> list[SeenFact]:
         """Return the facts of a function; `trial` are its calls to the probes, against which all others are held."""
-        views, wider = trial.wrong_views(), self._widened(source, trial)
+        views, wider = trial.wrong_views(), self._add_check_calls(source, trial)
         if wider is None:
             return []
-        related = [fact for view in views for fact in self._related(wider, view)]
+        related = [fact for view in views for fact in self._relation_facts(wider, view)]
         if len(wider.calls) < MANY_CALLS:
             return related
         # Many changes give the same counts and verdicts, or leave them as they are.
-        rich = [view for view in views if not _holds_counts(trial.series(view))]
+        rich = [view for view in views if not _are_whole_numbers(trial.series(view))]
         varied = [view for view in rich if not is_constant(wider.series(view))]
-        replaced = list(self._replaced(trial, wider, varied))
+        replaced = list(self._iter_replaced_argument_facts(trial, wider, varied))
         if not trial.unique:
             return [*replaced, *related]
         strong = [fact for fact in related if fact.says_answers]
         # Among several right answers, the solution's own choice may feel an argument that others need not.
         pairs = zip(trial.got, trial.unrounded or trial.got, strict=True)
         is_free = any(not same(mine, its) for row, own in pairs for mine, its in zip(row, own, strict=True))
-        felt = [] if strong or replaced or is_free else list(self._felt(source, trial, wider, rich))
+        felt = [] if strong or replaced or is_free else list(self._iter_influence_facts(source, trial, wider, rich))
         flaws = [fact for fact in related if not fact.says_answers]
         told = [*strong, *replaced, *felt]
-        run, solve = partial(self._answers, source, trial), partial(self._solution, trial)
-
+        run, solve = partial(self._answers_of, source, trial), partial(self._solution_answers, trial)
         left = [view for view in views if not any(capital_subject(view.words) in fact.title for fact in told)]
         contrast = find_contrast(wider, left, run, solve) if len(told) < MAX_FACTS else None
         return [*told, *(fact for fact in (contrast,) if fact is not None), *flaws]
 
-    def _related(self, trial: FunctionTrial, view: ReturnedValue) -> list[SeenFact]:
+    def _relation_facts(self, trial: FunctionTrial, view: ReturnedValue) -> list[SeenFact]:
         """The first relation of a value with the right one; of its columns, where these tell more."""
         whole = related_fact(trial, view)
         if whole is not None and whole.says_answers:
@@ -111,7 +110,7 @@ class Experimenter:
         columns = [fact for column in columns_of(trial, view) if (fact := related_fact(trial, column)) is not None]
         return [fact for fact in columns if fact.says_answers] or ([whole] if whole is not None else columns)
 
-    def _replaced(
+    def _iter_replaced_argument_facts(
         self, trial: FunctionTrial, wider: FunctionTrial, views: Sequence[ReturnedValue]
     ) -> Iterator[SeenFact]:
         """An argument for which the program reads another value: the solution answers likewise when given that one."""
@@ -120,69 +119,70 @@ class Experimenter:
         pivot = trial.plainest(k for k, wrong in enumerate(trial.series(views[0]).wrong) if wrong)
         changes = list(replacements(trial.names, trial.calls[pivot]))
         asked = [change.apply(trial.calls[pivot]) for change in changes]
-        answers = iter(self._solution(trial, [call for call in asked if call is not None]))
+        answers = iter(self._solution_answers(trial, [call for call in asked if call is not None]))
         seen = [None if call is None else next(answers, None) for call in asked]
         for view in views:
             series = trial.series(view)
             for change, call, answer in zip(changes, asked, seen, strict=True):
                 if call is None or answer is None or len(answer) != len(trial.got[pivot]) or not series.wrong[pivot]:
                     continue
-                if not same(view.read(answer), series.got[pivot]) or not self._holds_everywhere(trial, view, change):
+                if not same(view.read(answer), series.got[pivot]) or not self._explains_all(trial, view, change):
                     continue
-                if self._is_saturated(trial, view, change, call, answer):
+                if self._is_unchanged_by_repeated_change(trial, view, change, call, answer):
                     continue
-                if not self._holds_everywhere(wider, view, change):
+                if not self._explains_all(wider, view, change):
                     continue
                 yield replaced_fact(wider, view, pivot, change, call)
                 break
 
-    def _is_saturated(
+    def _is_unchanged_by_repeated_change(
         self, trial: FunctionTrial, view: ReturnedValue, change: ArgumentChange, call: Arguments, seen: Sequence[Floats]
     ) -> bool:
         """Whether the same change made once more gives the same answer: then any value so far off would do as well."""
         further = change.apply(call)
-        again = next(iter(self._solution(trial, [further])), None) if further is not None else None
+        again = next(iter(self._solution_answers(trial, [further])), None) if further is not None else None
         return again is not None and len(again) == len(seen) and same(view.read(again), view.read(seen))
 
-    def _holds_everywhere(self, trial: FunctionTrial, view: ReturnedValue, change: ArgumentChange) -> bool:
+    def _explains_all(self, trial: FunctionTrial, view: ReturnedValue, change: ArgumentChange) -> bool:
         asked = [change.apply(call) or call for call in trial.calls]
-        answers = self._solution(trial, asked)
+        answers = self._solution_answers(trial, asked)
         return len(answers) == len(asked) and all(
             answer is not None and len(answer) == len(got) and same(view.read(answer), view.read(got))
             for answer, got in zip(answers, trial.got, strict=True)
         )
 
-    def _felt(
+    def _iter_influence_facts(
         self, source: str, trial: FunctionTrial, wider: FunctionTrial, views: Sequence[ReturnedValue]
     ) -> Iterator[SeenFact]:
         """An argument that a result must feel and does not, or must not feel and does."""
         if not views:
             return
         changes = list(variations(trial.names, trial.calls[0]))
-        answers = self._varied(source, trial, changes)
+        answers = self._answer_varied_calls(source, trial, changes)
         for view in views:
             told: set[int] = set()
             for index, change in changes:
                 if index in told:
                     continue
-                rows = _varied_rows(trial, view, change, answers)
+                rows = _compare_varied_answers(trial, view, change, answers)
                 feels = is_felt_wrongly(rows)
                 if feels is None:
                     continue
-                further = _varied_rows(wider, view, change, self._varied(source, wider, [(index, change)]))
+                more_answers = self._answer_varied_calls(source, wider, [(index, change)])
+                further = _compare_varied_answers(wider, view, change, more_answers)
                 if len(further) < len(rows) or is_felt_wrongly(further) is not feels:
                     continue
                 if feels and are_coarse(further):
                     continue
                 told.add(index)
                 chosen = [not same(row.mine, row.got) if feels else not same(row.wanted, row.right) for row in rows]
-                yield felt_fact(trial, view, _plainest(trial, rows, chosen), further, NOT_FELT if feels else FELT)
+                yield felt_fact(trial, view, _plainest_row(trial, rows, chosen), further, NOT_FELT if feels else FELT)
                 if feels:
                     break
 
-    def _varied(
+    def _answer_varied_calls(
         self, source: str, trial: FunctionTrial, changes: Sequence[tuple[int, ArgumentChange]]
-    ) -> list[_VariedAnswer]:
+    ) -> list[_VariedCallAnswers]:
         """Return the answers of the program and of the solution to varied calls; [] where some are missing."""
         asked = [
             Variation(index, change, k, call)
@@ -191,25 +191,25 @@ class Experimenter:
             if (call := change.apply(old)) is not None
         ]
         calls = [variation.call for variation in asked]
-        answers, wanted = self._answers(source, trial, calls), self._solution(trial, calls)
+        answers, wanted = self._answers_of(source, trial, calls), self._solution_answers(trial, calls)
         if len(answers) < len(calls) or len(wanted) < len(calls):
             return []
         return list(zip(asked, answers, wanted, strict=True))
 
-    def _trial(self, source: str, function: str) -> FunctionTrial | None:
+    def _try_on_probes(self, source: str, function: str) -> FunctionTrial | None:
         """Return a function's answers beside the right ones, as numbers; None where they are not comparable."""
-        kit, calls = self._questions(function)
+        kit, calls = self._calls_to_try(function)
         if not calls:
             return None
-        names = self._names(function, calls[0])
+        names = self._parameter_names(function, calls[0])
         bare = FunctionTrial(function, names, (), kit, calls, (), ())
-        right = self._solution(bare, calls)
-        got = self._answers(source, bare, (*calls, calls[0]))
-        if len(got) != len(calls) + 1 or len(right) != len(calls) or not _alike(got[0], got[-1]):
+        right = self._solution_answers(bare, calls)
+        got = self._answers_of(source, bare, (*calls, calls[0]))
+        if len(got) != len(calls) + 1 or len(right) != len(calls) or not _are_same_arrays(got[0], got[-1]):
             return None
-        return self._compared(bare, calls, got[:-1], right)
+        return self._make_comparable_trial(bare, calls, got[:-1], right)
 
-    def _widened(self, source: str, trial: FunctionTrial) -> FunctionTrial | None:
+    def _add_check_calls(self, source: str, trial: FunctionTrial) -> FunctionTrial | None:
         """Return a trial with further calls: those that failed checks show, and what the checks draw."""
         drawn = [
             tuple(itertools.islice(check.cases(stream(self._seed, check.id)), MAX_DRAWN))
@@ -217,16 +217,16 @@ class Experimenter:
             if isinstance(check, Cases) and check.functions == (trial.function,)
         ]
         shown = [like_call(trial.calls[0], call) for call in self._examples.get(trial.function, ())]
-        further = [*(call for call in shown if call is not None), *_in_turn(drawn)]
+        further = [*(call for call in shown if call is not None), *_interleave_calls(drawn)]
         known = {pickle.dumps(call) for call in trial.calls}
         calls = [call for call in further if pickle.dumps(call) not in known][:MAX_FURTHER]
-        right, got = self._solution(trial, calls), self._answers(source, trial, calls)
+        right, got = self._solution_answers(trial, calls), self._answers_of(source, trial, calls)
         if len(right) < len(calls) or len(got) < len(calls):
             return None
         own, wanted = (list(map(list, answers)) for answers in (trial.unrounded, trial.right))
-        return self._compared(trial, (*trial.calls, *calls), [*own, *got], [*wanted, *right])
+        return self._make_comparable_trial(trial, (*trial.calls, *calls), [*own, *got], [*wanted, *right])
 
-    def _compared(
+    def _make_comparable_trial(
         self, trial: FunctionTrial, calls: Sequence[Arguments], got: Sequence[list[Floats] | None],
         right: Sequence[list[Floats] | None],
     ) -> FunctionTrial | None:  # fmt: skip
@@ -237,15 +237,15 @@ class Experimenter:
         sizes = {len(values) for _, g, r in both for values in (g, r)}
         if len(both) <= MIN_WRONG or len(sizes) != 1:
             return None
-        size, parts = sizes.pop(), self._parts(function)
+        size, parts = sizes.pop(), self._returned_part_names(function)
         parts = parts if len(parts) == size else tuple(f"valeur {k + 1}" for k in range(size))
-        mine = [r if self._is_right(function, call, g, r) else g for call, g, r in both]
+        mine = [r if self._is_accepted(function, call, g, r) else g for call, g, r in both]
         calls, right_ones = [call for call, _, _ in both], [r for _, _, r in both]
         own = [g for _, g, _ in both]
-        parts, unique = parts if size > 1 else (), self._is_unique(function)
+        parts, unique = parts if size > 1 else (), self._has_unique_answers(function)
         return FunctionTrial(function, names, parts, kit, calls, mine, right_ones, own, unique)
 
-    def _is_right(self, function: str, call: Arguments, got: Sequence[Floats], right: Sequence[Floats]) -> bool:
+    def _is_accepted(self, function: str, call: Arguments, got: Sequence[Floats], right: Sequence[Floats]) -> bool:
         """Whether an answer is a right one, though another than the solution's."""
         for probes in self._grader.prober.probes if self._grader.prober else ():
             if probes.function == function:
@@ -253,12 +253,12 @@ class Experimenter:
                 return probes.same(probes.read(call, mine), probes.read(call, its))
         return False
 
-    def _is_unique(self, function: str) -> bool:
+    def _has_unique_answers(self, function: str) -> bool:
         """Whether the solution's answers are the only right ones."""
         prober = self._grader.prober
         return all(probes.unique for probes in (prober.probes if prober else ()) if probes.function == function)
 
-    def _questions(self, function: str) -> tuple[KitSettings, Sequence[Arguments]]:
+    def _calls_to_try(self, function: str) -> tuple[KitSettings, Sequence[Arguments]]:
         """Return the calls of the probes of a function, of those that its failed checks draw where it has none."""
         prober = self._grader.prober
         for probes in prober.probes if prober else ():
@@ -270,7 +270,7 @@ class Experimenter:
                 return kit, tuple(check.cases(stream(self._seed, check.id)))[:MAX_CALLS]
         return kit, ()
 
-    def _names(self, function: str, call: Arguments) -> tuple[str, ...]:
+    def _parameter_names(self, function: str, call: Arguments) -> tuple[str, ...]:
         for contract in self._grader.contracts:
             if contract.function == function:
                 return tuple(contract.takes)
@@ -279,16 +279,16 @@ class Experimenter:
                 return check.names
         return tuple(f"argument {k + 1}" for k in range(len(call)))
 
-    def _parts(self, function: str) -> tuple[str, ...]:
+    def _returned_part_names(self, function: str) -> tuple[str, ...]:
         forms = [contract.returns for contract in self._grader.contracts if contract.function == function]
         if forms and isinstance(forms[0], ArrayForm):
             return forms[0].names
         return tuple(forms[0].parts) if forms and isinstance(forms[0], TupleForm) else ()
 
-    def _solution(self, trial: FunctionTrial, calls: Sequence[Arguments]) -> list[list[Floats] | None]:
-        return self._answers(self._grader.solution, trial, calls)
+    def _solution_answers(self, trial: FunctionTrial, calls: Sequence[Arguments]) -> list[list[Floats] | None]:
+        return self._answers_of(self._grader.solution, trial, calls)
 
-    def _answers(self, source: str, trial: FunctionTrial, calls: Sequence[Arguments]) -> list[list[Floats] | None]:
+    def _answers_of(self, source: str, trial: FunctionTrial, calls: Sequence[Arguments]) -> list[list[Floats] | None]:
         """Return the numbers of each answer, None for a fault or other values; fewer where the program died."""
         answers: list[list[Floats] | None] = []
         for begin in range(0, len(calls), SLICE):
@@ -301,24 +301,24 @@ class Experimenter:
             try:
                 batch = PlannedCalls(trial.function, tuple(calls[begin : begin + SLICE]))
                 for _, answer in flatten_blocks(program.call_batches([batch])):
-                    answers.append(_numbers(answer.value) if isinstance(answer, Reply) else None)
+                    answers.append(_read_arrays(answer.value) if isinstance(answer, Reply) else None)
             finally:
                 program.close()
         return answers
 
 
-def _holds_counts(series: Series) -> bool:
+def _are_whole_numbers(series: Series) -> bool:
     """Whether each right answer is one whole number, or a verdict."""
     return all(right.ndim == 0 and bool(right == np.round(right)) for right in series.right)
 
 
-def _in_turn(drawn: Sequence[Sequence[Arguments]]) -> list[Arguments]:
+def _interleave_calls(drawn: Sequence[Sequence[Arguments]]) -> list[Arguments]:
     """Return the calls of several checks, the first of each before the second ones."""
     return [call for turn in itertools.zip_longest(*drawn) for call in turn if call is not None]
 
 
-def _varied_rows(
-    trial: FunctionTrial, view: ReturnedValue, change: ArgumentChange, answers: Sequence[_VariedAnswer]
+def _compare_varied_answers(
+    trial: FunctionTrial, view: ReturnedValue, change: ArgumentChange, answers: Sequence[_VariedCallAnswers]
 ) -> list[VariedAnswers]:
     """Return a value of each answer to one change, beside the one before; without those that are no numbers."""
     return [
@@ -329,12 +329,12 @@ def _varied_rows(
     ]
 
 
-def _plainest(trial: FunctionTrial, rows: Sequence[VariedAnswers], chosen: Sequence[bool]) -> VariedAnswers:
+def _plainest_row(trial: FunctionTrial, rows: Sequence[VariedAnswers], chosen: Sequence[bool]) -> VariedAnswers:
     by_number = {row.variation.number: row for row, is_chosen in zip(rows, chosen, strict=True) if is_chosen}
     return by_number[trial.plainest(by_number)]
 
 
-def _numbers(value: Value) -> list[Floats] | None:
+def _read_arrays(value: Value) -> list[Floats] | None:
     """Return the arrays of an answer: one, or each of a tuple's; None where something else is among them."""
     try:
         if isinstance(value, tuple):
@@ -344,7 +344,7 @@ def _numbers(value: Value) -> list[Floats] | None:
         return None
 
 
-def _alike(first: list[Floats] | None, second: list[Floats] | None) -> bool:
+def _are_same_arrays(first: list[Floats] | None, second: list[Floats] | None) -> bool:
     if first is None or second is None:
         return first is second
     return len(first) == len(second) and all(map(same, first, second))

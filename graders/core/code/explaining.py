@@ -33,8 +33,8 @@ class MistakeExplainer:
     ) -> None:
         self._misconceptions, self._checks, self._kit, self._reenactor = misconceptions, checks, kit, reenactor
         self._unfinished: set[int] = set()
-        self._work = ConfinedWork(self._explain_each)
-        self._comparing = ConfinedWork(self._compare_each)
+        self._work = ConfinedWork(self._score_each)
+        self._comparing = ConfinedWork(self._agree_with_each)
 
     def reenactable(self) -> list[int]:
         """Return those that are re-enacted: programs that are no edit of the model, nor known by a rule alone."""
@@ -46,9 +46,7 @@ class MistakeExplainer:
         """Yield the explanations that these misconceptions give of the observations of a grading of this seed."""
         left = [k for k in chosen if k not in self._unfinished]
         context = (observations, seed)
-        answers = (
-            self._work.answer_each(left, context) if self._reenactor.confined else self._explain_each(left, context)
-        )
+        answers = self._work.answer_each(left, context) if self._reenactor.confined else self._score_each(left, context)
         for k, answer in zip(left, answers, strict=True):
             if isinstance(answer, Unfinished):
                 self._unfinished.add(k)
@@ -62,7 +60,7 @@ class MistakeExplainer:
         context = (runner.observations, probes.function, tolerance, seed)
         return [*self._comparing.answer_each([text], context)] == [True]
 
-    def _compare_each(
+    def _agree_with_each(
         self, texts: Sequence[str], context: tuple[Sequence[Observation], str, float, int]
     ) -> Iterator[bool]:
         observations, function, tolerance, seed = context
@@ -80,7 +78,7 @@ class MistakeExplainer:
                 self._unfinished.add(k)
                 yield self._misconceptions[k], answer
 
-    def _explain_each(
+    def _score_each(
         self, chosen: Sequence[int], context: tuple[Sequence[Observation], int]
     ) -> Iterator[tuple[int, float] | None]:
         observations, seed = context

@@ -52,12 +52,16 @@ class Fact:
 def find_facts(failed: Failed, source: bytes, solution: str, titles: Sequence[str]) -> list[Fact]:
     """Return the facts that these failed checks establish, but those that one of the titles tells already."""
     text = source.decode("utf-8-sig", "replace")
-    defaults = _asked_defaults(solution)
+    defaults = _defaults_by_function(solution)
     is_read = bool(defaults) or any(finding.cause is Outcome.INVALID_OUTPUT for _, finding in failed)
-    mine = _functions(text) if is_read else {}
-    facts = [*_modified(failed), *_nothing_returned(failed, mine), *_defaults(failed, mine, defaults)]
+    mine = _functions_by_name(text) if is_read else {}
+    facts = [
+        *_iter_modified_argument_facts(failed),
+        *_iter_missing_return_facts(failed, mine),
+        *_iter_default_value_facts(failed, mine, defaults),
+    ]
     if not facts:
-        facts += _lost_digits(failed, text)
+        facts += _iter_lost_precision_facts(failed, text)
     return [fact for fact in facts if not is_told(fact, titles)]
 
 
@@ -66,29 +70,29 @@ def is_told(fact: Fact, titles: Iterable[str]) -> bool:
     return any(re.search(_ALREADY_TOLD[fact.slip.id], title, re.IGNORECASE) for title in titles)
 
 
-def _functions(text: str) -> Mapping[str, ast.FunctionDef]:
+def _functions_by_name(text: str) -> Mapping[str, ast.FunctionDef]:
     tree = parse_or_none(text)
     return {node.name: node for node in (tree.body if tree else ()) if isinstance(node, ast.FunctionDef)}
 
 
 @cache
-def _asked_defaults(solution: str) -> Mapping[str, Mapping[str, str]]:
+def _defaults_by_function(solution: str) -> Mapping[str, Mapping[str, str]]:
     """Return the default values of the functions that have some, by parameter."""
-    values = {name: _default_values(function) for name, function in _functions(solution).items()}
+    values = {name: _default_values(function) for name, function in _functions_by_name(solution).items()}
     return {name: defaults for name, defaults in values.items() if defaults}
 
 
-def _modified(failed: Failed) -> Iterator[Fact]:
+def _iter_modified_argument_facts(failed: Failed) -> Iterator[Fact]:
     checks = tuple(check.id for check, finding in failed if finding.slip == MODIFIED_ARGUMENT)
     if checks:
         yield Fact(SLIPS[MODIFIED_ARGUMENT], checks)
 
 
-def _nothing_returned(failed: Failed, functions: Mapping[str, ast.FunctionDef]) -> Iterator[Fact]:
+def _iter_missing_return_facts(failed: Failed, functions: Mapping[str, ast.FunctionDef]) -> Iterator[Fact]:
     """A function that returned None: it has no `return` at all, or reached none."""
     seen: dict[str, list[str]] = {}
     for check, finding in failed:
-        if len(check.functions) == 1 and finding.cause is Outcome.INVALID_OUTPUT and _is_nothing(finding):
+        if len(check.functions) == 1 and finding.cause is Outcome.INVALID_OUTPUT and _got_none(finding):
             seen.setdefault(check.functions[0], []).append(check.id)
     for name in sorted(seen.keys() & functions.keys()):
         returns = [node for node in ast.walk(functions[name]) if isinstance(node, ast.Return) and node.value]
@@ -102,12 +106,12 @@ def _nothing_returned(failed: Failed, functions: Mapping[str, ast.FunctionDef]) 
         yield Fact(replace(SLIPS[NOTHING], title=title, explanation=explanation), tuple(seen[name]))
 
 
-def _is_nothing(finding: Finding) -> bool:
+def _got_none(finding: Finding) -> bool:
     example = finding.result.counterexample
     return example is not None and example.got is None and "None" in finding.result.message
 
 
-def _defaults(
+def _iter_default_value_facts(
     failed: Failed, mine: Mapping[str, ast.FunctionDef], asked: Mapping[str, Mapping[str, str]]
 ) -> Iterator[Fact]:
     for name in sorted(mine.keys() & asked.keys()):
@@ -122,14 +126,14 @@ def _defaults(
                 told = re.compile(rf"appel (?:de |d’){name}\s:[^.]*\b{parameter}\b")
                 missed = tuple(check for check, said in messages.items() if told.search(said))
                 if missed:
-                    yield Fact(_no_default(name, parameter, wanted), missed)
-            elif parameter in given and _number(given[parameter]) not in (None, _number(wanted)):
+                    yield Fact(_missing_default_slip(name, parameter, wanted), missed)
+            elif parameter in given and _parse_number(given[parameter]) not in (None, _parse_number(wanted)):
                 blamed = tuple(check.id for check, _ in failed if check.functions == (name,))
                 if blamed:
-                    yield Fact(_other_default(name, parameter, given[parameter]), blamed)
+                    yield Fact(_different_default_slip(name, parameter, given[parameter]), blamed)
 
 
-def _no_default(name: str, parameter: str, wanted: str) -> Slip:
+def _missing_default_slip(name: str, parameter: str, wanted: str) -> Slip:
     return Slip(
         NO_DEFAULT,
         f"La valeur par défaut de {parameter} manque",
@@ -139,7 +143,7 @@ def _no_default(name: str, parameter: str, wanted: str) -> Slip:
     )
 
 
-def _other_default(name: str, parameter: str, given: str) -> Slip:
+def _different_default_slip(name: str, parameter: str, given: str) -> Slip:
     return Slip(
         OTHER_DEFAULT,
         f"La valeur par défaut de {parameter} n'est pas celle de l'énoncé",
@@ -155,14 +159,14 @@ def _default_values(function: ast.FunctionDef) -> dict[str, str]:
     return {argument.arg: ast.unparse(value) for argument, value in pairs}
 
 
-def _number(text: str) -> float | None:
+def _parse_number(text: str) -> float | None:
     try:
         return float(evaluate_literal(text))
     except (ValueError, TypeError, SyntaxError):
         return None
 
 
-def _lost_digits(failed: Failed, text: str) -> Iterator[Fact]:
+def _iter_lost_precision_facts(failed: Failed, text: str) -> Iterator[Fact]:
     """Values that are right to some digits only, in each failed check that compares numbers."""
     numeric = [finding for _, finding in failed if finding.cause is Outcome.WRONG_ANSWER and finding.slip != "memoire"]
     errors = [_relative_error(finding) for finding in numeric]
@@ -174,7 +178,9 @@ def _lost_digits(failed: Failed, text: str) -> Iterator[Fact]:
 def _relative_error(finding: Finding) -> float | None:
     """Return the largest relative error of a counterexample; None where it does not compare numbers."""
     example = finding.result.counterexample
-    expected, got = (_numbers(value) for value in ((example.expected, example.got) if example else (None, None)))
+    expected, got = (
+        _flatten_numbers(value) for value in ((example.expected, example.got) if example else (None, None))
+    )
     if not expected or len(expected) != len(got or ()):
         return None
     wanted, obtained = np.array(expected), np.array(got)
@@ -184,7 +190,7 @@ def _relative_error(finding: Finding) -> float | None:
         return float(np.max(np.abs(obtained - wanted)) / max(1e-9, float(np.max(np.abs(wanted)))))
 
 
-def _numbers(value: Any) -> list[float] | None:
+def _flatten_numbers(value: Any) -> list[float] | None:
     """Return the numbers of a JSON value, in order; None where it holds anything else."""
     if isinstance(value, bool) or value is None or isinstance(value, str | dict):
         return None
@@ -192,7 +198,7 @@ def _numbers(value: Any) -> list[float] | None:
         return [float(value)]
     numbers: list[float] = []
     for item in value:
-        inner = _numbers(item)
+        inner = _flatten_numbers(item)
         if inner is None:
             return None
         numbers += inner

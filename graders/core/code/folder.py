@@ -54,19 +54,19 @@ class Specimen:
 
 def read_solution(folder: Path) -> str:
     """Return the source of the reference solution. Raises MalformedExerciseError."""
-    return _read(folder / "solution.py")
+    return _read_text(folder / "solution.py")
 
 
 def read_misconceptions(folder: Path, solution: str) -> Iterator[Misconception]:
     """Yield the misconceptions of the catalogue, with complete sources. Raises MalformedExerciseError."""
-    text, entries = _entries(folder)
-    for entry, line in zip(entries.get("misconception", ()), _lines(text, "misconception"), strict=False):
-        yield from _misconceptions(folder, entry, line, solution)
+    text, entries = _read_catalogue(folder)
+    for entry, line in zip(entries.get("misconception", ()), _find_table_lines(text, "misconception"), strict=False):
+        yield from _build_misconceptions(folder, entry, line, solution)
 
 
-def _entries(folder: Path) -> tuple[str, dict[str, Any]]:
+def _read_catalogue(folder: Path) -> tuple[str, dict[str, Any]]:
     path = folder / MISCONCEPTIONS
-    text = _read(path)
+    text = _read_text(path)
     try:
         entries = tomllib.loads(text)
         _ = entries["misconception"]
@@ -77,13 +77,13 @@ def _entries(folder: Path) -> tuple[str, dict[str, Any]]:
     return text, entries
 
 
-def _lines(text: str, table: str) -> Iterator[int]:
+def _find_table_lines(text: str, table: str) -> Iterator[int]:
     """Yield the line numbers of the headers of one array of tables."""
     for header in re.finditer(rf"^[ \t]*\[\[[ \t]*{table}[ \t]*\]\]", text, re.MULTILINE):
         yield text[: header.start()].count("\n") + 1
 
 
-def _misconceptions(folder: Path, entry: dict[str, Any], line: int, solution: str) -> Iterator[Misconception]:
+def _build_misconceptions(folder: Path, entry: dict[str, Any], line: int, solution: str) -> Iterator[Misconception]:
     missing = FIELDS - entry.keys()
     if missing:
         message = f"erreur « {entry.get('id', '?')} » : il manque {', '.join(sorted(missing))}"
@@ -97,9 +97,9 @@ def _misconceptions(folder: Path, entry: dict[str, Any], line: int, solution: st
         *([file] if file.exists() or not entry.get("edits") else ()),
         *sorted(sources_folder.glob(f"{entry['id']}__*.py")),
     ]
-    sources = [(f"{solution}\n\n{_read(path)}", True) for path in files]
+    sources = [(f"{solution}\n\n{_read_text(path)}", True) for path in files]
     if not sources:
-        sources = [(_edited(folder, entry, line), False)]
+        sources = [(_apply_first_edit(folder, entry, line), False)]
     for source, whole in sources:
         yield Misconception(
             id=entry["id"],
@@ -117,9 +117,9 @@ def _misconceptions(folder: Path, entry: dict[str, Any], line: int, solution: st
         )
 
 
-def _edited(folder: Path, entry: dict[str, Any], line: int) -> str:
+def _apply_first_edit(folder: Path, entry: dict[str, Any], line: int) -> str:
     """Return the model with the first of a mistake's edits."""
-    edited = _edits(entry, folder, line)[0].apply(_read(folder / MODEL))
+    edited = _parse_edits(entry, folder, line)[0].apply(_read_text(folder / MODEL))
     assert edited is not None, "an edit is tried when it is read"
     return edited
 
@@ -133,24 +133,24 @@ def read_model(folder: Path) -> Model | None:
     path = folder / MODEL
     if not path.exists():
         return None
-    text, entries = _entries(folder)
+    text, entries = _read_catalogue(folder)
     edits: dict[str, list[Edit]] = {}
     for table in ("style", "misconception", "slip"):
         edits[table] = []
-        for entry, line in zip(entries.get(table, ()), _lines(text, table), strict=False):
+        for entry, line in zip(entries.get(table, ()), _find_table_lines(text, table), strict=False):
             if table == "slip" and entry.get("id") not in SLIPS:
                 raise MalformedExerciseError(
                     folder / MISCONCEPTIONS,
                     f"« {entry.get('id')} » n’est pas une étourderie connue : {', '.join(sorted(SLIPS))}",
                     line,
                 )
-            edits[table] += _edits(entry, folder, line)
-    return Model(_read(path), (*edits["misconception"], *edits["slip"]), edits["style"])
+            edits[table] += _parse_edits(entry, folder, line)
+    return Model(_read_text(path), (*edits["misconception"], *edits["slip"]), edits["style"])
 
 
-def _edits(entry: dict[str, Any], folder: Path, line: int) -> list[Edit]:
+def _parse_edits(entry: dict[str, Any], folder: Path, line: int) -> list[Edit]:
     """Return the edits of one entry: each is a list of alternating texts, a text and its replacement."""
-    model = _read(folder / MODEL) if entry.get("edits") else ""
+    model = _read_text(folder / MODEL) if entry.get("edits") else ""
     edits = []
     for texts in entry.get("edits", ()):
         changes = tuple(zip(texts[::2], texts[1::2], strict=True))
@@ -182,7 +182,7 @@ def read_specimens(folder: Path) -> Iterator[Specimen]:
         yield Specimen(Outcome(path.parent.name), path)
 
 
-def _read(path: Path) -> str:
+def _read_text(path: Path) -> str:
     try:
         return path.read_text(encoding="utf-8")
     except OSError as error:

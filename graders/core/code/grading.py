@@ -109,15 +109,15 @@ class CodeGrader:
         kit = self.kit(stream(seed, "kit"))
         runner = Runner(programs, source, kit, budget=self.budget)
         try:
-            findings = self._findings(runner, kit, seed, source, self.checks)
+            findings = self._run_checks(runner, kit, seed, source, self.checks)
             checked = time.perf_counter()
             told = tell_once(tell_signatures(findings, self.solution))
             if all(finding.cause not in DIAGNOSED for finding in findings):
-                diagnosis = self._diagnosis(findings, runner, kit, seed, source)
+                diagnosis = self._diagnose(findings, runner, kit, seed, source)
             else:
                 early = make_verdict(self.exercise, version, seed, told, None, stdout=runner.stdout, timings={})
                 with while_naming(Judgement(early)):
-                    diagnosis = self._diagnosis(findings, runner, kit, seed, source)
+                    diagnosis = self._diagnose(findings, runner, kit, seed, source)
         finally:
             runner.close()
         findings = told
@@ -136,7 +136,7 @@ class CodeGrader:
         films = {check: film for check, data in runner.films.items() if (film := film_to_json(data)) is not None}
         return Judgement(verdict, figures, films)
 
-    def _findings(
+    def _run_checks(
         self, runner: Runner, kit: KitSettings, seed: int, source: bytes, checks: Sequence[Check]
     ) -> Sequence[Finding]:
         """Run the checks. Probes go to the same process, of a stateless program, else to one announced at a failure."""
@@ -147,7 +147,7 @@ class CodeGrader:
         findings = run_checks(
             checks, runner, kit, seed,
             launches_if_failed=lambda: 0 if steady() else 1,
-            calls_if_failed=lambda failed: prober.planned_calls(*self._asked_of(failed)) if steady() else (),
+            calls_if_failed=lambda failed: prober.planned_calls(*self._functions_to_probe(failed)) if steady() else (),
         )  # fmt: skip
         return hold_stale_answers(checks, findings, runner, prober.probes, self.contracts)
 
@@ -167,23 +167,23 @@ class CodeGrader:
         finally:
             runner.close()
 
-    def _diagnosis(
+    def _diagnose(
         self, findings: Sequence[Finding], runner: Runner, kit: KitSettings, seed: int, source: bytes
     ) -> Diagnosis | None:
         """Name the mistake: by the probes, else by re-enactment for functions without probes, else as a slip."""
-        pairs = self._failed_pairs(findings)
+        pairs = self._explainable_failures(findings)
         if not pairs:
             return None
         if (comma := decimal_comma_diagnosis(source)) is not None:
             return comma
-        named = self._named_mistakes(pairs, runner, seed, source)
+        named = self._name_in_failures(pairs, runner, seed, source)
         if not named.ids and all(fact.slip.id in IMPRECISIONS for fact in named.facts):
             rounded = rounded_constant_diagnosis(source) if all(f.cause in JUDGED for _, f in pairs) else None
             if rounded is not None:
                 return rounded
         if named.ids or named.facts:
             at_fault = [check for check, finding in pairs if not finding.result.neutral]
-            doubtful = self._possibly_explained(source, at_fault, named.explains)
+            doubtful = self._checks_of_affected_callers(source, at_fault, named.explains)
             diagnosis = self.describe_mistakes(replace(named, failed=named.failed - doubtful))
             return tell_remainder(diagnosis, [finding.result for finding in findings], doubtful)
         return slip_diagnosis(
@@ -202,10 +202,10 @@ class CodeGrader:
         kit = self.kit(stream(seed, "kit"))
         runner = Runner(programs, source.encode(), kit, budget=NO_SHRINKING)
         try:
-            findings = self._findings(runner, kit, seed, source.encode(), checks)
-            pairs = self._failed_pairs(findings)
+            findings = self._run_checks(runner, kit, seed, source.encode(), checks)
+            pairs = self._explainable_failures(findings)
             search = None if spent is None else PairSearch(spent, partial(self._explainer.holds, runner, seed))
-            named = self._named_mistakes(pairs, runner, seed, source.encode(), search) if pairs else NamedMistakes()
+            named = self._name_in_failures(pairs, runner, seed, source.encode(), search) if pairs else NamedMistakes()
         finally:
             runner.close()
         return replace(named, failed=frozenset(it.result.id for it in findings if not (it.passed or it.result.neutral)))
@@ -218,41 +218,42 @@ class CodeGrader:
         )
         return replace(diagnosis, explains=named.explains, certain=named.certain)
 
-    def _failed_pairs(self, findings: Sequence[Finding]) -> list[tuple[Check, Finding]]:
+    def _explainable_failures(self, findings: Sequence[Finding]) -> list[tuple[Check, Finding]]:
         """Return the failed checks with their findings; none where none has a cause that a mistake may explain."""
         checks = {check.id: check for check in self.checks}
         pairs = [(checks[finding.result.id], finding) for finding in findings if not finding.passed]
         return [] if all(finding.cause not in DIAGNOSED for _, finding in pairs) else pairs
 
-    def _named_mistakes(
+    def _name_in_failures(
         self, pairs: Sequence[tuple[Check, Finding]], runner: Runner, seed: int, source: bytes,
         search: PairSearch | None = None,
     ) -> NamedMistakes:  # fmt: skip
         failed = [check for check, _ in pairs]
-        blamed, (functions, alone) = _blamed(failed), self._asked_of(failed)
+        blamed, (functions, alone) = _blamed_functions(failed), self._functions_to_probe(failed)
         found = self.prober.recognise(runner, functions, alone, search) if self.prober else RecognisedMistakes()
         found = verify_silent(found, self.prober, runner, partial(self._explainer.holds, runner, seed))
         found = verify_rule_names(found, self.prober, runner, alone)
         told = [check for check, finding in pairs if explains_itself(finding.result.message)]
         others = {name for check in failed if check not in told for name in check.functions}
         left = ((alone if found.mistakes else blamed) - set(found.consequences)) & others
-        reenacted = self._reenacted(found.mistakes, left, runner, seed)
-        ids = self._borne_out((*found.mistakes, *reenacted) or found.fallback, failed)
+        reenacted = self._reenact(found.mistakes, left, runner, seed)
+        ids = self._without_contradicted_names((*found.mistakes, *reenacted) or found.fallback, failed)
         facts = find_facts(pairs, source, self.solution, [self.title_of(mistake) for mistake in ids])
         at_fault = [check for check, finding in pairs if not finding.result.neutral]
         following = set(found.consequences) if ids == found.mistakes else set()
-        explains = *(self._explained(name, at_fault, following) for name in ids), *(fact.checks for fact in facts)
+        explained = (self._explained_checks(name, at_fault, following) for name in ids)
+        explains = (*explained, *(fact.checks for fact in facts))
         certain = found.certain and not reenacted and ids == found.mistakes
         failed_ids = frozenset(check.id for check in at_fault)
         return NamedMistakes(ids, tuple(facts), explains, certain, failed_ids, grounds=found.grounds)
 
-    def _borne_out(self, ids: Sequence[str], failed: Sequence[Check]) -> tuple[str, ...]:
+    def _without_contradicted_names(self, ids: Sequence[str], failed: Sequence[Check]) -> tuple[str, ...]:
         """Return the ids whose words the failed checks do not contradict: nothing fails that they say to be right."""
         failed_ids = {check.id for check in failed}
         right = {mistake.id: mistake.right for mistake in self.misconceptions}
         return tuple(mistake for mistake in ids if failed_ids.isdisjoint(right.get(mistake, ())))
 
-    def _possibly_explained(
+    def _checks_of_affected_callers(
         self, source: bytes, failed: Sequence[Check], explains: Sequence[Sequence[str]]
     ) -> frozenset[str]:
         """Return the ids of the failed checks of functions that call one with an explained check."""
@@ -263,7 +264,7 @@ class CodeGrader:
         callers = find_callers(source, names)
         return frozenset(check.id for check in failed if callers.intersection(check.functions))
 
-    def _explained(self, mistake: str, failed: Sequence[Check], following: Collection[str]) -> tuple[str, ...]:
+    def _explained_checks(self, mistake: str, failed: Sequence[Check], following: Collection[str]) -> tuple[str, ...]:
         """Return the ids of the failed checks of a mistake's functions, and of those in which it is known to show.
 
         Those of all functions for a slip.
@@ -277,13 +278,13 @@ class CodeGrader:
         titles = {each.id: each.title for each in self.misconceptions}
         return titles.get(mistake) or SLIPS[mistake].title
 
-    def _asked_of(self, failed: Sequence[Check]) -> tuple[Sequence[str], set[str]]:
+    def _functions_to_probe(self, failed: Sequence[Check]) -> tuple[Sequence[str], set[str]]:
         """Return the functions to probe, and those that failed a check of their own."""
-        blamed = _blamed(failed)
+        blamed = _blamed_functions(failed)
         functions = [function for function in self.functions if function in blamed]
         return functions, {check.functions[0] for check in failed if len(check.functions) == 1}
 
-    def _reenacted(self, named_ids: Sequence[str], blamed: Collection[str], runner: Runner, seed: int) -> Sequence[str]:
+    def _reenact(self, named_ids: Sequence[str], blamed: Collection[str], runner: Runner, seed: int) -> Sequence[str]:
         """Name, from the observations, the mistake of blamed functions without one, if it is no edit of the model."""
         explained = {function for m in self.misconceptions if m.id in named_ids for function in m.functions}
         left = set() if set(named_ids) & SLIPS.keys() else set(blamed) - explained
@@ -325,24 +326,24 @@ class CodeGrader:
 
     def known_submissions(self) -> Iterator[KnownSubmission]:
         """Yield the solution, the catalogued mistakes and the specimens, with their expected verdicts."""
-        yield KnownSubmission("référence", _always(self.solution.encode()), Outcome.OK)
+        yield KnownSubmission("référence", _same_source_for_all_seeds(self.solution.encode()), Outcome.OK)
         for misconception in self.misconceptions:
-            source = _always(misconception.source.encode())
+            source = _same_source_for_all_seeds(misconception.source.encode())
             yield KnownSubmission(f"erreur {misconception.id}", source, diagnosis=misconception.id)
         for specimen in self.specimens():
             subject = f"spécimen {specimen.outcome.value}/{specimen.path.name}"
-            yield KnownSubmission(subject, _always(specimen.path.read_bytes()), specimen.outcome)
+            yield KnownSubmission(subject, _same_source_for_all_seeds(specimen.path.read_bytes()), specimen.outcome)
 
     def specimens(self) -> Iterator[Specimen]:
         """Yield the submissions under `specimens/<outcome>/`. Raises MalformedExerciseError."""
         return read_specimens(self.folder)
 
 
-def _blamed(failed: Sequence[Check]) -> frozenset[str]:
+def _blamed_functions(failed: Sequence[Check]) -> frozenset[str]:
     """Return the functions that fail a check of their own; where there are none, all functions of failed checks."""
     alone = [check for check in failed if len(check.functions) == 1]
     return frozenset(function for check in alone or failed for function in check.functions)
 
 
-def _always(source: bytes) -> Callable[[int], bytes]:
+def _same_source_for_all_seeds(source: bytes) -> Callable[[int], bytes]:
     return lambda _seed: source

@@ -24,10 +24,10 @@ def find_hunt_faults(exercise: CodeExercise, public: Sequence[str], right: Mappi
     programs in this process; what they print is left out.
     """
     with redirect_stdout(StringIO()):
-        yield from list(_hunt_faults(exercise, public, right))
+        yield from list(_iter_hunt_faults(exercise, public, right))
 
 
-def _hunt_faults(exercise: CodeExercise, public: Sequence[str], right: Mapping[str, str]) -> Iterator[HuntFault]:
+def _iter_hunt_faults(exercise: CodeExercise, public: Sequence[str], right: Mapping[str, str]) -> Iterator[HuntFault]:
     ground = HuntGround(exercise, LOCAL)
     rights = {name: ground.open(source) for name, source in right.items()}
     for hunt in list_hunts(exercise):

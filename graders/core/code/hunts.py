@@ -79,7 +79,7 @@ class Hunt:
                 break
             if name not in values:
                 raise InputFault(name, f"Donnez aussi {name} : {form.words}.")
-            args = (*args, _read(name, form, values[name], sizes))
+            args = (*args, _read_typed_value(name, form, values[name], sizes))
         if size_of(args).numbers > MAX_TYPED:
             raise InputFault(next(iter(self.contract.takes)), f"C’est trop long : {MAX_TYPED} nombres au plus en tout.")
         return args
@@ -121,7 +121,7 @@ def list_hunts(definition: CodeExercise) -> Iterator[Hunt]:
             contract, key = contracts.get(function), (misconception.id, function)
             if contract is None or key in seen or function not in checks or not contract.takes:
                 continue
-            if all(map(_can_be_typed, contract.takes.values())):
+            if all(map(_is_typeable_form, contract.takes.values())):
                 seen.add(key)
                 source = f"{imports_of(definition.solution)}{misconception.source}"
                 yield Hunt(misconception, function, contract, tuple(checks[function]), source)
@@ -133,14 +133,14 @@ def imports_of(solution: str) -> str:
     return "".join(f"{ast.unparse(node)}\n" for node in nodes)
 
 
-def _can_be_typed(form: ValueForm) -> bool:
+def _is_typeable_form(form: ValueForm) -> bool:
     if isinstance(form, ArrayForm):
         fixed = [side for side in form.shape if isinstance(side, int)]
         return form.dtype == "float64" and len(form.shape) <= 2 and all(side <= 6 for side in fixed)
     return isinstance(form, NumberForm | IndicesForm)
 
 
-def _read(name: str, form: ValueForm, value: Value, sizes: dict[str, int]) -> Value:
+def _read_typed_value(name: str, form: ValueForm, value: Value, sizes: dict[str, int]) -> Value:
     """Return one typed value in the form of an argument. Raises InputFault."""
     wanted = f"{name} doit être {form.words}"
     try:
@@ -151,7 +151,7 @@ def _read(name: str, form: ValueForm, value: Value, sizes: dict[str, int]) -> Va
         raise InputFault(name, f"{name} a un nombre trop grand, infini ou nan : restez sous un million.")
     if isinstance(form, NumberForm):
         if array.shape != ():
-            raise InputFault(name, f"{wanted}, et vous donnez {_given(array)}.")
+            raise InputFault(name, f"{wanted}, et vous donnez {_typed_shape_text(array)}.")
         if isinstance(form, WholeForm):
             if array != np.round(array):
                 raise InputFault(name, f"{wanted} : {float(array):g} n’en est pas un.")
@@ -162,11 +162,11 @@ def _read(name: str, form: ValueForm, value: Value, sizes: dict[str, int]) -> Va
             raise InputFault(name, f"{wanted} : une liste d’entiers, comme [0, 2].")
         return [int(item) for item in array]
     if not form.holds(array, sizes):
-        raise InputFault(name, f"{wanted}, et vous donnez {_given(array)}.{_sizes_text(sizes)}")
+        raise InputFault(name, f"{wanted}, et vous donnez {_typed_shape_text(array)}.{_sizes_text(sizes)}")
     return array
 
 
-def _given(array: np.ndarray) -> str:
+def _typed_shape_text(array: np.ndarray) -> str:
     return "un seul nombre" if array.shape == () else f"un tableau {shape_text(array.shape)}"
 
 
@@ -208,28 +208,30 @@ class HuntGround:
 
     def try_inputs(self, hunt: Hunt, wrong: Program, inputs: Sequence[Arguments]) -> Iterator[HuntAnswer | None]:
         """Yield what each input shows, None of one on which right programs differ or stop."""
-        reference, *others = [_answers(program, hunt.function, inputs) for program in self._right]
-        wrongs = _answers(wrong, hunt.function, inputs)
+        reference, *others = [_answer_each_input(program, hunt.function, inputs) for program in self._right]
+        wrongs = _answer_each_input(wrong, hunt.function, inputs)
         for k, args in enumerate(inputs):
             right = reference[k]
             checks = [check for check in hunt.checks if check.valid(args)] or list(hunt.checks)
-            if isinstance(right, StudentFault) or any(_differs(checks, right.value, other[k]) for other in others):
+            if isinstance(right, StudentFault) or any(
+                _is_wrong_answer(checks, right.value, other[k]) for other in others
+            ):
                 yield None
                 continue
             got = wrongs[k]
             if isinstance(got, StudentFault):
                 yield HuntAnswer(right.value, None, True, got.message)
             else:
-                yield HuntAnswer(right.value, got.value, _differs(checks, right.value, got))
+                yield HuntAnswer(right.value, got.value, _is_wrong_answer(checks, right.value, got))
 
 
-def _answers(program: Program, function: str, inputs: Sequence[Arguments]) -> list[Answer]:
+def _answer_each_input(program: Program, function: str, inputs: Sequence[Arguments]) -> list[Answer]:
     """Return one answer for each input; a program that has stopped for good gives its last fault."""
     answers = list(program.call_many(function, inputs))
     return answers + answers[-1:] * (len(inputs) - len(answers))
 
 
-def _differs(checks: Sequence[Cases], expected: Value, answer: Answer) -> bool:
+def _is_wrong_answer(checks: Sequence[Cases], expected: Value, answer: Answer) -> bool:
     if isinstance(answer, StudentFault):
         return True
     return any(compare(check.compare, expected, answer.value) is not None for check in checks)
@@ -241,7 +243,7 @@ def find_witness(hunt: Hunt, ground: HuntGround, wrong: Program) -> Arguments | 
         cases = [tuple(args) for args, _ in zip(check.cases(stream(SEED, check.id)), range(MAX_CASES), strict=False)]
         short = [args for args in cases if size_of(args).numbers <= MAX_SHRUNK]
         showing = find_showing(hunt, ground, wrong, short)
-        shrunk = [_shrink(hunt, ground, wrong, check, args) for args in sorted(showing, key=_reading_cost)[:1]]
+        shrunk = [_shrink_input(hunt, ground, wrong, check, args) for args in sorted(showing, key=_reading_cost)[:1]]
         if shrunk and size_of(shrunk[0]).numbers <= MAX_NEEDED:
             return shrunk[0]
     return None
@@ -249,21 +251,21 @@ def find_witness(hunt: Hunt, ground: HuntGround, wrong: Program) -> Arguments | 
 
 def _reading_cost(args: Arguments) -> tuple[int, int, int]:
     size = size_of(args)
-    return size.nonzero, size.numbers, sum(len(f"{number:.6g}") for number in _numbers(args))
+    return size.nonzero, size.numbers, sum(len(f"{number:.6g}") for number in _flatten_numbers(args))
 
 
-def _numbers(args: Arguments) -> list[float]:
+def _flatten_numbers(args: Arguments) -> list[float]:
     return [float(number) for value in args for number in np.ravel(np.asarray(value, dtype=np.float64))]
 
 
 def find_showing(hunt: Hunt, ground: HuntGround, wrong: Program, inputs: Sequence[Arguments]) -> list[Arguments]:
     """Return the inputs that show the mistake, of those that one may type."""
-    typed = [args for args in inputs if _may_be_typed(hunt, args)]
+    typed = [args for args in inputs if _is_typeable_input(hunt, args)]
     answers = ground.try_inputs(hunt, wrong, typed)
     return [args for args, answer in zip(typed, answers, strict=True) if answer is not None and answer.shows]
 
 
-def _may_be_typed(hunt: Hunt, args: Arguments) -> bool:
+def _is_typeable_input(hunt: Hunt, args: Arguments) -> bool:
     try:
         hunt.read_input(dict(zip(hunt.contract.takes, args, strict=False)))
     except InputFault:
@@ -271,7 +273,7 @@ def _may_be_typed(hunt: Hunt, args: Arguments) -> bool:
     return True
 
 
-def _shrink(hunt: Hunt, ground: HuntGround, wrong: Program, check: Cases, args: Arguments) -> Arguments:
+def _shrink_input(hunt: Hunt, ground: HuntGround, wrong: Program, check: Cases, args: Arguments) -> Arguments:
     """Return a simpler input that still shows the mistake, tried in batches."""
     tries = 0
     while tries < MAX_SHRINKS:

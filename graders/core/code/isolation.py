@@ -110,7 +110,7 @@ def isolate_functions(
         return None
     whole = grader.name_mistakes(source, programs, seed)
     own = {}
-    for function in _blamed(grader, whole.failed):
+    for function in _functions_of_failed_checks(grader, whole.failed):
         if spent():
             return None
         others = [name for name in grader.functions if name != function]
@@ -123,7 +123,7 @@ def isolate_functions(
     return IsolatedFunctions(whole, own, functions_of, frozenset(dependent))
 
 
-def _blamed(grader: CodeGrader, failed: Collection[str]) -> list[str]:
+def _functions_of_failed_checks(grader: CodeGrader, failed: Collection[str]) -> list[str]:
     names = {name for check in grader.checks if check.id in failed for name in check.functions}
     return [function for function in grader.functions if function in names]
 
@@ -137,11 +137,11 @@ def name_isolated(grader: CodeGrader, isolated: IsolatedFunctions, checks: Seque
     if not isolated.guilty():
         return None
     whole, own = isolated.whole, isolated.own
-    ids = {mistake: explained for mistake in whole.ids if (explained := _still_explained(isolated, mistake))}
+    ids = {mistake: explained for mistake in whole.ids if (explained := _checks_still_explained(isolated, mistake))}
     facts = dict(zip(whole.facts, whole.explains[len(whole.ids) :], strict=True))
     shown: dict[str, str] = {}  # by title, the function that shows the mistake beside right ones only
     for function, mistakes in own.items():
-        if not isolated.named(function) or _replaces(isolated, function):
+        if not isolated.named(function) or _has_surer_isolated_names(isolated, function):
             for mistake in mistakes.ids:
                 if function in isolated.functions.get(mistake, ()) and mistake not in ids:
                     ids[mistake] = mistakes.failed
@@ -152,7 +152,7 @@ def name_isolated(grader: CodeGrader, isolated: IsolatedFunctions, checks: Seque
                 shown[fact.slip.title] = function
     facts = {fact: told for fact, told in facts.items() if not is_told(fact, map(grader.title_of, ids))}
     nearly_right = {check for fact, told in facts.items() if fact.slip.id in IMPRECISIONS for check in told}
-    unsure = [mistake for mistake in ids if not _is_certain(isolated, mistake)]
+    unsure = [mistake for mistake in ids if not _is_certain_mistake(isolated, mistake)]
     for mistake in unsure:  # numbers that are nearly right are no other formula: one cause is told, and once
         if ids[mistake] <= nearly_right:
             del ids[mistake]
@@ -160,7 +160,7 @@ def name_isolated(grader: CodeGrader, isolated: IsolatedFunctions, checks: Seque
         return None
     if list(ids) == list(whole.ids) and list(facts) == list(whole.facts):
         return None
-    explains = tuple(_in_order(checks, explained) for explained in (*ids.values(), *facts.values()))
+    explains = tuple(_sort_ids_by_check(checks, explained) for explained in (*ids.values(), *facts.values()))
     certain = not facts and all(own[name].certain or isolated.is_certain(name) for name in isolated.guilty())
     hidden = frozenset(title for title, function in shown.items() if function in isolated.dependent)
     failed = whole.failed - isolated.doubtful()
@@ -172,10 +172,10 @@ def tell_shares(isolated: IsolatedFunctions, checks: Sequence[CheckResult], diag
     """Return the diagnosis with the points that each function loses by itself."""
     guilty = isolated.guilty()
     innocent = [function for function, mistakes in isolated.own.items() if not mistakes.failed]
-    lost = _points(checks, {check.id for check in checks if not (check.passed or check.neutral)})
+    lost = _lost_points(checks, {check.id for check in checks if not (check.passed or check.neutral)})
     told = []
     if len(guilty) > 1:
-        shares = [f"{name} {number_text(_points(checks, isolated.own[name].failed))}" for name in guilty]
+        shares = [f"{name} {number_text(_lost_points(checks, isolated.own[name].failed))}" for name in guilty]
         shares[0] += f" sur {number_text(lost)}"
         told.append(f"Points perdus, chaque fonction jugée avec les autres justes : {', '.join(shares)}.")
     if innocent:
@@ -185,38 +185,40 @@ def tell_shares(isolated: IsolatedFunctions, checks: Sequence[CheckResult], diag
     return replace(diagnosis, explanation=explanation)
 
 
-def _is_certain(isolated: IsolatedFunctions, mistake: str) -> bool:
+def _is_certain_mistake(isolated: IsolatedFunctions, mistake: str) -> bool:
     """Whether a function that can have a mistake answers as one with its names does, and as no other."""
     functions = [name for name in isolated.own if name in isolated.functions.get(mistake, ())]
     return any(isolated.own[name].certain or isolated.is_certain(name) for name in functions)
 
 
-def _replaces(isolated: IsolatedFunctions, function: str) -> bool:
+def _has_surer_isolated_names(isolated: IsolatedFunctions, function: str) -> bool:
     """Whether the names that a function shows beside right ones are surer than the whole program's."""
     own = isolated.own[function]
     return bool(own.failed and own.ids) and own.certain and not isolated.is_certain(function)
 
 
-def _shows_others(isolated: IsolatedFunctions, function: str, mistake: str) -> bool:
+def _contradicts_mistake(isolated: IsolatedFunctions, function: str, mistake: str) -> bool:
     """Whether a function shows no such mistake beside right ones, but surer ones, or others of the whole program."""
     own = isolated.own[function].ids
-    return mistake not in own and (_replaces(isolated, function) or not set(own).isdisjoint(isolated.whole.ids))
+    return mistake not in own and (
+        _has_surer_isolated_names(isolated, function) or not set(own).isdisjoint(isolated.whole.ids)
+    )
 
 
-def _still_explained(isolated: IsolatedFunctions, mistake: str) -> frozenset[str]:
+def _checks_still_explained(isolated: IsolatedFunctions, mistake: str) -> frozenset[str]:
     """Return the checks that a mistake of the whole program explains; none where its functions do not bear it out."""
     functions = [name for name in isolated.own if name in isolated.functions.get(mistake, ())]
     if not functions:
         return frozenset(isolated.whole.explains[isolated.whole.ids.index(mistake)])
     guilty = [name for name in functions if isolated.own[name].failed]
-    if guilty and all(_shows_others(isolated, name, mistake) for name in guilty):
+    if guilty and all(_contradicts_mistake(isolated, name, mistake) for name in guilty):
         return frozenset()
     return frozenset().union(*(isolated.own[name].failed for name in guilty))
 
 
-def _points(checks: Sequence[CheckResult], chosen: Collection[str]) -> float:
+def _lost_points(checks: Sequence[CheckResult], chosen: Collection[str]) -> float:
     return sum(check.max_points - check.points for check in checks if check.id in chosen)
 
 
-def _in_order(checks: Sequence[CheckResult], chosen: Collection[str]) -> tuple[str, ...]:
+def _sort_ids_by_check(checks: Sequence[CheckResult], chosen: Collection[str]) -> tuple[str, ...]:
     return tuple(check.id for check in checks if check.id in chosen)

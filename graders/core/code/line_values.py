@@ -27,15 +27,15 @@ class LineValues(Enum):
 def seen_at(source: str, line: int) -> str | None:
     """Return a program that shows what the statement of a line sets or returns; None where no simple one is there."""
     text = ProgramText.read(source)
-    statements = _simple_statements(text) if text is not None else ()
+    statements = _iter_assignments_and_returns(text) if text is not None else ()
     found = [node for node in statements if node.lineno <= line <= (node.end_lineno or 0)]
-    return None if text is None or not found else _seeing(text, found[-1:])
+    return None if text is None or not found else _insert_value_recorders(text, found[-1:])
 
 
 def seen_everywhere(source: str) -> str | None:
     """Return a program that shows what each of its statements sets or returns."""
     text = ProgramText.read(source)
-    return None if text is None else _seeing(text, list(_simple_statements(text)))
+    return None if text is None else _insert_value_recorders(text, list(_iter_assignments_and_returns(text)))
 
 
 def compare_values(
@@ -50,7 +50,12 @@ def compare_values(
     """
     rows = [
         (mine - changed, changed - mine, right)
-        for mine, changed, right in zip(map(_read, before), map(_read, after), map(_read, solution), strict=False)
+        for mine, changed, right in zip(
+            map(_round_rich_values, before),
+            map(_round_rich_values, after),
+            map(_round_rich_values, solution),
+            strict=False,
+        )
     ]
     telling = [(bool(lost & right), bool(gained & right)) for lost, gained, right in rows if lost | gained]
     if telling and all(was and not becomes for was, becomes in telling):
@@ -60,13 +65,13 @@ def compare_values(
     return LineValues.UNKNOWN
 
 
-def _simple_statements(text: ProgramText) -> Iterator[ast.Assign | ast.AugAssign | ast.Return]:
+def _iter_assignments_and_returns(text: ProgramText) -> Iterator[ast.Assign | ast.AugAssign | ast.Return]:
     for node in ast.walk(text.tree):
         if isinstance(node, ast.Assign | ast.AugAssign) or (isinstance(node, ast.Return) and node.value is not None):
             yield node
 
 
-def _seeing(text: ProgramText, statements: Iterable[ast.Assign | ast.AugAssign | ast.Return]) -> str:
+def _insert_value_recorders(text: ProgramText, statements: Iterable[ast.Assign | ast.AugAssign | ast.Return]) -> str:
     added: list[tuple[int, bytes]] = []
     for statement in statements:
         if isinstance(statement, ast.Return):
@@ -80,9 +85,9 @@ def _seeing(text: ProgramText, statements: Iterable[ast.Assign | ast.AugAssign |
     return with_insertions(text, added)
 
 
-def _read(values: Iterable[Sequence[float]]) -> Seen:
-    return frozenset(tuple(float(f"{number:.7g}") + 0.0 for number in row) for row in values if _is_rich(row))
+def _round_rich_values(values: Iterable[Sequence[float]]) -> Seen:
+    return frozenset(tuple(float(f"{number:.7g}") + 0.0 for number in row) for row in values if _has_fraction(row))
 
 
-def _is_rich(value: Sequence[float]) -> bool:
+def _has_fraction(value: Sequence[float]) -> bool:
     return any(number != round(number) for number in value if abs(number) < float("inf"))

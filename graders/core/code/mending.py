@@ -117,9 +117,9 @@ class MendingSearch:
             return None
         try:
             left = frozenset(failed) or frozenset(check.id for check in self.failed_checks(source))
-            if not left or (len(left) == len(self._grader.checks) and not self._loads(source)):
+            if not left or (len(left) == len(self._grader.checks) and not self._can_load(source)):
                 return None
-            steps = self._steps(source, left, MAX_STEPS, functions, helpers)
+            steps = self._search_steps(source, left, MAX_STEPS, functions, helpers)
         except OutOfTimeError:
             return None
         if left.difference(*(step.mended for step in steps)):
@@ -127,10 +127,10 @@ class MendingSearch:
         if not any(step.mended for step in steps):
             return None
         left = left.difference(*(step.mended for step in steps))
-        last_name = self._certain_name(steps[0].change.text) if len(steps) > 1 or left else None
+        last_name = self._name_if_certain(steps[0].change.text) if len(steps) > 1 or left else None
         return Mending(tuple(in_lines_of(source, steps)), left, last_name, bool(self._suffix))
 
-    def _certain_name(self, source: str) -> Diagnosis | None:
+    def _name_if_certain(self, source: str) -> Diagnosis | None:
         named = self._grader.name_mistakes(source + self._suffix, self._programs, self._seed)
         return self._grader.describe_mistakes(replace(named, grounds={})) if named.ids and named.certain else None
 
@@ -142,14 +142,14 @@ class MendingSearch:
         kit = self._grader.kit(stream(self._seed, "kit"))
         return VariantCaller(self._programs).look(noted[0], function, arguments, noted[1], kit)
 
-    def _loads(self, source: str) -> bool:
+    def _can_load(self, source: str) -> bool:
         try:
             self._programs.open((source + self._suffix).encode(), self._grader.kit(stream(self._seed, "kit"))).close()
         except StudentFault:
             return False
         return True
 
-    def _steps(
+    def _search_steps(
         self, source: str, failed: frozenset[str], most: int, within: Collection[str], helpers: Collection[str]
     ) -> list[MendingStep]:
         """Return at most `most` changes, one after the other, that mend as many of the failed checks as possible.
@@ -177,12 +177,12 @@ class MendingSearch:
                 continue
             if left < failed:
                 left = failed - self.borne_out(change, failed - left)
-                seen[change.text] = self._line_values(source, change, functions)
+                seen[change.text] = self._compare_line_values(source, change, functions)
             if seen.get(change.text) is LineValues.RIGHT:
                 continue
             tried.append((change, left))
             if not left:
-                tried += self._at_other_lines(change, screened[screened.index(change) + 1 :], failed)
+                tried += self._equivalent_changes_elsewhere(change, screened[screened.index(change) + 1 :], failed)
                 break
         tried.sort(key=lambda pair: (len(pair[1]), seen.get(pair[0].text) is not LineValues.WRONG, pair[0].unlikely))
         if not tried:
@@ -198,14 +198,14 @@ class MendingSearch:
         for change, other in tried[:MAX_BEGUN]:
             if self._spent():
                 break
-            further = self._steps(change.text, other, most - 1, within, helpers)
+            further = self._search_steps(change.text, other, most - 1, within, helpers)
             if further and (mended := (failed - other).union(*(step.mended for step in further))) > failed - left:
                 is_doubtful, is_borne_out = change.text in doubtful, change.text in borne_out
                 begun = MendingStep(change, failed - other, (), is_doubtful, is_borne_out)
                 steps, left = [begun, *further], failed - mended
         return steps
 
-    def _at_other_lines(
+    def _equivalent_changes_elsewhere(
         self, change: ProgramChange, others: Sequence[ProgramChange], failed: frozenset[str]
     ) -> list[tuple[ProgramChange, frozenset[str]]]:
         """Return changes of a few other lines that also mend all that fails, with what they leave: nothing."""
@@ -218,7 +218,7 @@ class MendingSearch:
                 found.append((other, frozenset[str]()))
         return found
 
-    def _line_values(self, source: str, change: ProgramChange, functions: Sequence[str]) -> LineValues:
+    def _compare_line_values(self, source: str, change: ProgramChange, functions: Sequence[str]) -> LineValues:
         """Return what the values of a changed line, in the calls of some wrong probes, say of it."""
         texts = [
             seen_at(source, change.line),

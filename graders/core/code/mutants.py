@@ -85,9 +85,9 @@ class MutantAnswerCache:
         probes, count = self.probes[index], len(sequence.answers)
         if probes.same is not same_probe_answer or count < len(probes.calls):
             return sum(probes.same(self._answer_at(index, row, k), answer) for k, answer in enumerate(sequence.answers))
-        return sum(self._fill(index, row, count).agreement(sequence))
+        return sum(self._ensure_answers(index, row, count).agreement(sequence))
 
-    def _fill(self, index: int, row: MutantRow, count: int) -> AnswerSequence:
+    def _ensure_answers(self, index: int, row: MutantRow, count: int) -> AnswerSequence:
         """Return a mutant's answers, at least `count` of them as arrays."""
         for k in range(len(row.stored.sequence.answers), count):
             row.stored.sequence.add(self._answer_at(index, row, k))
@@ -96,7 +96,7 @@ class MutantAnswerCache:
     def matching_first_answer(self, index: int, mistakes: int, answer: ProbeAnswer) -> Sequence[MutantRow]:
         """Return the mutants with that number of mistakes that may answer the first probe alike."""
         rows, probes, key = self.mutants_with(index, mistakes), self.probes[index], (index, mistakes)
-        self._ask(index, rows, 1)
+        self._compute_answers(index, rows, 1)
         if probes.same is not same_probe_answer or probes.compared == 0:
             return rows
         if key not in self._first_answers:
@@ -115,15 +115,15 @@ class MutantAnswerCache:
             return all(probes.same(self._answer_at(index, row, k), answer) for k, answer in enumerate(answers))
         if answers and len(row.stored.sequence.answers) >= len(answers) == len(sequence.answers):
             return all(row.stored.sequence.agreement(sequence))
-        return all(self._fill(index, row, k + 1).agrees_at(sequence, k) for k in range(len(answers)))
+        return all(self._ensure_answers(index, row, k + 1).agrees_at(sequence, k) for k in range(len(answers)))
 
     def matching(self, index: int, rows: Iterable[MutantRow], sequence: AnswerSequence) -> list[MutantRow]:
         """Return the mutants that answer every compared probe alike."""
         compared = sequence.answers[: self.probes[index].compared]
-        agreeing = self._agreeing(index, rows, compared, self.probes[index].same)
+        agreeing = self._filter_by_first_answers(index, rows, compared, self.probes[index].same)
         return [row for row in agreeing if self.matches(index, row, sequence)]
 
-    def _agreeing(
+    def _filter_by_first_answers(
         self,
         index: int,
         rows: Iterable[MutantRow],
@@ -133,7 +133,7 @@ class MutantAnswerCache:
         """Return the mutants that give these first answers; twice as many are asked in each exchange."""
         left, begin, end = list(rows), 0, 1
         while left and begin < len(answers):
-            self._ask(index, left, min(end, len(answers)))
+            self._compute_answers(index, left, min(end, len(answers)))
             left = [row for row in left if all(map(same, row.stored.answers[begin:end], answers[begin:end]))]
             begin, end = end, 2 * end
         return left
@@ -146,15 +146,15 @@ class MutantAnswerCache:
             elif mistakes == 1:
                 mutants = itertools.chain(self.model.mutants(self.model.edits, 1), self.whole)
             else:
-                combined = filter(_is_program, self._combined(index, mistakes))
+                combined = filter(_compiles, self._combine_edits(index, mistakes))
                 mutants = itertools.islice(combined, MAX_COMBINED_MUTANTS)
-            self._rows[key] = [self._row(index, mutant) for mutant in mutants]
+            self._rows[key] = [self._make_row(index, mutant) for mutant in mutants]
         return self._rows[key]
 
     def with_all_answers(self, index: int, blamed: Collection[str]) -> list[tuple[MutantRow, Sequence[ProbeAnswer]]]:
         """Return the mutants with one mistake that these functions can have, and their answers to all probes."""
         rows = [row for row in self.mutants_with(index, 1) if row.mutant.applies_to(blamed)]
-        self._ask(index, rows, len(self.probes[index].calls))
+        self._compute_answers(index, rows, len(self.probes[index].calls))
         return [(row, row.stored.answers) for row in rows]
 
     def are_shown(self, index: int, names: Sequence[str], shown: ProbeResults, blamed: Collection[str]) -> bool:
@@ -164,12 +164,12 @@ class MutantAnswerCache:
         single = self.with_all_answers(index, blamed)
         return all(shows(shown, [answers for row, answers in single if row.mutant.ids == (name,)]) for name in names)
 
-    def _row(self, index: int, mutant: Mutant) -> MutantRow:
+    def _make_row(self, index: int, mutant: Mutant) -> MutantRow:
         """Return the row of a mutant; mutants in which the function reaches the same text share their answers."""
-        key = index, _digest(reachable_pieces(mutant.text, self.probes[index].function))
+        key = index, _digest_pieces(reachable_pieces(mutant.text, self.probes[index].function))
         return MutantRow(mutant, self._answers_by_text.setdefault(key, MutantAnswers()))
 
-    def _combined(self, index: int, mistakes: int) -> Iterator[Mutant]:
+    def _combine_edits(self, index: int, mistakes: int) -> Iterator[Mutant]:
         """Yield mutants with several mistakes, by the first edits of each, in the catalogue's order."""
         taken: Counter[str] = Counter()
         usual = []
@@ -209,8 +209,8 @@ class MutantAnswerCache:
         key = index, tuple(ids)
         if key not in self._rows_by_ids:
             edits = [edit for edit in self.model.edits if edit.id in ids]
-            mutants = filter(_is_program, self.model.mutants(edits, len(ids)))
-            self._rows_by_ids[key] = [self._row(index, mutant) for mutant in mutants]
+            mutants = filter(_compiles, self.model.mutants(edits, len(ids)))
+            self._rows_by_ids[key] = [self._make_row(index, mutant) for mutant in mutants]
         return self._rows_by_ids[key]
 
     def needed(self, index: int, names: Sequence[str], sequence: AnswerSequence) -> Sequence[str]:
@@ -235,16 +235,16 @@ class MutantAnswerCache:
             MutantRow(mutant, MutantAnswers())
             for row in begun[:MAX_EXTENDED_MUTANTS]
             for mutant in self.model.with_one_more(row.mutant, self.effective_edits(index))
-            if _is_program(mutant)
+            if _compiles(mutant)
         ]
-        self._ask(index, extended, 1)
+        self._compute_answers(index, extended, 1)
         return extended
 
     def _matching_facet(self, facet: Facet, index: int, answers: Sequence[ProbeAnswer]) -> list[MutantRow]:
         """Return the mutants that answer every compared probe alike in this facet."""
         probes, left = self.probes[index], self.mutants_with(index, MAX_COMBINED_MISTAKES)
         for k, answer in enumerate(answers[: probes.compared]):
-            self._ask(index, left, k + 1)
+            self._compute_answers(index, left, k + 1)
             part = facet(probes.calls[k], answer)
             left = [row for row in left if probes.same(facet(probes.calls[k], row.stored.answers[k]), part)]
         return left
@@ -253,15 +253,15 @@ class MutantAnswerCache:
         """Yield the mutants with one mistake that take too much to answer the compared probes, and where."""
         probes, rows = self.probes[index], self.mutants_with(index, 1)
         count = len(probes.calls) if probes.compared is None else probes.compared
-        self._ask(index, rows, count)
+        self._compute_answers(index, rows, count)
         for row in {id(row.stored): row for row in rows if row.stored.is_unfinished}.values():
             yield from (
                 (row.mutant, answer)
-                for answer in self._work.answer_each([self._question(index, row, 0)], (index, count), telling=True)
+                for answer in self._work.answer_each([self._make_question(index, row, 0)], (index, count), telling=True)
                 if isinstance(answer, Unfinished)
             )
 
-    def _question(self, index: int, row: MutantRow, start: int) -> _Question:
+    def _make_question(self, index: int, row: MutantRow, start: int) -> _Question:
         pieces = reachable_pieces(row.mutant.text, self.probes[index].function)
         return _Question(row.stored.number, [piece.marshalled_code for piece in pieces], start)
 
@@ -270,14 +270,14 @@ class MutantAnswerCache:
         probes, stored = self.probes[index], row.stored
         if k >= len(stored.answers):  # of most mutants no more is asked than the first one
             compared = probes.compared if probes.compared is not None and k < probes.compared else len(probes.calls)
-            self._ask(index, [row], min(max(k + 1, 2 * len(stored.answers)), compared))
+            self._compute_answers(index, [row], min(max(k + 1, 2 * len(stored.answers)), compared))
         return stored.answers[k]
 
-    def _ask(self, index: int, rows: Sequence[MutantRow], count: int) -> None:
+    def _compute_answers(self, index: int, rows: Sequence[MutantRow], count: int) -> None:
         """Have at least `count` answers of each of these mutants, all in one exchange."""
         probes = self.probes[index]
         missing = {id(row.stored): row for row in rows if len(row.stored.answers) < count}.values()
-        items = [self._question(index, row, len(row.stored.answers)) for row in missing]
+        items = [self._make_question(index, row, len(row.stored.answers)) for row in missing]
         for row, answers in zip(missing, self._work.answer_each(items, (index, count)), strict=True):
             if isinstance(answers, Unfinished):
                 row.stored.is_unfinished = True
@@ -291,13 +291,13 @@ class MutantAnswerCache:
         for number, codes, start in questions:
             running, position = self._begun.pop(number, (None, 0))
             if running is None or position != start:
-                answers = _answers(map(marshal.loads, codes), self.probes[index], self._names(index))
+                answers = _run_on_probes(map(marshal.loads, codes), self.probes[index], self._global_names(index))
                 running = itertools.islice(answers, start, None)
-            yield [_portable(answer) for answer in itertools.islice(running, end - start)]
+            yield [_to_picklable(answer) for answer in itertools.islice(running, end - start)]
             if start:  # of most mutants no more is asked: nothing is kept to go on with
                 self._begun[number] = running, end
 
-    def _names(self, index: int) -> dict[str, Any]:
+    def _global_names(self, index: int) -> dict[str, Any]:
         """Return the global names of a mutant: the kit's, built once unless the function draws at random."""
         probes = self.probes[index]
         if probes.random or index not in self._kits:
@@ -305,11 +305,11 @@ class MutantAnswerCache:
         return dict(self._kits[index])
 
 
-def _is_program(mutant: Mutant) -> bool:
+def _compiles(mutant: Mutant) -> bool:
     return is_program(mutant.text)
 
 
-def _answers(codes: Iterable[CodeType], probes: Probes, names: dict[str, Any]) -> Iterator[ProbeAnswer]:
+def _run_on_probes(codes: Iterable[CodeType], probes: Probes, names: dict[str, Any]) -> Iterator[ProbeAnswer]:
     """Yield the answers of a mutant, which is trusted code; its pieces are executed in `names`."""
     for code in codes:
         exec(code, names)
@@ -328,7 +328,7 @@ def _answers(codes: Iterable[CodeType], probes: Probes, names: dict[str, Any]) -
             yield probes.read(args, value)
 
 
-def _portable(answer: ProbeAnswer) -> ProbeAnswer:
+def _to_picklable(answer: ProbeAnswer) -> ProbeAnswer:
     """Return an answer that another process can read: a mutant may return anything, as a generator."""
     try:
         pickle.dumps(answer)
@@ -337,7 +337,7 @@ def _portable(answer: ProbeAnswer) -> ProbeAnswer:
     return answer
 
 
-def _digest(pieces: Sequence[CodePiece]) -> bytes:
+def _digest_pieces(pieces: Sequence[CodePiece]) -> bytes:
     """Return a key for the text of these pieces: the texts themselves would take megabytes."""
     return hashlib.blake2b(PIECE_SEPARATOR.join(piece.text for piece in pieces).encode(), digest_size=16).digest()
 

@@ -71,7 +71,7 @@ class Model:
         ids = tuple(edit.id for edit in chosen)
         seen = set()
         for right in styles if len(set(ids)) == len(ids) else ():
-            text = _together(right.text, chosen)
+            text = _apply_all_edits(right.text, chosen)
             if text is not None and text not in seen:
                 seen.add(text)
                 yield Mutant(ids, text, tuple(chosen))
@@ -84,7 +84,7 @@ class Model:
                 yield Mutant((*mutant.ids, edit.id), text, (*mutant.edits, edit))
 
 
-def _together(text: str, edits: Sequence[Edit]) -> str | None:
+def _apply_all_edits(text: str, edits: Sequence[Edit]) -> str | None:
     """Return the text with all the edits, in the first order in which they apply; None where there is none."""
     for order in itertools.permutations(edits):
         edited: str | None = text

@@ -52,9 +52,9 @@ def slice_untried_pairs(mutants: MutantAnswerCache, index: int, blamed: Collecti
     pairs = (chosen for chosen in ((edits[i], edits[j]) for i, j in places) if chosen not in tried)
     made = (mutant for chosen in pairs for mutant in mutants.model.combine(styles, chosen))
     programs = (mutant for mutant in made if mutant.applies_to(blamed) and is_program(mutant.text))
-    return _slices(itertools.islice(programs, MAX_PAIRS))
+    return _slice_into_rows(itertools.islice(programs, MAX_PAIRS))
 
 
-def _slices(mutants: Iterator[Mutant]) -> Iterator[list[MutantRow]]:
+def _slice_into_rows(mutants: Iterator[Mutant]) -> Iterator[list[MutantRow]]:
     while taken := list(itertools.islice(mutants, SLICE)):
         yield [MutantRow(mutant, MutantAnswers()) for mutant in taken]

@@ -40,22 +40,24 @@ def match_parts(
         for part in range(size)
     }
     judged = [
-        part for part in range(size) if len(wrong[part]) >= MIN_WRONG and _tells(got[k][part] for k in wrong[part])
+        part
+        for part in range(size)
+        if len(wrong[part]) >= MIN_WRONG and _has_fractional_number(got[k][part] for k in wrong[part])
     ]
     sound = [part for part in range(size) if not wrong[part]]
     mutants = [
         (row, its)
         for row, its in (rows() if judged else ())
         # A mistake that spoils a part which is right here is another one, and its words are about that part.
-        if _count_parts(its) == size and _agree(got, its, sound)
+        if _count_parts(its) == size and _agree_in_parts(got, its, sound)
     ]
     for part in judged:
-        fits = [row for row, its in mutants if _agree(got, its, [part])]
+        fits = [row for row, its in mutants if _agree_in_parts(got, its, [part])]
         if fits:
             yield fits
 
 
-def _agree(got: Sequence[ProbeAnswer], its: Sequence[ProbeAnswer], parts: Sequence[int]) -> bool:
+def _agree_in_parts(got: Sequence[ProbeAnswer], its: Sequence[ProbeAnswer], parts: Sequence[int]) -> bool:
     """Whether two programs answer every probe alike in these parts."""
     return all(
         same_probe_answer(mine[part], other[part]) for mine, other in zip(got, its, strict=True) for part in parts
@@ -68,7 +70,7 @@ def _count_parts(answers: Sequence[ProbeAnswer]) -> int:
     return sizes.pop() if len(sizes) == 1 else 0
 
 
-def _tells(parts: Iterator[ProbeAnswer]) -> bool:
+def _has_fractional_number(parts: Iterator[ProbeAnswer]) -> bool:
     """Whether some of these values are numbers, of which not all are whole."""
     for part in parts:
         try:

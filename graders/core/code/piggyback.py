@@ -44,7 +44,7 @@ class PiggybackCalls:
         """Keep the answers if all of them are trustworthy, or those before the point where the program hangs."""
         elapsed = self._clock() - self._sent_at
         trusted = {batch: answers if _are_trustworthy(answers) else () for batch, answers in answers_by_batch.items()}
-        hung = elapsed > HANG_SECONDS and any(map(_hangs, answers_by_batch.values()))
+        hung = elapsed > HANG_SECONDS and any(map(_ends_with_timeout, answers_by_batch.values()))
         if hung or (elapsed <= MAX_ANSWER_SECONDS and all(trusted.values())):
             self._answers = trusted
 
@@ -52,7 +52,7 @@ class PiggybackCalls:
         return self._answers.get(batch)
 
 
-def _hangs(answers: Sequence[Answer]) -> bool:
+def _ends_with_timeout(answers: Sequence[Answer]) -> bool:
     fault = fatal_fault(answers) if answers else None
     return fault is not None and fault.outcome is Outcome.TIMEOUT
 

@@ -109,13 +109,13 @@ def places_of(mendings: Sequence[Mending]) -> list[Place]:
     """Return the places of the steps; one place where a step mends nothing without the next one, or for the same lines
     of several functions."""
     places: dict[tuple[int, ...], Place] = {}
-    for place in (place for mending in mendings for place in _places_of(mending)):
+    for place in (place for mending in mendings for place in _places_of_mending(mending)):
         known = places.setdefault(tuple(place.lines), place)
         places[tuple(place.lines)] = replace(known, mended=known.mended | place.mended)
     return list(places.values())
 
 
-def _places_of(mending: Mending) -> list[Place]:
+def _places_of_mending(mending: Mending) -> list[Place]:
     beside, nothing = mending.beside_right_ones, not mending.left
     if not all(step.mended for step in mending.steps):
         changes = tuple(step.change for step in mending.steps)
@@ -137,20 +137,22 @@ def describe_place(
     """
     is_all = place.leaves_nothing and place.mended.issuperset(failed) and not place.beside_right_ones
     others = ", les autres fonctions une fois justes" if place.beside_right_ones else ""
-    title = f"Changer {'ensuite ' if place.is_second else ''}{place.told_lines()} {_outcome(place, is_all)}{others}"
-    where = " ".join(f"Ligne {number} : « {_quoted(source, number)} »." for number in place.either)
+    title = (
+        f"Changer {'ensuite ' if place.is_second else ''}{place.told_lines()} {_outcome_text(place, is_all)}{others}"
+    )
+    where = " ".join(f"Ligne {number} : « {_quote_line(source, number)} »." for number in place.either)
     seen = f" {values[place.lines[0]]}" if place.lines[0] in values and len(place.either) == 1 else ""
-    aspect = _aspect((*place.changes, *place.others))
+    aspect = _common_aspect((*place.changes, *place.others))
     is_borne_out = place.is_borne_out and aspect not in _OVERRIDING
     related = ""
     if functions is not None and set(place.either) == set(place.lines):
         related = tell_related_lines(source, place.lines, functions, is_borne_out)
     look = f" {related}" if related else _ELSEWHERE if len(place.either) == 1 and place.changes[0].unlikely else ""
     look += f" {LOOK} {aspect.noun}." if aspect.noun and len(place.either) == 1 else ""
-    return Slip(PLACE, title, f"{where}{seen} {_proof(place, titles, is_all)}{look}", aspect.question)
+    return Slip(PLACE, title, f"{where}{seen} {_proof_text(place, titles, is_all)}{look}", aspect.question)
 
 
-def _outcome(place: Place, is_all: bool) -> str:
+def _outcome_text(place: Place, is_all: bool) -> str:
     if is_all:
         return "suffit"
     count = len(place.mended)
@@ -158,7 +160,7 @@ def _outcome(place: Place, is_all: bool) -> str:
     return f"fait réussir {count} {f'autre{plural} ' * place.is_second}vérification{plural}"
 
 
-def _proof(place: Place, titles: Mapping[str, str], is_all: bool) -> str:
+def _proof_text(place: Place, titles: Mapping[str, str], is_all: bool) -> str:
     begin, mends = "Écrite autrement", "cette seule ligne fait"
     if len(place.lines) > 1:
         begin, mends = "Écrites autrement ensemble", "ces lignes font"
@@ -172,11 +174,11 @@ def _proof(place: Place, titles: Mapping[str, str], is_all: bool) -> str:
     return f"{begin}, {mends} réussir {'tout ce qui échoue' if is_all else names}."
 
 
-def _aspect(changes: Sequence[ProgramChange]) -> Aspect:
+def _common_aspect(changes: Sequence[ProgramChange]) -> Aspect:
     aspects = {ASPECTS.get(change.operator, _ANY) for change in changes}
     return aspects.pop() if len(aspects) == 1 else _ANY
 
 
-def _quoted(source: str, line: int) -> str:
+def _quote_line(source: str, line: int) -> str:
     text = source.splitlines()[line - 1].strip() if line <= len(source.splitlines()) else ""
     return text if len(text) <= MAX_LINE else f"{text[: MAX_LINE - 1]}…"

@@ -51,7 +51,7 @@ def is_worth_searching(verdict: Verdict) -> bool:
     """Whether a verdict leaves something to be found: no name, one that is not certain, or checks without one."""
     at_fault = [check for check in verdict.checks if not (check.passed or check.neutral)]
     failed = {check.id for check in at_fault}
-    if not failed or verdict.load_error or all(map(_says_enough, at_fault)):
+    if not failed or verdict.load_error or all(map(_is_self_explanatory, at_fault)):
         return False
     named = verdict.diagnosis
     if named is None:
@@ -61,7 +61,7 @@ def is_worth_searching(verdict: Verdict) -> bool:
     return not named.certain or is_told_twice or not failed <= set(explained)
 
 
-def _says_enough(check: CheckResult) -> bool:
+def _is_self_explanatory(check: CheckResult) -> bool:
     """Whether a failed check tells an exception that says what is wrong, or repeats another one."""
     return bool(check.repeats) or explains_itself(check.message)
 
@@ -71,28 +71,28 @@ def describe_mendings(
     functions: JudgedFunctions = NOT_JUDGED,
 ) -> Diagnosis:  # fmt: skip
     """Return the diagnosis of the places found; `values` are what is worth seeing at a line, in French."""
-    titles, failed = _titles(checks), _at_fault(checks)
+    titles, failed = _titles_by_id(checks), _failed_ids(checks)
     places = places_of(mendings)
     first, *others = [describe_place(place, source, titles, values or {}, failed, functions) for place in places]
     paragraphs = [first.explanation, first.question]
     for other in others:
         paragraphs += [f"{other.title}. {other.explanation}", other.question]
-    paragraphs += [_tell_last(named) for named in _last_names(mendings)]
+    paragraphs += [_last_step_text(named) for named in _names_of_last_steps(mendings)]
     title = AND_ALSO.join([first.title, *(lowercase_title(other.title) for other in others)])
     explains = tuple(tuple(sorted(place.mended)) for place in places)
     return tell_remainder(
         Diagnosis(PLACE, title, "\n\n".join(paragraphs), None, explains),
         checks,
-        besides=_named_last(mendings),
-        mended=_mended_alone(mendings),
+        besides=_checks_named_by_last_steps(mendings),
+        mended=_mended_with_own_functions(mendings),
     )
 
 
-def _titles(checks: Sequence[CheckResult]) -> dict[str, str]:
+def _titles_by_id(checks: Sequence[CheckResult]) -> dict[str, str]:
     return {check.id: check.title for check in checks}
 
 
-def _at_fault(checks: Sequence[CheckResult]) -> set[str]:
+def _failed_ids(checks: Sequence[CheckResult]) -> set[str]:
     return {check.id for check in checks if not (check.passed or check.neutral)}
 
 
@@ -106,7 +106,7 @@ def find_place(
     if not is_worth_searching(verdict) and not _may_hide_others(grader, verdict):
         return None
     isolated = isolate_functions(grader, source, programs, verdict.seed, spent)
-    named, functions = None, _unexplained(grader, verdict)
+    named, functions = None, _unexplained_functions(grader, verdict)
     if isolated is not None and isolated.guilty():
         named = name_isolated(grader, isolated, verdict.checks)
         functions = isolated.unexplained()
@@ -119,39 +119,41 @@ def find_place(
         calls = _example_calls(grader, verdict)
         examples = {name: [call for _, of, call in calls if of == name] for name in functions}
         facts = Experimenter(grader, programs, verdict.seed, spent, examples).find_facts(
-            source, _apart_from_guilty(functions, source, isolated)
+            source, _functions_calling_no_guilty_one(functions, source, isolated)
         )
-        mendings = _search(grader, source, verdict, programs, spent, functions, isolated)
+        mendings = _search_mendings(grader, source, verdict, programs, spent, functions, isolated)
         if mendings and calls:
             line, (title, function, arguments) = mendings[0].steps[0].change.line, calls[0]
             looking = MendingSearch(grader, programs, verdict.seed, spent)
-            if words := _value_words(looking.values_at(source, line, function, arguments)):
+            if words := _values_text(looking.values_at(source, line, function, arguments)):
                 values[line] = f"Dans l'exemple de « {title} », {words}."
     if any(not mending.left for mending in mendings):  # a line is told that alone mends all: this would lead away
         facts = [fact for fact in facts if fact.kind is not FactKind.CONTRAST]
     steps = [step for mending in mendings for step in mending.steps]
     operators = " ; ".join(step.change.operator or step.change.mistake for step in steps)
     judged = NOT_JUDGED if isolated is None else isolated.judged(grader.functions)
-    found = _told_together(grader, verdict, source, named, mendings, values, facts, judged)
+    found = _combine_findings(grader, verdict, source, named, mendings, values, facts, judged)
     if isolated is not None and isolated.guilty():
         found = found or (verdict.diagnosis if len(isolated.guilty()) > 1 else None)
         if found is not None:
-            found = tell_shares(isolated, verdict.checks, _without_remainder(found))
+            found = tell_shares(isolated, verdict.checks, _remove_remainder_text(found))
             explained = {check for ids in found.explains for check in ids}
             doubtful = isolated.doubtful() | isolated.consequences(explained, grader.checks)
-            last = _named_last(mendings)
-            mended = _mended_alone(mendings)
+            last = _checks_named_by_last_steps(mendings)
+            mended = _mended_with_own_functions(mendings)
             found = tell_remainder(found, verdict.checks, doubtful, besides=last, mended=mended, is_quoted=True)
     return None if found is None or found == verdict.diagnosis else FoundPlace(found, operators)
 
 
-def _apart_from_guilty(functions: Sequence[str], source: str, isolated: IsolatedFunctions | None) -> list[str]:
+def _functions_calling_no_guilty_one(
+    functions: Sequence[str], source: str, isolated: IsolatedFunctions | None
+) -> list[str]:
     """Return the functions that call no other one at fault: what is seen of their answers is theirs alone."""
     guilty = [] if isolated is None else isolated.guilty()
     return [name for name in functions if name not in find_callers(source.encode(), set(guilty) - {name})]
 
 
-def _search(
+def _search_mendings(
     grader: CodeGrader, source: str, verdict: Verdict, programs: Programs, spent: Callable[[], bool],
     functions: Sequence[str], isolated: IsolatedFunctions | None,
 ) -> list[Mending]:  # fmt: skip
@@ -187,11 +189,13 @@ def _may_hide_others(grader: CodeGrader, verdict: Verdict) -> bool:
     if len(titles) > 1:
         return True
     named = {name for each in grader.misconceptions if each.title in titles for name in each.functions}
-    failed = {check.id for check in verdict.checks if not (check.passed or check.neutral or _says_enough(check))}
+    failed = {
+        check.id for check in verdict.checks if not (check.passed or check.neutral or _is_self_explanatory(check))
+    }
     return any(check.id in failed and named and not named.issuperset(check.functions) for check in grader.checks)
 
 
-def _told_together(
+def _combine_findings(
     grader: CodeGrader, verdict: Verdict, source: str, named: Diagnosis | None, mendings: Sequence[Mending],
     values: Mapping[int, str], facts: Sequence[SeenFact], functions: JudgedFunctions,
 ) -> Diagnosis | None:  # fmt: skip
@@ -199,22 +203,22 @@ def _told_together(
     known = named or verdict.diagnosis
     place = describe_mendings(mendings, source, verdict.checks, values, functions) if mendings else None
     if place is not None and known is not None and not _is_disproved(known, place):
-        known = named = _with_places(known, mendings, source, verdict.checks, values, functions)
+        known = named = _add_places_to_diagnosis(known, mendings, source, verdict.checks, values, functions)
     elif place is not None:
         known = named = place
     if named is not None:
-        return _with_facts(named, facts)
+        return _add_facts_to_diagnosis(named, facts)
     return describe_facts(facts, grader.checks, verdict.checks) if facts else None
 
 
-def _with_places(
+def _add_places_to_diagnosis(
     named: Diagnosis, mendings: Sequence[Mending], source: str, checks: Sequence[CheckResult],
     values: Mapping[int, str], functions: JudgedFunctions,
 ) -> Diagnosis:  # fmt: skip
     """Return named mistakes with the places found: another mistake where one mends checks that no name explains."""
-    titles, failed = _titles(checks), _at_fault(checks)
+    titles, failed = _titles_by_id(checks), _failed_ids(checks)
     explained = {check for ids in named.explains for check in ids}
-    named = _without_remainder(named)
+    named = _remove_remainder_text(named)
     lines = set[int]()
     for found in places_of(mendings):
         if found.lines[0] in lines:
@@ -231,31 +235,33 @@ def _with_places(
             explains = (*named.explains, tuple(sorted(found.mended - explained)))
             named = replace(named, title=title, explains=explains, certain=False)
         named = replace(named, explanation=f"{named.explanation}\n\n{told}")
-    for last in _last_names(mendings):
+    for last in _names_of_last_steps(mendings):
         if last.title not in named.titles:
-            named = replace(named, explanation=f"{named.explanation}\n\n{_tell_last(last)}")
-    return tell_remainder(named, checks, besides=_named_last(mendings), mended=_mended_alone(mendings))
+            named = replace(named, explanation=f"{named.explanation}\n\n{_last_step_text(last)}")
+    return tell_remainder(
+        named, checks, besides=_checks_named_by_last_steps(mendings), mended=_mended_with_own_functions(mendings)
+    )
 
 
-def _last_names(mendings: Sequence[Mending]) -> list[Diagnosis]:
+def _names_of_last_steps(mendings: Sequence[Mending]) -> list[Diagnosis]:
     return [mending.last_name for mending in mendings if mending.last_name is not None]
 
 
-def _tell_last(named: Diagnosis) -> str:
+def _last_step_text(named: Diagnosis) -> str:
     return f"Ce qui reste, une fois l'autre ligne écrite autrement : {named.title}. {named.explanation}"
 
 
-def _named_last(mendings: Sequence[Mending]) -> set[str]:
+def _checks_named_by_last_steps(mendings: Sequence[Mending]) -> set[str]:
     """Return the checks that the names of what the last steps mend explain: they do not remain."""
-    return {check for name in _last_names(mendings) for ids in name.explains for check in ids}
+    return {check for name in _names_of_last_steps(mendings) for ids in name.explains for check in ids}
 
 
-def _mended_alone(mendings: Sequence[Mending]) -> frozenset[str]:
+def _mended_with_own_functions(mendings: Sequence[Mending]) -> frozenset[str]:
     """Return the checks that the changed program passes with its own functions."""
     return frozenset().union(*(mending.mended for mending in mendings if not mending.beside_right_ones))
 
 
-def _without_remainder(diagnosis: Diagnosis) -> Diagnosis:
+def _remove_remainder_text(diagnosis: Diagnosis) -> Diagnosis:
     """Return a diagnosis without what `tell_remainder` has added to it."""
     left = [
         text for text in diagnosis.explanation.split("\n\n") if not text.startswith((EXPLAINS, FAILS_TOO, OTHERS_FAIL))
@@ -263,7 +269,7 @@ def _without_remainder(diagnosis: Diagnosis) -> Diagnosis:
     return replace(diagnosis, explanation="\n\n".join(left))
 
 
-def _unexplained(grader: CodeGrader, verdict: Verdict) -> list[str]:
+def _unexplained_functions(grader: CodeGrader, verdict: Verdict) -> list[str]:
     """Return the functions of the failed checks that no certain name explains; those without any name come first."""
     named = verdict.diagnosis
     explained = {check for checks in named.explains for check in checks} if named is not None and named.certain else ()
@@ -282,10 +288,10 @@ def describe_facts(facts: Sequence[SeenFact], checks: Sequence[Check], results: 
     failed = {result.id for result in results if not result.passed}
     shown = {fact.function for fact in facts}
     explains = tuple(check.id for check in checks if check.id in failed and shown.intersection(check.functions))
-    return replace(_with_facts(found, others), explains=(explains,))
+    return replace(_add_facts_to_diagnosis(found, others), explains=(explains,))
 
 
-def _with_facts(found: Diagnosis, facts: Sequence[SeenFact]) -> Diagnosis:
+def _add_facts_to_diagnosis(found: Diagnosis, facts: Sequence[SeenFact]) -> Diagnosis:
     told = [f"{SEEN_ALSO} : {fact.title}. {fact.proof}" for fact in facts[:MAX_FACTS]]
     return replace(found, explanation="\n\n".join([found.explanation, *told]))
 
@@ -297,19 +303,19 @@ def _example_calls(grader: CodeGrader, verdict: Verdict) -> list[tuple[str, str,
     for result in verdict.checks:
         if not result.passed and result.counterexample is not None and result.id in checks:
             inputs = result.counterexample.inputs.values()
-            arguments = tuple(np.array(value, dtype=float) if _is_array(value) else value for value in inputs)
+            arguments = tuple(np.array(value, dtype=float) if _is_array_like(value) else value for value in inputs)
             calls.append((result.title, checks[result.id].functions[0], arguments))
     return calls
 
 
-def _is_array(value: Any) -> bool:
+def _is_array_like(value: Any) -> bool:
     try:
         return isinstance(value, list) and np.array(value, dtype=float).size > 0
     except (ValueError, TypeError):
         return False
 
 
-def _value_words(values: Sequence[tuple[str, float]]) -> str:
+def _values_text(values: Sequence[tuple[str, float]]) -> str:
     told = [f"{name} y vaut {render.text(value)}" for name, value in values if math.isfinite(value)]
     return " et ".join(told[:MAX_VALUES])
 

@@ -92,28 +92,27 @@ class Prober:
         `alone` are the functions that failed a check of their own. Every pair of mistakes is tried by a `search`.
         """
         mistakes: list[str] = []
-        fallback: list[str] = []
-        consequences: list[str] = []
+        fallback, consequences = list[str](), list[str]()
         named: dict[str, frozenset[str]] = {}
         silent, ruled, alike = list[SilentName](), list[RuledName](), set[str]()
         probed = {probes.function for _, probes in self._select_probes(functions, alone)}
         certain = probed >= self.functions.intersection(functions)
-        for index, answers, slip in self._probe(runner, functions, alone):
+        for index, answers, slip in self._iter_probe_results(runner, functions, alone):
             if slip is not None:
                 mistakes += [mistake for mistake in (slip,) if mistake not in mistakes]
                 certain = False
                 continue
             with self._lock:
                 sequence = AnswerSequence(answers)
-                if mistakes and self._follows(index, sequence, mistakes):
+                if mistakes and self._follows_from_mistakes(index, sequence, mistakes):
                     consequences.append(self.probes[index].function)
                     fallback += (last := self._fallback_names(index, sequence))
-                    ruled += self._ruled_names(index, sequence, last)
+                    ruled += self._names_given_by_rules(index, sequence, last)
                     continue
-                names, is_certain = self._name_borne_out(index, sequence, functions, named)
-            pair = [] if search is None or is_certain else self._find_pair(index, sequence, functions, search)
+                names, is_certain = self._name_mistakes_not_disproved(index, sequence, functions, named)
+            pair = [] if search is None or is_certain else self._find_mistake_pair(index, sequence, functions, search)
             if pair:
-                names, is_certain = self._borne_out(pair, self.probes[index].function, named), True
+                names, is_certain = self._unrefuted(pair, self.probes[index].function, named), True
             with self._lock:
                 named[self.probes[index].function] = frozenset(names)
                 certain = certain and is_certain
@@ -125,7 +124,7 @@ class Prober:
                         silent += [SilentName(name, index, "", ()) for name in names]
                 mistakes += [mistake for mistake in names if mistake not in mistakes]
                 fallback += (last := () if names else self._fallback_names(index, sequence))
-                ruled += self._ruled_names(index, sequence, names or last)
+                ruled += self._names_given_by_rules(index, sequence, names or last)
             probes = self.probes[index]
             if not names and may_keep_state(runner.source) and changes_results(runner, probes):
                 mistakes += [SHARED] if SHARED not in mistakes else []
@@ -134,23 +133,24 @@ class Prober:
         found = RecognisedMistakes(tuple(mistakes), tuple(fallback), tuple(consequences), certain, tuple(silent))
         return found._replace(ruled=tuple(ruled), alike=frozenset(alike))
 
-    def _name_borne_out(
+    def _name_mistakes_not_disproved(
         self, index: int, sequence: AnswerSequence, blamed: Collection[str], named: Mapping[str, AbstractSet[str]]
     ) -> tuple[Sequence[str], bool]:
         """Return `_name_mistakes`, but those of another function that has answered otherwise; then without these."""
         function = self.probes[index].function
         names, is_certain = self._name_mistakes(index, sequence, blamed)
-        left = self._borne_out(names, function, named)
+        left = self._unrefuted(names, function, named)
         if len(left) == len(names):
             return names, is_certain
         others, is_certain = self._name_mistakes(index, sequence, blamed, frozenset(names).difference(left))
-        return (others, is_certain) if self._borne_out(others, function, named) == others != [] else (left, False)
+        return (others, is_certain) if self._unrefuted(others, function, named) == others != [] else (left, False)
 
-    def _borne_out(self, names: Sequence[str], function: str, named: Mapping[str, AbstractSet[str]]) -> Sequence[str]:
+    def _unrefuted(self, names: Sequence[str], function: str, named: Mapping[str, AbstractSet[str]]) -> Sequence[str]:
         """Return the names but those of a mistake in another function whose own answers have shown another one."""
-        return [name for name in names if all(name in named[f] for f in self._places(name, function) & named.keys())]
+        others = {name: self._other_functions_of_mistake(name, function) & named.keys() for name in names}
+        return [name for name in names if all(name in named[other] for other in others[name])]
 
-    def _places(self, name: str, function: str) -> AbstractSet[str]:
+    def _other_functions_of_mistake(self, name: str, function: str) -> AbstractSet[str]:
         """Return the functions that can have a mistake; none where this one can."""
         edits = [*self.model.edits, *(edit for mutant in self._mutants.whole for edit in mutant.edits)]
         places = frozenset().union(*(edit.functions for edit in edits if edit.id == name))
@@ -162,7 +162,7 @@ class Prober:
             with self._lock:
                 yield from list(self._mutants.unfinished(index))
 
-    def _find_pair(
+    def _find_mistake_pair(
         self, index: int, sequence: AnswerSequence, blamed: Collection[str], search: PairSearch
     ) -> Sequence[str]:
         """Return two mistakes with which a mutant that the verdict leaves untried answers as the program does.
@@ -171,10 +171,10 @@ class Prober:
         """
         probes, answers = self.probes[index], sequence.answers
         with self._lock:
-            right = self._right_answers(index, sequence)
+            right = self._nearest_right_answers_if_wrong(index, sequence)
             if right is None or not are_telling(shown := ProbeResults(probes.calls, answers, right, probes.same)):
                 return []
-            for rows in itertools.islice(self._candidates(index, answers), MAX_COMBINED_MISTAKES):
+            for rows in itertools.islice(self._iter_candidate_mutants(index, answers), MAX_COMBINED_MISTAKES):
                 known = (row for row in rows if row.mutant.applies_to(blamed))
                 if self._mutants.matching(index, known, sequence):
                     return []
@@ -192,16 +192,16 @@ class Prober:
         with self._lock:
             return common if is_held and self._mutants.are_shown(index, common, shown, blamed) else []
 
-    def _follows(self, index: int, sequence: AnswerSequence, mistakes: Sequence[str]) -> bool:
+    def _follows_from_mistakes(self, index: int, sequence: AnswerSequence, mistakes: Sequence[str]) -> bool:
         """Whether the mistakes found in other functions explain all wrong answers of this one."""
-        if self._right_answers(index, sequence) is None:
+        if self._nearest_right_answers_if_wrong(index, sequence) is None:
             return False
         return bool(self._mutants.matching(index, self._mutants.mutants_making(index, mistakes), sequence))
 
     def nearest_right_answers(self, index: int, answers: Sequence[ProbeAnswer]) -> Sequence[ProbeAnswer]:
         """Return the right answers to the probes `index`, in the style nearest to these answers."""
         with self._lock:
-            right = self._right_answers(index, AnswerSequence(answers))
+            right = self._nearest_right_answers_if_wrong(index, AnswerSequence(answers))
         return answers if right is None else right
 
     def right_answers_by_style(self, index: int) -> list[list[ProbeAnswer]]:
@@ -211,7 +211,7 @@ class Prober:
 
     def _silent_names(self, index: int, sequence: AnswerSequence, names: Sequence[str]) -> Iterator[SilentName]:
         """Yield those of the names that are of mutants, where the answers tell little: nothing, or opinions."""
-        probes, right = self.probes[index], self._right_answers(index, sequence) if names else None
+        probes, right = self.probes[index], self._nearest_right_answers_if_wrong(index, sequence) if names else None
         shown = ProbeResults(probes.calls, sequence.answers, right or (), probes.same)
         if right is None or not ((is_nothing := say_nothing(shown)) or are_opinions(shown)):
             return
@@ -222,9 +222,9 @@ class Prober:
                 of_opinions = ("", ()) if is_nothing else (alike[0].mutant.text, ruled)
                 yield SilentName(name, index, *of_opinions)
 
-    def _ruled_names(self, index: int, sequence: AnswerSequence, names: Sequence[str]) -> Iterator[RuledName]:
+    def _names_given_by_rules(self, index: int, sequence: AnswerSequence, names: Sequence[str]) -> Iterator[RuledName]:
         """Yield those of the names that no mutant with this mistake alone bears out, but a rule gives."""
-        probes, right = self.probes[index], self._right_answers(index, sequence) if names else None
+        probes, right = self.probes[index], self._nearest_right_answers_if_wrong(index, sequence) if names else None
         if right is not None:
             shown = ProbeResults(probes.calls, sequence.answers, right, probes.same)
             for each in ruled_names(probes, index, shown, names):
@@ -234,13 +234,13 @@ class Prober:
 
     def _fallback_names(self, index: int, sequence: AnswerSequence) -> Sequence[str]:
         probes = self.probes[index]
-        right = self._right_answers(index, sequence)
+        right = self._nearest_right_answers_if_wrong(index, sequence)
         if right is None:
             return ()
         shown = ProbeResults(probes.calls, sequence.answers, right, probes.same)
         return () if explain_themselves(shown) else apply_rules(probes.last_rules, shown)
 
-    def _probe(
+    def _iter_probe_results(
         self, runner: Runner, functions: Collection[str], alone: Collection[str]
     ) -> Iterator[tuple[int, list[ProbeAnswer], str | None]]:
         """Yield the index of the probes, the answers to them of a fresh launch, and a slip.
@@ -298,7 +298,7 @@ class Prober:
     ) -> tuple[Sequence[str], bool]:
         """Return the mistakes of a function, none `disproved`, and whether it answers as a mutant with these alone."""
         probes, answers = self.probes[index], sequence.answers
-        right = self._right_answers(index, sequence)
+        right = self._nearest_right_answers_if_wrong(index, sequence)
         if right is None:
             return (), True
         shown = ProbeResults(probes.calls, answers, right, probes.same)
@@ -306,7 +306,7 @@ class Prober:
         if explain_themselves(shown):
             return (), False
         is_poor = are_too_poor_for_two(shown)
-        for mistakes, rows in enumerate(self._candidates(index, answers) if wrong else (), 1):
+        for mistakes, rows in enumerate(self._iter_candidate_mutants(index, answers) if wrong else (), 1):
             if is_poor and mistakes > 1:
                 break
             fitting = (r for r in rows if r.mutant.applies_to(blamed) and disproved.isdisjoint(r.mutant.ids))
@@ -317,10 +317,10 @@ class Prober:
                 return needed, needed != common or any(set(row.mutant.ids) == set(common) for row in fits)
             if fits:
                 break
-        parts, certain = self._name_parts(index, shown, sequence, blamed)
+        parts, certain = self._name_mistakes_by_part(index, shown, sequence, blamed)
         return (parts, certain) if parts else (apply_rules(probes.rules, shown), False)
 
-    def _name_parts(
+    def _name_mistakes_by_part(
         self, index: int, shown: ProbeResults, sequence: AnswerSequence, blamed: Collection[str]
     ) -> tuple[Sequence[str], bool]:
         """Return the mistakes of parts of the answers, where each part is as a mutant with one mistake makes it.
@@ -336,13 +336,13 @@ class Prober:
             return self._mutants.needed(index, common_mistakes(whole), sequence), True
         return list(dict.fromkeys(name for fits in fits_of_parts for name in common_mistakes(fits))), False
 
-    def _candidates(self, index: int, answers: Sequence[ProbeAnswer]) -> Iterator[Iterable[MutantRow]]:
+    def _iter_candidate_mutants(self, index: int, answers: Sequence[ProbeAnswer]) -> Iterator[Iterable[MutantRow]]:
         """Yield the mutants that may explain the answers, by increasing number of mistakes and cost."""
         for mistakes in range(1, MAX_COMBINED_MISTAKES + 1):
             yield self._mutants.matching_first_answer(index, mistakes, answers[0])
         yield self._mutants.extended_mutants(index, answers)
 
-    def _right_answers(self, index: int, sequence: AnswerSequence) -> Sequence[ProbeAnswer] | None:
+    def _nearest_right_answers_if_wrong(self, index: int, sequence: AnswerSequence) -> Sequence[ProbeAnswer] | None:
         """Return the right answers in the nearest style; None when the program's answers are right."""
         rows = self._mutants.mutants_with(index, 0)
         agreeing = [self._mutants.count_agreements(index, row, sequence) for row in rows]

@@ -190,13 +190,13 @@ def read_answer(args: Arguments, answer: Answer, read: Read) -> ProbeAnswer:
         value = read(args, answer.value)
         return (
             TOO_LARGE
-            if any(isinstance(item, np.ndarray) and item.size > MAX_ITEMS for item in _items(value))
+            if any(isinstance(item, np.ndarray) and item.size > MAX_ITEMS for item in _as_sequence(value))
             else value
         )
     return ProbeFault(answer.exception or answer.outcome.value, answer.message)
 
 
-def _items(shown: ProbeAnswer) -> Sequence[ProbeAnswer]:
+def _as_sequence(shown: ProbeAnswer) -> Sequence[ProbeAnswer]:
     return shown if isinstance(shown, list) else (shown,)
 
 

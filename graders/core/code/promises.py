@@ -25,7 +25,7 @@ def find_broken_promises(grader: CodeGrader) -> Iterator[str]:
         return
     calls, others = (recorded_calls(grader, seed) for seed in SEEDS)
     for contract in grader.contracts:
-        yield from _broken(contract, calls[contract.function], others[contract.function])
+        yield from _iter_broken_promises(contract, calls[contract.function], others[contract.function])
 
 
 def recorded_calls(grader: CodeGrader, seed: int) -> Calls:
@@ -34,11 +34,11 @@ def recorded_calls(grader: CodeGrader, seed: int) -> Calls:
     grader.first_failed(grader.solution.encode(), recorder, seed=seed)
     found: dict[str, dict[bytes, Arguments]] = {name: {} for name in grader.functions}
     for _, function, calls in recorder.calls_by_kit():
-        found[function].update((_key(args), args) for args in calls)
+        found[function].update((_arguments_key(args), args) for args in calls)
     return found
 
 
-def _broken(
+def _iter_broken_promises(
     contract: FunctionContract, calls: Mapping[bytes, Arguments], others: Mapping[bytes, Arguments]
 ) -> Iterator[str]:
     """Yield what is wrong with the contract of one function, by the calls of two seeds."""
@@ -56,14 +56,14 @@ def _broken(
             yield f"{contract.function} : aucun cas fixe n’est « {edge.words} »"
 
 
-def _key(args: Sequence[Value]) -> bytes:
+def _arguments_key(args: Sequence[Value]) -> bytes:
     """Return bytes that are equal for equal arguments alone."""
-    return repr([_plain(arg) for arg in args]).encode()
+    return repr([_to_picklable(arg) for arg in args]).encode()
 
 
-def _plain(value: Value) -> Value:
+def _to_picklable(value: Value) -> Value:
     if isinstance(value, np.ndarray):
         return value.dtype.str, value.shape, value.tobytes()
     if isinstance(value, list | tuple):
-        return [_plain(item) for item in value]
-    return {key: _plain(item) for key, item in value.items()} if isinstance(value, dict) else value
+        return [_to_picklable(item) for item in value]
+    return {key: _to_picklable(item) for key, item in value.items()} if isinstance(value, dict) else value

@@ -58,11 +58,11 @@ def is_program(text: str) -> bool:
 @lru_cache(maxsize=4096)
 def _compile_piece(text: str) -> CodePiece:
     code = compile(text, "<mutant>", "exec", dont_inherit=True)
-    return CodePiece(text, marshal.dumps(code), frozenset(code.co_names), frozenset(_names_in(code)))
+    return CodePiece(text, marshal.dumps(code), frozenset(code.co_names), frozenset(_iter_names_in_code(code)))
 
 
-def _names_in(code: CodeType) -> Iterator[str]:
+def _iter_names_in_code(code: CodeType) -> Iterator[str]:
     yield from code.co_names
     for inner in code.co_consts:
         if isinstance(inner, CodeType):
-            yield from _names_in(inner)
+            yield from _iter_names_in_code(inner)

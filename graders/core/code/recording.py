@@ -29,7 +29,7 @@ class CallRecorder:
         self._calls: dict[tuple[int, str], tuple[KitSettings, list[Arguments]]] = {}
 
     def open(self, source: bytes, kit: KitSettings, ahead: Sequence[PlannedCalls] = ()) -> Program:
-        return _Recording(LOCAL.open(source, kit), kit, self)
+        return _RecordingProgram(LOCAL.open(source, kit), kit, self)
 
     def note(self, kit: KitSettings, function: str, args: Arguments) -> None:
         if function in self._functions:
@@ -42,7 +42,7 @@ class CallRecorder:
             yield kit, function, tuple(calls)
 
 
-class _Recording:
+class _RecordingProgram:
     """A program of `Recorder`."""
 
     def __init__(self, program: LocalProgram, kit: KitSettings, recorder: CallRecorder) -> None:

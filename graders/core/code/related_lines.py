@@ -44,19 +44,19 @@ def tell_related_lines(
     if tree is None:
         return ""
     around = _function_around(tree, lines[0])
-    if around is not None and (told := _tell_calls(tree, source, around, functions)):
+    if around is not None and (told := _helper_calls_sentence(tree, source, around, functions)):
         return told
     if is_borne_out:
         return ""
     scope: ast.AST = tree if around is None else around
-    statements = [node for line in lines for node in _statements_at(scope, line)]
-    reads = _told_reads(tree, scope, statements, lines)
-    uses = _told_uses(scope, statements)
+    statements = [node for line in lines for node in _iter_innermost_statements(scope, line)]
+    reads = _last_computed_text(tree, scope, statements, lines)
+    uses = _counter_uses_text(scope, statements)
     verb = "Elles lisent" if len(lines) > 1 else "Elle lit"
     return " ".join(part for part in (f"{verb} {reads}." if reads else "", f"{uses}." if uses else "") if part)
 
 
-def _tell_calls(tree: ast.Module, source: str, helper: ast.FunctionDef, functions: JudgedFunctions) -> str:
+def _helper_calls_sentence(tree: ast.Module, source: str, helper: ast.FunctionDef, functions: JudgedFunctions) -> str:
     """The calls of a helper in the functions that fail, where a right one calls it too."""
     if helper.name in (*functions.guilty, *functions.right):
         return ""
@@ -77,29 +77,31 @@ def _tell_calls(tree: ast.Module, source: str, helper: ast.FunctionDef, function
     if not lines or len(lines) > MAX_USES:
         return ""
     verb = "n’ont" if len(right) > 1 else "n’a"
-    where = f"ce que {' et '.join(guilty)} en {'font' if len(guilty) > 1 else 'fait'}, {_numbered(lines)}"
+    where = f"ce que {' et '.join(guilty)} en {'font' if len(guilty) > 1 else 'fait'}, {_line_numbers_text(lines)}"
     return f"Mais {helper.name} sert aussi à {' et '.join(right)}, qui {verb} rien de faux : regardez plutôt {where}."
 
 
-def _told_reads(tree: ast.Module, scope: ast.AST, statements: Sequence[ast.stmt], lines: Collection[int]) -> str:
+def _last_computed_text(
+    tree: ast.Module, scope: ast.AST, statements: Sequence[ast.stmt], lines: Collection[int]
+) -> str:
     """« loop (ligne 39) et norms (ligne 44) »: where what some statements read is last computed before them."""
     told: dict[str, int] = {}
     for statement in statements:
-        for name in _names(statement, ast.Load):
-            inside = [line for line in _set_at(scope, name) if line < statement.lineno]
-            above = inside or ([] if _is_parameter(scope, name) else _set_at(tree, name, own_only=True))
+        for name in _names_in_context(statement, ast.Load):
+            inside = [line for line in _lines_that_set(scope, name) if line < statement.lineno]
+            above = inside or ([] if _is_parameter(scope, name) else _lines_that_set(tree, name, own_only=True))
             if above and above[-1] not in lines:
                 told.setdefault(name, above[-1])
     where = [f"{name} (ligne {line})" for name, line in list(told.items())[:MAX_NAMES]]
     return text_list(where) if where else ""
 
 
-def _told_uses(scope: ast.AST, statements: Sequence[ast.stmt]) -> str:
+def _counter_uses_text(scope: ast.AST, statements: Sequence[ast.stmt]) -> str:
     """« di sert aux lignes 15 et 17 »: where what loops count is read."""
     counted: list[str] = []
     found = set[int]()
     for statement in statements:
-        for name in _names(statement, ast.Store) if isinstance(statement, ast.For) else ():
+        for name in _names_in_context(statement, ast.Store) if isinstance(statement, ast.For) else ():
             inner = (node for part in ast.iter_child_nodes(statement) for node in ast.walk(part))
             read = (node for node in inner if isinstance(node, ast.Name) and isinstance(node.ctx, ast.Load))
             if uses := {node.lineno for node in read if node.id == name} - {statement.lineno}:
@@ -107,24 +109,26 @@ def _told_uses(scope: ast.AST, statements: Sequence[ast.stmt]) -> str:
                 found |= uses
     if not found or len(found) > MAX_USES:
         return ""
-    return f"{text_list(counted)} {'servent' if len(counted) > 1 else 'sert'} {_numbered(sorted(found), 'à')}"
+    return f"{text_list(counted)} {'servent' if len(counted) > 1 else 'sert'} {_line_numbers_text(sorted(found), 'à')}"
 
 
 def _function_around(tree: ast.Module, line: int) -> ast.FunctionDef | None:
-    return next((it for it in tree.body if isinstance(it, ast.FunctionDef) and it.lineno <= line <= _end(it)), None)
+    return next(
+        (it for it in tree.body if isinstance(it, ast.FunctionDef) and it.lineno <= line <= _last_line(it)), None
+    )
 
 
-def _end(node: ast.stmt) -> int:
+def _last_line(node: ast.stmt) -> int:
     return node.end_lineno or node.lineno
 
 
-def _statements_at(scope: ast.AST, line: int) -> Iterator[ast.stmt]:
+def _iter_innermost_statements(scope: ast.AST, line: int) -> Iterator[ast.stmt]:
     """Yield the innermost statement whose own text, without its blocks, holds a line."""
-    found = [node for node in ast.walk(scope) if isinstance(node, ast.stmt) and node.lineno <= line <= _end(node)]
+    found = [node for node in ast.walk(scope) if isinstance(node, ast.stmt) and node.lineno <= line <= _last_line(node)]
     yield from found[-1:]
 
 
-def _names(statement: ast.stmt, context: type[ast.expr_context]) -> list[str]:
+def _names_in_context(statement: ast.stmt, context: type[ast.expr_context]) -> list[str]:
     """Return the names that a statement reads or sets itself, without its blocks, in the order of the text."""
     heads = [
         node
@@ -138,27 +142,27 @@ def _names(statement: ast.stmt, context: type[ast.expr_context]) -> list[str]:
     return list(dict.fromkeys(name.id for name in names if isinstance(name.ctx, context)))
 
 
-def _set_at(scope: ast.AST, name: str, own_only: bool = False) -> list[int]:
+def _lines_that_set(scope: ast.AST, name: str, own_only: bool = False) -> list[int]:
     """Return the lines on which a statement sets a name, in order; `own_only`: those of the scope's own level."""
     nodes = scope.body if own_only and isinstance(scope, ast.Module) else ast.walk(scope)
     found = []
     for node in nodes:
         targets = node.targets if isinstance(node, ast.Assign) else []
         targets = [node.target] if isinstance(node, ast.AugAssign | ast.AnnAssign | ast.For) else targets
-        if isinstance(node, ast.stmt) and any(name in _targets(target) for target in targets):
+        if isinstance(node, ast.stmt) and any(name in _iter_target_names(target) for target in targets):
             found.append(node.lineno)
     return sorted(found)
 
 
-def _targets(node: ast.expr) -> Iterator[str]:
+def _iter_target_names(node: ast.expr) -> Iterator[str]:
     """Yield the names that a target sets, or of which it sets a part."""
     if isinstance(node, ast.Name):
         yield node.id
     elif isinstance(node, ast.Tuple | ast.List):
         for part in node.elts:
-            yield from _targets(part)
+            yield from _iter_target_names(part)
     elif isinstance(node, ast.Subscript | ast.Starred):
-        yield from _targets(node.value)
+        yield from _iter_target_names(node.value)
 
 
 def _is_parameter(scope: ast.AST, name: str) -> bool:
@@ -167,7 +171,7 @@ def _is_parameter(scope: ast.AST, name: str) -> bool:
     return name in {each.arg for each in ast.walk(scope.args) if isinstance(each, ast.arg)}
 
 
-def _numbered(lines: Sequence[int], preposition: str = "") -> str:
+def _line_numbers_text(lines: Sequence[int], preposition: str = "") -> str:
     """« ligne 36 », « lignes 36 et 38 »; « à la ligne 36 », « aux lignes 36 et 38 »."""
     noun = "lignes" if len(lines) > 1 else "ligne"
     article = {"": "", "à": "aux " if len(lines) > 1 else "à la "}[preposition]

@@ -47,14 +47,14 @@ class Repair:
 
 
 @dataclass(frozen=True)
-class _Difference:
+class _NodeDifference:
     """Pairs (right, wrong) of nodes: the smallest differing one, then its ancestors up to the statement."""
 
     parts: tuple[tuple[ast.AST, ast.AST], ...]
 
 
 @dataclass(frozen=True)
-class _Location:
+class _MatchLocation:
     """A node of a program that matches the mistake, under the substitution `names`; `rest` are other terms of its
     sum."""
 
@@ -79,8 +79,10 @@ def find_repairs(
         return
     nodes = [node for node in tree.body if isinstance(node, ast.FunctionDef)]
     nodes.sort(key=lambda node: node.name not in functions)
-    within = [part for node in nodes for part in ast.walk(node) if _is_read(part) and _is_small(part)]
-    words = {part: names for node in nodes for names in [_variable_names(node)] for part in ast.walk(node)}
+    within = [
+        part for node in nodes for part in ast.walk(node) if _is_statement_or_read_value(part) and _has_few_nodes(part)
+    ]
+    words = {part: names for node in nodes for names in [_variables_of(node)] for part in ast.walk(node)}
 
     def hurried(way: Iterator[_T]) -> Iterator[_T]:
         return itertools.takewhile(lambda _: not spent(), way)
@@ -88,16 +90,18 @@ def find_repairs(
     asked = frozenset[str]().union(*(edit.functions for edit in model.edits))
     own = asked.intersection(node.name for node in nodes)
     seen, left = set[str](), hurried(itertools.repeat(None, MAX_VISITED))
-    for differences, helpers in _edits(model, mistake):
-        for chosen in itertools.islice(_combinations(differences, within, helpers, left), MAX_COMBINATIONS):
+    for differences, helpers in _iter_edit_differences(model, mistake):
+        for chosen in itertools.islice(
+            _iter_location_combinations(differences, within, helpers, left), MAX_COMBINATIONS
+        ):
             for named in hurried(_with_guessed_names(chosen, helpers, words[chosen[0].node])):
-                repair = _repaired(source, named, helpers, own)
+                repair = _apply_repair(source, named, helpers, own)
                 if repair is not None and repair.text not in seen:
                     seen.add(repair.text)
                     yield repair
 
 
-def _variable_names(function: ast.FunctionDef) -> list[str]:
+def _variables_of(function: ast.FunctionDef) -> list[str]:
     """Return the names of a function's variables."""
     parameters = [node.arg for node in ast.walk(function) if isinstance(node, ast.arg)]
     stored = [node.id for node in ast.walk(function) if isinstance(node, ast.Name) and isinstance(node.ctx, ast.Store)]
@@ -105,8 +109,8 @@ def _variable_names(function: ast.FunctionDef) -> list[str]:
 
 
 def _with_guessed_names(
-    locations: tuple[_Location, ...], helpers: Mapping[str, ast.FunctionDef], words: Sequence[str]
-) -> Iterator[tuple[_Location, ...]]:
+    locations: tuple[_MatchLocation, ...], helpers: Mapping[str, ast.FunctionDef], words: Sequence[str]
+) -> Iterator[tuple[_MatchLocation, ...]]:
     """Yield the same locations with every unmatched name of the model mapped to some variable of the program."""
     names = locations[-1].names
     read = {node.id for location in locations for node in ast.walk(location.right) if isinstance(node, ast.Name)}
@@ -118,17 +122,19 @@ def _with_guessed_names(
         yield tuple(replace(location, names={**names, **guessed}) for location in locations)
 
 
-def _is_small(node: ast.AST) -> bool:
+def _has_few_nodes(node: ast.AST) -> bool:
     return sum(1 for _ in itertools.islice(ast.walk(node), MAX_NODES + 1)) <= MAX_NODES
 
 
-def _is_read(node: ast.AST) -> bool:
+def _is_statement_or_read_value(node: ast.AST) -> bool:
     """Whether a node is a simple statement, or an expression whose value is read."""
     stored = isinstance(getattr(node, "ctx", None), ast.Store | ast.Del)
     return isinstance(node, (ast.expr, *_SIMPLE)) and not stored
 
 
-def _edits(model: Model, mistake: str) -> Iterator[tuple[list[_Difference], dict[str, ast.FunctionDef]]]:
+def _iter_edit_differences(
+    model: Model, mistake: str
+) -> Iterator[tuple[list[_NodeDifference], dict[str, ast.FunctionDef]]]:
     """Yield, for each edit that makes the mistake, its differences and the functions of the model."""
     for edit in model.edits:
         if edit.id != mistake:
@@ -139,12 +145,14 @@ def _edits(model: Model, mistake: str) -> Iterator[tuple[list[_Difference], dict
                 continue
             tree = parse_source(right.text)
             helpers = {node.name: node for node in tree.body if isinstance(node, ast.FunctionDef)}
-            differences = _merged(_differences(tree, parse_source(wrong), ()))
+            differences = _merge_differences(_iter_smallest_differences(tree, parse_source(wrong), ()))
             if differences and all(difference.parts for difference in differences):
                 yield differences, helpers
 
 
-def _differences(right: ast.AST, wrong: ast.AST, above: tuple[tuple[ast.AST, ast.AST], ...]) -> Iterator[_Difference]:
+def _iter_smallest_differences(
+    right: ast.AST, wrong: ast.AST, above: tuple[tuple[ast.AST, ast.AST], ...]
+) -> Iterator[_NodeDifference]:
     here = above
     if isinstance(right, ast.stmt) and not isinstance(right, _SIMPLE):
         here = ()
@@ -152,61 +160,63 @@ def _differences(right: ast.AST, wrong: ast.AST, above: tuple[tuple[ast.AST, ast
         here = ((right, wrong), *above)
     pairs = paired_children(right, wrong) if type(right) is type(wrong) else None
     if pairs is None:
-        yield _Difference(here)
+        yield _NodeDifference(here)
         return
     for a, b in pairs:
-        yield from _differences(a, b, here)
+        yield from _iter_smallest_differences(a, b, here)
 
 
-def _merged(differences: Iterable[_Difference]) -> list[_Difference]:
+def _merge_differences(differences: Iterable[_NodeDifference]) -> list[_NodeDifference]:
     """Merge the differences within one expression into that of their common ancestor."""
-    merged: list[_Difference] = []
+    merged: list[_NodeDifference] = []
     for difference in differences:
-        shared = [(k, _common(other, difference)) for k, other in enumerate(merged)]
+        shared = [(k, _common_ancestors(other, difference)) for k, other in enumerate(merged)]
         index, common = next(((k, common) for k, common in shared if common), (len(merged), difference.parts))
-        merged[index : index + 1] = [_Difference(common)]
+        merged[index : index + 1] = [_NodeDifference(common)]
     return merged
 
 
-def _common(first: _Difference, second: _Difference) -> tuple[tuple[ast.AST, ast.AST], ...]:
+def _common_ancestors(first: _NodeDifference, second: _NodeDifference) -> tuple[tuple[ast.AST, ast.AST], ...]:
     right_ids = {id(right) for right, _ in second.parts}
     return tuple(part for part in first.parts if id(part[0]) in right_ids)
 
 
-def _combinations(
-    differences: Sequence[_Difference],
+def _iter_location_combinations(
+    differences: Sequence[_NodeDifference],
     within: Sequence[ast.AST],
     helpers: Mapping[str, ast.FunctionDef],
     left: Iterator[None],
     names: Names | None = None,
-) -> Iterator[tuple[_Location, ...]]:
+) -> Iterator[tuple[_MatchLocation, ...]]:
     """Yield every combination of locations that matches all differences, larger nodes first, while `left` lasts."""
     if not differences:
         yield ()
         return
     first, *others = differences
     for right, wrong in reversed(first.parts):
-        if not _is_small(wrong):
+        if not _has_few_nodes(wrong):
             continue
         for node, _ in zip(within, left, strict=False):
-            for location in itertools.islice(_matches(right, wrong, node, names or {}, helpers), MAX_MATCHES):
-                for more in _combinations(others, within, helpers, left, location.names):
+            for location in itertools.islice(
+                _iter_matching_locations(right, wrong, node, names or {}, helpers), MAX_MATCHES
+            ):
+                for more in _iter_location_combinations(others, within, helpers, left, location.names):
                     yield (location, *more)
 
 
-def _matches(
+def _iter_matching_locations(
     right: ast.AST, wrong: ast.AST, node: ast.AST, names: Names, helpers: Mapping[str, ast.FunctionDef]
-) -> Iterator[_Location]:
+) -> Iterator[_MatchLocation]:
     fixed_names = frozenset(helpers)
     for names_found in match_nodes(wrong, node, names, fixed_names):
-        yield _Location(node, right, names_found)
+        yield _MatchLocation(node, right, names_found)
     if isinstance(wrong, ast.expr) and isinstance(node, ast.expr):
         mine, theirs = signed_terms(wrong), signed_terms(node)
         if 1 < len(mine) < len(theirs) <= MAX_PERMUTED_TERMS + 2:
             for chosen in itertools.permutations(range(len(theirs)), len(mine)):
                 rest = join_terms([theirs[k] for k in range(len(theirs)) if k not in chosen])
                 for names_found in match_terms(mine, [theirs[k] for k in chosen], names, fixed_names):
-                    yield _Location(node, right, names_found, rest)
+                    yield _MatchLocation(node, right, names_found, rest)
 
 
 class _NameTranslator(ast.NodeTransformer):
@@ -221,17 +231,17 @@ class _NameTranslator(ast.NodeTransformer):
             return self._names[node.id]
         if node.id in self._helpers:
             self.used.add(node.id)
-            return ast.Name(_renamed(node.id), ast.Load())
+            return ast.Name(_prefixed_helper_name(node.id), ast.Load())
         self.missing = self.missing or not (node.id in MODULES or node.id in self._own)
         return node
 
 
-def _renamed(helper: str) -> str:
+def _prefixed_helper_name(helper: str) -> str:
     return f"_model_{helper}"
 
 
-def _repaired(
-    source: str, locations: Sequence[_Location], every: Mapping[str, ast.FunctionDef], own: Collection[str]
+def _apply_repair(
+    source: str, locations: Sequence[_MatchLocation], every: Mapping[str, ast.FunctionDef], own: Collection[str]
 ) -> Repair | None:
     """Return the program repaired at all of these locations, with copies of those `every` functions of the model that
     are not the program's `own`; None where a name is missing, or they overlap."""
@@ -245,18 +255,18 @@ def _repaired(
         used |= words.used
         if isinstance(location.node, ast.expr):
             text = f"({text})" if location.rest is None else f"({ast.unparse(location.rest)} + ({text}))"
-        pieces.append((*_span(source, location.node), text))
+        pieces.append((*_byte_span(source, location.node), text))
     pieces.sort()
     if any(before[1] > after[0] for before, after in itertools.pairwise(pieces)):
         return None
-    more = "".join(f"\n\n{_helper(helpers, name)}" for name in _called_helpers(helpers, used))
+    more = "".join(f"\n\n{_renamed_helper_source(helpers, name)}" for name in _reachable_helpers(helpers, used))
     lines = tuple(sorted({location.node.lineno for location in locations}))  # type: ignore[attr-defined]
     without = itertools.combinations(pieces, len(pieces) - 1) if len(pieces) > 1 else ()
-    text, *parts = (f"{_replaced(source, chosen)}{more}\n" for chosen in (pieces, *without))
-    return _if_valid(Repair(lines, text, tuple(parts)))
+    text, *parts = (f"{_replace_byte_ranges(source, chosen)}{more}\n" for chosen in (pieces, *without))
+    return _valid_or_none(Repair(lines, text, tuple(parts)))
 
 
-def _replaced(source: str, pieces: Sequence[tuple[int, int, str]]) -> str:
+def _replace_byte_ranges(source: str, pieces: Sequence[tuple[int, int, str]]) -> str:
     """Replace ordered, disjoint byte ranges of a source: (start, end, text)."""
     data = source.encode()
     for start, end, text in reversed(pieces):
@@ -264,19 +274,19 @@ def _replaced(source: str, pieces: Sequence[tuple[int, int, str]]) -> str:
     return data.decode()
 
 
-def _if_valid(repair: Repair) -> Repair | None:
+def _valid_or_none(repair: Repair) -> Repair | None:
     """Return the repair if it is syntactically valid, else None."""
     return None if parse_or_none(repair.text) is None else repair
 
 
-def _span(source: str, node: ast.AST) -> tuple[int, int]:
+def _byte_span(source: str, node: ast.AST) -> tuple[int, int]:
     """Return the range of a node in the bytes of its source."""
     starts = [0, *itertools.accumulate(len(line) for line in source.encode().splitlines(keepends=True))]
     begin = starts[node.lineno - 1] + node.col_offset  # type: ignore[attr-defined]
     return begin, starts[node.end_lineno - 1] + node.end_col_offset  # type: ignore[attr-defined]
 
 
-def _called_helpers(helpers: Mapping[str, ast.FunctionDef], used: set[str]) -> list[str]:
+def _reachable_helpers(helpers: Mapping[str, ast.FunctionDef], used: set[str]) -> list[str]:
     """Return these functions of the model and, transitively, those that they call."""
     waiting, needed = sorted(used), list[str]()
     while waiting:
@@ -288,11 +298,11 @@ def _called_helpers(helpers: Mapping[str, ast.FunctionDef], used: set[str]) -> l
     return needed
 
 
-def _helper(helpers: Mapping[str, ast.FunctionDef], name: str) -> str:
+def _renamed_helper_source(helpers: Mapping[str, ast.FunctionDef], name: str) -> str:
     node = parse_source(ast.unparse(helpers[name]))
     for part in ast.walk(node):
         if isinstance(part, ast.Name) and part.id in helpers:
-            part.id = _renamed(part.id)
+            part.id = _prefixed_helper_name(part.id)
         if isinstance(part, ast.FunctionDef) and part.name in helpers:
-            part.name = _renamed(part.name)
+            part.name = _prefixed_helper_name(part.name)
     return ast.unparse(node)

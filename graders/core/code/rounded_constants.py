@@ -39,12 +39,12 @@ def find_rounded_constants(source: str) -> Iterator[tuple[int, str, str]]:
     for line, text in enumerate(source.splitlines(), start=1):
         code = re.sub(r"#.*|\"[^\"]*\"|'[^']*'", "", text)
         for written in re.findall(r"(?<![\w.])\d*\.\d+(?![\w.])", code):
-            constant = next((name for name, value in _CONSTANTS.items() if _stands_for(written, value)), None)
+            constant = next((name for name, value in _CONSTANTS.items() if _is_rounded_form_of(written, value)), None)
             if constant:
                 yield line, written, constant
 
 
-def _stands_for(written: str, value: float) -> bool:
+def _is_rounded_form_of(written: str, value: float) -> bool:
     decimals = len(written.split(".")[1])
     significant = len(written.replace(".", "").lstrip("0"))
     if not (_LEAST_DECIMALS <= decimals <= _MOST_DECIMALS and significant >= _LEAST_DIGITS):

@@ -99,14 +99,16 @@ class Runner:
     @property
     def program(self) -> Program:
         """The program on the main map. Raises StudentFault when its file does not load."""
-        return self._program or self._launch()
+        return self._program or self._launch_main()
 
-    def _launch(self, ahead: Sequence[PlannedCalls] = ()) -> Program:
+    def _launch_main(self, ahead: Sequence[PlannedCalls] = ()) -> Program:
         self._launches += 1
-        self._program = self._start(self._kit, self._launches, MAX_LAUNCHES, ahead)
+        self._program = self._start_within_limit(self._kit, self._launches, MAX_LAUNCHES, ahead)
         return self._program
 
-    def _start(self, kit: KitSettings, launches: int, max_launches: int, ahead: Sequence[PlannedCalls] = ()) -> Program:
+    def _start_within_limit(
+        self, kit: KitSettings, launches: int, max_launches: int, ahead: Sequence[PlannedCalls] = ()
+    ) -> Program:
         if launches > max_launches:
             raise StudentFault(Outcome.RUNTIME_ERROR, "Votre programme s'est arrêté trop souvent.", fatal=True)
         return self.programs.open(self._source, kit, ahead)
@@ -145,7 +147,7 @@ class Runner:
             self.freeze_stdout()
             printed = self.stdout
             self.plan(queued)
-            self._send_with_rest(queued[0])
+            self._send_remaining_plan(queued[0])
             self._store_piggybacked(queued)
             self.close()
             self.stdout = printed
@@ -156,29 +158,29 @@ class Runner:
         if batches:
             self._piggybacked.store_answers(
                 {
-                    batch: concatenate_blocks(self._receive_blocks(batch))
+                    batch: concatenate_blocks(self._iter_planned_blocks(batch))
                     for batch in batches
                     if self.is_callable(batch.function)
                 }
             )
 
-    def _receive_blocks(self, batch: PlannedCalls) -> Iterator[Sequence[Answer]]:
+    def _iter_planned_blocks(self, batch: PlannedCalls) -> Iterator[Sequence[Answer]]:
         ready = self._pipeline.ready_blocks(batch)
         while ready or self._pipeline.is_pending(batch):
             if ready:
                 yield ready.popleft()
             else:
-                self._receive_block()
+                self._receive_next_block()
 
     def plan(self, plan: Sequence[PlannedCalls]) -> None:
         """Set the next calls of the main program, in this order and without others in between."""
-        self._drain()
+        self._receive_pending()
         self._pipeline.set_plan(plan)
 
     def start(self, plan: Sequence[PlannedCalls]) -> None:
         """Start the main program together with its first calls. Raises StudentFault when its file does not load."""
         self._pipeline.set_plan(plan)
-        self._pipeline.send(self._launch(plan), plan)
+        self._pipeline.send(self._launch_main(plan), plan)
 
     def answers(self, batch: PlannedCalls) -> Iterator[Answer]:
         """Yield the answers of the main program to a batch, planned or not."""
@@ -186,12 +188,12 @@ class Runner:
 
     def answer_blocks(self, batch: PlannedCalls) -> Iterator[Sequence[Answer]]:
         """Yield the answers in blocks as they arrive; a fatal fault is alone. Return after the last call's answer."""
-        if self._refusal(batch.function) or not self._pipeline.is_planned(batch):
+        if self._refusal_of_dead_function(batch.function) or not self._pipeline.is_planned(batch):
             yield from self._call_now(batch)
             return
         try:
             ready = self._pipeline.ready_blocks(batch)
-            ready = self._send_with_rest(batch) if ready is None else ready
+            ready = self._send_remaining_plan(batch) if ready is None else ready
         except StudentFault as fault:
             self._record_fault(None, batch.function, fault)
             yield (fault,)
@@ -199,7 +201,7 @@ class Runner:
         left = len(batch.calls)
         while left and (ready or self._pipeline.is_pending(batch)):
             if not ready:
-                self._receive_block()
+                self._receive_next_block()
                 continue
             answers = ready.popleft()
             if last := fatal_fault(answers):
@@ -219,11 +221,11 @@ class Runner:
                 yield (fault,)
 
     def _call_unplanned(self, batch: PlannedCalls) -> Iterator[Sequence[Answer]]:
-        refusal = self._refusal(batch.function)
+        refusal = self._refusal_of_dead_function(batch.function)
         if refusal is not None:
             yield (refusal,)
             return
-        self._drain()
+        self._receive_pending()
         try:
             blocks = self.program.call_batches([batch])
         except StudentFault as fault:
@@ -234,30 +236,30 @@ class Runner:
                 self._record_fault(None, batch.function, last)
             yield answers
 
-    def _send_with_rest(self, batch: PlannedCalls) -> deque[Sequence[Answer]]:
-        self._drain()
+    def _send_remaining_plan(self, batch: PlannedCalls) -> deque[Sequence[Answer]]:
+        self._receive_pending()
         batches = self._pipeline.batches_from(batch, self._dead_functions)
-        self._pipeline.send(self._program or self._launch(batches), batches)
+        self._pipeline.send(self._program or self._launch_main(batches), batches)
         ready = self._pipeline.ready_blocks(batch)
         assert ready is not None, "it was asked"
         return ready
 
-    def _drain(self) -> None:
+    def _receive_pending(self) -> None:
         """Receive all pending answers, so that another request can be sent."""
         while self._pipeline.has_pending:
-            self._receive_block()
+            self._receive_next_block()
 
-    def _receive_block(self) -> None:
+    def _receive_next_block(self) -> None:
         if self._pipeline.receive_block():
             self.close()
 
     def call(self, program: Program | None, function: str, args: Arguments, *, keep: bool) -> Reply:
         """Call a function of a program (None: the main one). Raises StudentFault."""
-        refusal = self._refusal(function)
+        refusal = self._refusal_of_dead_function(function)
         if refusal is not None:
             raise refusal
         if program is None:
-            self._drain()
+            self._receive_pending()
         self._answer_count += 1
         try:
             return (program or self.program).call(function, *args, return_arguments=keep)
@@ -269,10 +271,10 @@ class Runner:
         self, program: Program | None, function: str, calls: Iterable[Arguments], *, faults: int | None
     ) -> Iterator[Answer]:
         """Yield the answers of `Program.call_many` of a program (None: the main one)."""
-        refusal = self._refusal(function)
+        refusal = self._refusal_of_dead_function(function)
         if refusal is not None:
             return iter((refusal,))
-        return self.watch_answers(program, function, self._answers(program, function, calls, faults))
+        return self.watch_answers(program, function, self._start_calls(program, function, calls, faults))
 
     def watch_answers(self, program: Program | None, function: str, answers: Iterator[Answer]) -> Iterator[Answer]:
         """Yield the same answers, and record their fatal faults."""
@@ -290,17 +292,17 @@ class Runner:
         """Whether a function may still be called."""
         return function not in self._dead_functions
 
-    def _answers(
+    def _start_calls(
         self, program: Program | None, function: str, calls: Iterable[Arguments], faults: int | None
     ) -> Iterator[Answer]:
         if program is None:
-            self._drain()
+            self._receive_pending()
         try:
             return (program or self.program).call_many(function, calls, faults=faults)
         except StudentFault as fault:
             return iter((fault,))
 
-    def _refusal(self, function: str) -> StudentFault | None:
+    def _refusal_of_dead_function(self, function: str) -> StudentFault | None:
         """Return the fault that stands for calls of a function that is no longer called; None if it still is."""
         before = self._dead_functions.get(function)
         if before is None:
@@ -327,7 +329,7 @@ class Runner:
         """Yield the same file started on another map, closed after the block; the batches `ahead` travel with it."""
         self._side_programs += 1
         self._announced = max(0, self._announced - 1)
-        program = self._start(kit, self._side_programs, MAX_SIDE_PROGRAMS, ahead)
+        program = self._start_within_limit(kit, self._side_programs, MAX_SIDE_PROGRAMS, ahead)
         try:
             yield program
         finally:
@@ -335,7 +337,7 @@ class Runner:
 
     def freeze_stdout(self) -> None:
         """Show no later prints of the program, unless it has printed nothing so far."""
-        self._drain()
+        self._receive_pending()
         if self._program is not None:
             self.stdout = self.stdout or self._program.stdout()
 

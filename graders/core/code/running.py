@@ -37,7 +37,7 @@ def run_checks(
     """
     benches = [Bench(check.id, runner, stream(seed, check.id), kit) for check in checks]
     results: list[Finding | PendingShrink] = []
-    for begins, ends in _spans(checks):
+    for begins, ends in _group_checks_by_exchange(checks):
         plan = _plan_calls(checks[begins:ends], benches[begins:ends])
         if begins:
             runner.plan(plan)
@@ -48,7 +48,7 @@ def run_checks(
                 return [failed_finding(check, fault_rejection(fault, inputs=None)) for check in checks]
             runner.announce_launches(sum(check.launches for check in checks))
         for check, bench in zip(checks[begins:ends], benches[begins:ends], strict=True):
-            results.append(_run_unshrunk(check, bench))
+            results.append(_run_without_shrinking(check, bench))
             if isinstance(results[-1], PendingShrink) or not results[-1].passed:
                 if not runner.failed:
                     runner.announce_launches(launches_if_failed())
@@ -59,13 +59,16 @@ def run_checks(
         runner.freeze_stdout()
         shrink_all(runner, failed, runner.answer_batches)
     findings = [
-        _shrunk_finding(check, result, bench) if isinstance(result, PendingShrink) else result
+        _shrink_finding(check, result, bench) if isinstance(result, PendingShrink) else result
         for check, result, bench in zip(checks, results, benches, strict=True)
     ]
-    return [_unless_alone(check, finding, checks, findings) for check, finding in zip(checks, findings, strict=True)]
+    return [
+        _remove_unearned_points(check, finding, checks, findings)
+        for check, finding in zip(checks, findings, strict=True)
+    ]
 
 
-def _spans(checks: Sequence[Check]) -> Iterator[tuple[int, int]]:
+def _group_checks_by_exchange(checks: Sequence[Check]) -> Iterator[tuple[int, int]]:
     """Yield ranges of checks whose planned calls can be sent together: only the last has unplanned calls."""
     begins = 0
     for ends, check in enumerate(checks, 1):
@@ -80,7 +83,9 @@ def _plan_calls(checks: Sequence[Check], benches: Sequence[Bench]) -> Sequence[P
     return [batch for bench in benches for batch in bench.planned_calls]
 
 
-def _unless_alone(check: Check, finding: Finding, checks: Sequence[Check], findings: Sequence[Finding]) -> Finding:
+def _remove_unearned_points(
+    check: Check, finding: Finding, checks: Sequence[Check], findings: Sequence[Finding]
+) -> Finding:
     """Take back the points of a check that any do-nothing function passes, when nothing else was earned."""
     others = [
         f
@@ -98,27 +103,27 @@ def _unless_alone(check: Check, finding: Finding, checks: Sequence[Check], findi
 
 def run_check(check: Check, bench: Bench) -> Finding:
     """Run one check, with shrinking, and return its finding."""
-    return _finding_of_run(check, lambda: run_and_shrink(check.run, bench), bench)
+    return _run_and_catch_finding(check, lambda: run_and_shrink(check.run, bench), bench)
 
 
-def _run_unshrunk(check: Check, bench: Bench) -> Finding | PendingShrink:
+def _run_without_shrinking(check: Check, bench: Bench) -> Finding | PendingShrink:
     """Run one check; return its finding, or the pending shrink of its counterexample."""
     try:
-        return _finding_of_run(check, lambda: check.run(bench), bench)
+        return _run_and_catch_finding(check, lambda: check.run(bench), bench)
     except PendingShrink as unsimplified:
         return unsimplified
 
 
-def _shrunk_finding(check: Check, unsimplified: PendingShrink, bench: Bench) -> Finding:
+def _shrink_finding(check: Check, unsimplified: PendingShrink, bench: Bench) -> Finding:
     """Return the finding of a failed check on the simplest input that was found."""
 
     def raise_rejection() -> None:
         raise unsimplified.rejection()
 
-    return _finding_of_run(check, raise_rejection, bench)
+    return _run_and_catch_finding(check, raise_rejection, bench)
 
 
-def _finding_of_run(check: Check, run: Callable[[], None], bench: Bench) -> Finding:
+def _run_and_catch_finding(check: Check, run: Callable[[], None], bench: Bench) -> Finding:
     try:
         run()
     except Rejection as rejection:
@@ -149,16 +154,16 @@ def failed_finding(check: Check, rejection: Rejection) -> Finding:
         max_points=check.points,
         message=rejection.message,
         counterexample=counterexample,
-        hint=_hint(check, rejection),
+        hint=_hint_of_failure(check, rejection),
         figure=None if figure is None else check.id,
         cause=None if rejection.cause is Outcome.WRONG_ANSWER else rejection.cause,
         neutral=rejection.neutral,
-        kit=_side_settings(rejection.kit),
+        kit=_side_program_json(rejection.kit),
     )
     return Finding(result, rejection.cause, rejection.slip, figure, rejection.sign)
 
 
-def _side_settings(kit: KitSettings | None) -> dict[str, Any] | None:
+def _side_program_json(kit: KitSettings | None) -> dict[str, Any] | None:
     """Return as JSON the map, range and seed of a side program; None for the main one, whose seed tells them."""
     if kit is None or "libres" not in kit.parameters:
         return None
@@ -173,7 +178,7 @@ _OF_UNREADABLE = "Que renvoie exactement votre fonction, et de quelle forme l'é
 TELLING_SLIPS = ("nan", "forme", "scalaire", "transposee", "entiers", "hasard", "memoire")
 
 
-def _hint(check: Check, rejection: Rejection) -> str | None:
+def _hint_of_failure(check: Check, rejection: Rejection) -> str | None:
     """Return the question that this kind of failure calls for; None for a program that stops, or without a fault."""
     if rejection.neutral or rejection.cause not in (Outcome.WRONG_ANSWER, Outcome.INVALID_OUTPUT):
         return None

@@ -34,7 +34,7 @@ SLICE = 200
 
 
 @dataclass(frozen=True, eq=False)
-class _Questions:
+class _ScreeningCalls:
     """Calls whose answers screen changes, as probes, and the right answers in each style."""
 
     probes: Probes
@@ -65,11 +65,11 @@ class ProbeScreen:
         """
         gains: dict[int, float] = {}
         with suppress(OutOfTimeError):
-            self._add_gains(source, changes, functions, failed, gains)
+            self._measure_gains(source, changes, functions, failed, gains)
         order = sorted(gains, key=lambda number: (-round(gains[number], 6), number))
         return [changes[number] for number in order]
 
-    def _add_gains(
+    def _measure_gains(
         self, source: str, changes: Sequence[ProgramChange], functions: Sequence[str], failed: Sequence[Check],
         gains: dict[int, float],
     ) -> None:  # fmt: skip
@@ -77,34 +77,38 @@ class ProbeScreen:
         pivots = self.pivots[source] = list[tuple[Probes, Sequence[int]]]()
         for index, probes in enumerate(prober.probes if prober else ()):
             if probes.function in functions:
-                self._add_gains_of(source, _Questions(probes, self._right_answers(index)), changes, gains)
+                self._measure_gains_on_calls(
+                    source, _ScreeningCalls(probes, self._right_answers(index)), changes, gains
+                )
         for function in functions:
             if not any(numbers and probes.function == function for probes, numbers in pivots):
-                for questions in self._questions_of_checks(source, function, failed):
-                    self._add_gains_of(source, questions, changes, gains)
+                for questions in self._iter_calls_of_failed_checks(source, function, failed):
+                    self._measure_gains_on_calls(source, questions, changes, gains)
 
-    def _add_gains_of(
-        self, source: str, questions: _Questions, changes: Sequence[ProgramChange], gains: dict[int, float]
+    def _measure_gains_on_calls(
+        self, source: str, questions: _ScreeningCalls, changes: Sequence[ProgramChange], gains: dict[int, float]
     ) -> None:
         everything = range(len(questions.probes.calls))
-        before = self._agreements(questions, [count_turns(source)], everything)[0]
+        before = self._mark_right_numbers(questions, [count_turns(source)], everything)[0]
         wrong = [k for k in everything if not before[k].all()]
         pivots, left = wrong[:MAX_PIVOTS], range(len(changes)) if wrong else ()
         self.pivots[source].append((questions.probes, pivots))
         for begin in range(0, len(left), SLICE):
             numbers = left[begin : begin + SLICE]
-            seen = self._agreements(questions, [changes[number].counted for number in numbers], pivots)
+            seen = self._mark_right_numbers(questions, [changes[number].counted for number in numbers], pivots)
             hits = [
                 number
                 for number, marks in zip(numbers, seen, strict=True)
-                if any(_is_better([before[k]], [after]) for k, after in zip(pivots, marks, strict=True))
+                if any(_is_improvement([before[k]], [after]) for k, after in zip(pivots, marks, strict=True))
             ]
-            answers = self._agreements(questions, [changes[number].counted for number in hits], everything)
+            answers = self._mark_right_numbers(questions, [changes[number].counted for number in hits], everything)
             for number, after in zip(hits, answers, strict=True):
-                if _is_better(before, after):
+                if _is_improvement(before, after):
                     gains[number] = gains.get(number, 0.0) + _gain(before, after) / max(1, len(wrong))
 
-    def _questions_of_checks(self, source: str, function: str, failed: Sequence[Check]) -> Iterator[_Questions]:
+    def _iter_calls_of_failed_checks(
+        self, source: str, function: str, failed: Sequence[Check]
+    ) -> Iterator[_ScreeningCalls]:
         """Yield the calls of a function that failed checks make of the solution: wrong ones, then some right ones."""
         recorder = CallRecorder([function], MAX_RECORDED)
         kit = self._grader.kit(stream(self._seed, "kit"))
@@ -118,15 +122,17 @@ class ProbeScreen:
         for side_kit, _, calls in recorder.calls_by_kit():
             asked = Probes(function=function, calls=calls, kit=side_kit)
             right = self._solution_answers(asked)
-            marks = self._agreements(_Questions(asked, [right]), [count_turns(source)], range(len(calls)))[0]
+            marks = self._mark_right_numbers(_ScreeningCalls(asked, [right]), [count_turns(source)], range(len(calls)))[
+                0
+            ]
             wrong = [k for k, mark in enumerate(marks) if not mark.all()][:MAX_OF_CHECKS]
             others = [k for k, mark in enumerate(marks) if mark.all()][:MAX_OF_CHECKS]
             if wrong:
                 probes = replace(asked, calls=tuple(calls[k] for k in (*wrong, *others)))
-                yield _Questions(probes, [[right[k] for k in (*wrong, *others)]])
+                yield _ScreeningCalls(probes, [[right[k] for k in (*wrong, *others)]])
 
-    def _agreements(
-        self, questions: _Questions, texts: Sequence[str], indices: Sequence[int]
+    def _mark_right_numbers(
+        self, questions: _ScreeningCalls, texts: Sequence[str], indices: Sequence[int]
     ) -> list[list[NDArray[np.bool_]]]:
         """Return, for each program and probe among `indices`, which numbers of its answer are right.
 
@@ -145,7 +151,10 @@ class ProbeScreen:
                 read = [probes.read_answer(args, answer) for args, answer in zip(calls, answers, strict=False)]
                 read += [NO_ANSWER] * (len(calls) - len(read))
                 in_each_style = [
-                    [_right_numbers(probes, answer, right[k]) for k, answer in zip(indices, read, strict=True)]
+                    [
+                        _mark_right_numbers_of_answer(probes, answer, right[k])
+                        for k, answer in zip(indices, read, strict=True)
+                    ]
                     for right in rights
                 ]
                 agreements.append(max(in_each_style, key=lambda marks: sum(float(mark.mean()) for mark in marks)))
@@ -171,10 +180,10 @@ class ProbeScreen:
         return [*read, *[NO_ANSWER] * (len(probes.calls) - len(read))]
 
 
-def _right_numbers(probes: Probes, answer: ProbeAnswer, right: ProbeAnswer) -> NDArray[np.bool_]:
+def _mark_right_numbers_of_answer(probes: Probes, answer: ProbeAnswer, right: ProbeAnswer) -> NDArray[np.bool_]:
     """Return which numbers of an answer are right: one mark where it is not compared number by number."""
     whole = probes.same(answer, right)
-    mine, wanted = _leaves(answer), _leaves(right)
+    mine, wanted = _flatten_numbers(answer), _flatten_numbers(right)
     if probes.same is not same_probe_answer or wanted is None:
         return np.array([whole])
     if whole or mine is None or mine.size != wanted.size:
@@ -182,10 +191,10 @@ def _right_numbers(probes: Probes, answer: ProbeAnswer, right: ProbeAnswer) -> N
     return np.asarray(np.abs(mine - wanted) <= TOLERANCE * np.maximum(1.0, np.abs(wanted)))
 
 
-def _leaves(value: ProbeAnswer) -> Floats | None:
+def _flatten_numbers(value: ProbeAnswer) -> Floats | None:
     """Return the numbers of an answer in one row; None where it holds anything else."""
     if isinstance(value, list | tuple):
-        parts = [_leaves(part) for part in value]
+        parts = [_flatten_numbers(part) for part in value]
         return np.concatenate(parts) if parts and all(part is not None for part in parts) else None  # type: ignore[arg-type]
     if isinstance(value, ProbeFault | str) or value is None:
         return None
@@ -195,7 +204,7 @@ def _leaves(value: ProbeAnswer) -> Floats | None:
         return None
 
 
-def _is_better(before: Sequence[NDArray[np.bool_]], after: Sequence[NDArray[np.bool_]]) -> bool:
+def _is_improvement(before: Sequence[NDArray[np.bool_]], after: Sequence[NDArray[np.bool_]]) -> bool:
     """Whether more numbers are right, and none is no longer."""
     if any(len(old) != len(new) for old, new in zip(before, after, strict=True)):
         return all(new.all() or not old.any() for old, new in zip(before, after, strict=True)) and any(

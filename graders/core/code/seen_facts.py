@@ -85,10 +85,12 @@ class FunctionTrial:
 
     def wrong_views(self) -> list[ReturnedValue]:
         """Return the values that are wrong in several calls."""
-        views = [ReturnedValue(self._subject(part), partial(_part, part)) for part in range(len(self.right[0]))]
+        views = [
+            ReturnedValue(self._subject_text(part), partial(_select_part, part)) for part in range(len(self.right[0]))
+        ]
         return [view for view in views if sum(self.series(view).wrong) >= MIN_WRONG]
 
-    def _subject(self, part: int) -> str:
+    def _subject_text(self, part: int) -> str:
         return f"« {self.parts[part]} », que renvoie {self.function}," if self.parts else self.function
 
     def shown(self, call: Arguments) -> str:
@@ -104,7 +106,7 @@ def _count_values(value: Value) -> int:
     return sum(map(_count_values, value)) if isinstance(value, list | tuple) else 1
 
 
-def _part(part: int, values: Sequence[Floats]) -> Floats:
+def _select_part(part: int, values: Sequence[Floats]) -> Floats:
     return values[part]
 
 
@@ -116,10 +118,10 @@ def columns_of(trial: FunctionTrial, view: ReturnedValue) -> Iterator[ReturnedVa
         return
     for column in range(count[0]):
         words = f"dans ce que renvoie {trial.function}, la colonne {column}"
-        yield ReturnedValue(words, partial(_column, view, column))
+        yield ReturnedValue(words, partial(_select_column, view, column))
 
 
-def _column(view: ReturnedValue, column: int, values: Sequence[Floats]) -> Floats:
+def _select_column(view: ReturnedValue, column: int, values: Sequence[Floats]) -> Floats:
     return view.read(values)[:, column]
 
 

@@ -36,13 +36,13 @@ class FailureReason(Protocol):
 def fails_alike(first: FailureReason, other: FailureReason) -> bool:
     """Whether a shrunk case fails as the first one did: same exception or limit, or wrong value of the same cause."""
     if first.fault or other.fault:
-        return _end(first.fault) == _end(other.fault)
+        return _outcome_and_exception(first.fault) == _outcome_and_exception(other.fault)
     assert first.mismatch is not None
     assert other.mismatch is not None
     return (first.mismatch.slip, first.mismatch.cause) == (other.mismatch.slip, other.mismatch.cause)
 
 
-def _end(fault: StudentFault | None) -> tuple[Outcome, str | None] | None:
+def _outcome_and_exception(fault: StudentFault | None) -> tuple[Outcome, str | None] | None:
     return None if fault is None else (fault.outcome, fault.exception)
 
 

@@ -90,15 +90,17 @@ def find_stale_answers(runner: Runner, probed: Sequence[Probes]) -> Mapping[str,
         of_kit = list(group)
         asked = [changed_calls(probes.calls) for probes in of_kit]
         whole = [list(range(len(series))) for series in asked]
-        first = _answers(runner, of_kit, asked, whole)
+        first = _answer_on_new_launch(runner, of_kit, asked, whole)
         for turn in range(MAX_CHANGES if first else 0):  # each in a launch of its own, without the bases
             places = [
                 [k for k in whole[n] if series[k].turn == turn and series[k].base != k]
                 for n, series in enumerate(asked)
             ]
-            again = _answers(runner, of_kit, asked, places)
+            again = _answer_on_new_launch(runner, of_kit, asked, places)
             for n, fresh in enumerate(again):
-                stale = _stale_answer(of_kit[n].function, asked[n], first[n], dict(zip(places[n], fresh, strict=False)))
+                stale = _find_stale_answer_in_series(
+                    of_kit[n].function, asked[n], first[n], dict(zip(places[n], fresh, strict=False))
+                )
                 if stale is not None:
                     found.setdefault(stale.function, stale)
     return found
@@ -127,13 +129,13 @@ def changed_calls(calls: Sequence[Arguments]) -> list[ChangedCall]:
         base = len(series)
         series.append(ChangedCall(args, base))
         for index in range(most):
-            others = _other_values(args[index], [call[index] for call in calls if index < len(call)])
+            others = _iter_other_values(args[index], [call[index] for call in calls if index < len(call)])
             for turn, value in enumerate(itertools.islice(others, MAX_CHANGES)):
                 series.append(ChangedCall((*args[:index], value, *args[index + 1 :]), base, index, turn))
     return series
 
 
-def _answers(
+def _answer_on_new_launch(
     runner: Runner, probed: Sequence[Probes], asked: Sequence[Sequence[ChangedCall]], places: Sequence[Sequence[int]]
 ) -> Sequence[Sequence[Answer]]:
     """Return the answers of a launch to the calls at these places of the series of each function.
@@ -157,7 +159,7 @@ def _answers(
     return answers
 
 
-def _stale_answer(
+def _find_stale_answer_in_series(
     function: str, series: Sequence[ChangedCall], answers: Sequence[Answer], again: Mapping[int, Answer]
 ) -> StaleAnswer | None:
     """Compare the answers to a series with those of another launch to some of its calls, by their places."""
@@ -172,13 +174,13 @@ def _stale_answer(
     return None
 
 
-def _other_values(value: Any, others: Sequence[Any]) -> Iterator[Any]:
+def _iter_other_values(value: Any, others: Sequence[Any]) -> Iterator[Any]:
     """Yield other values of an argument: its own with other numbers, then those of other calls like it."""
-    yield from _changed(value)
-    yield from (other for other in others if _is_alike(value, other) and not _is_equal(value, other))
+    yield from _iter_perturbed_values(value)
+    yield from (other for other in others if _has_same_type_and_shape(value, other) and not _is_equal(value, other))
 
 
-def _changed(value: Any) -> Iterator[Any]:
+def _iter_perturbed_values(value: Any) -> Iterator[Any]:
     if isinstance(value, bool | str) or value is None:
         return
     if isinstance(value, int | np.integer):
@@ -199,12 +201,12 @@ def _changed(value: Any) -> Iterator[Any]:
         yield moved
     elif isinstance(value, list | tuple) and value:
         for k in reversed(range(len(value))):
-            for other in itertools.islice(_changed(value[k]), 1):
+            for other in itertools.islice(_iter_perturbed_values(value[k]), 1):
                 yield type(value)([*value[:k], other, *value[k + 1 :]])
         yield value[:-1]
 
 
-def _is_alike(first: Any, second: Any) -> bool:
+def _has_same_type_and_shape(first: Any, second: Any) -> bool:
     if type(first) is not type(second):
         return False
     return not isinstance(first, np.ndarray) or (first.shape == second.shape and first.dtype == second.dtype)

@@ -86,7 +86,7 @@ def is_stateless(source: bytes, kit_names: Mapping[str, Any]) -> bool:
     shared = set(_BUILTINS - kit_names.keys()) | module_names
     hidden = kit_names.keys() - module_names | _HIDDEN
     for statement in tree.body:
-        bound = _bound(statement, shared)
+        bound = _names_bound_by(statement, shared)
         if bound is None or not bound.isdisjoint(hidden):
             return False
         shared |= bound
@@ -111,14 +111,14 @@ def may_keep_state(source: bytes) -> bool:
     kept = [
         statement.value
         for statement in tree.body
-        if isinstance(statement, ast.Assign | ast.AnnAssign) and _may_be_read(statement, read)
+        if isinstance(statement, ast.Assign | ast.AnnAssign) and _may_assign_read_name(statement, read)
     ]
     own = [part for node in classes for part in node.body if isinstance(part, ast.Assign | ast.AnnAssign)]
     kept += [statement.value for statement in own]
     defaults = [default for function in functions for default in function.args.defaults]
     return (
         any(isinstance(node, ast.Global | ast.Nonlocal) for node in nodes)
-        or any(isinstance(part, _MUTABLE) for value in [*kept, *defaults] for part in _parts(value))
+        or any(isinstance(part, _MUTABLE) for value in [*kept, *defaults] for part in _tuple_elements(value))
         or any(function.decorator_list for function in functions)
         or any(_sets_attribute(node, names) for node in nodes)
     )
@@ -138,8 +138,8 @@ def may_change_state(source: bytes) -> bool:
     classes = {node.name for node in nodes if isinstance(node, ast.ClassDef)}
     own = classes | {function.name for function in functions}
     defaults = [default for function in functions for default in (*function.args.defaults, *function.args.kw_defaults)]
-    shared = {name: value for statement in tree.body for name, value in _assigned(statement)}
-    waiting = {name for name, value in shared.items() if value is None or _is_to_fill(value, own)}
+    shared = {name: value for statement in tree.body for name, value in _iter_assigned_names(statement)}
+    waiting = {name for name, value in shared.items() if value is None or _is_fillable_container(value, own)}
     inside = [node for function in functions for node in ast.walk(function)]
     return (
         any(isinstance(node, ast.Global | ast.Nonlocal) for node in nodes)
@@ -147,16 +147,16 @@ def may_change_state(source: bytes) -> bool:
         or any(function.decorator_list for function in functions)
         or any(_sets_attribute(node, own) for node in nodes)
         or any(isinstance(node, ast.Name) and node.id in waiting for node in inside)
-        or any(_written(node) in shared for node in inside)
+        or any(_mutated_name(node) in shared for node in inside)
     )
 
 
-def _parts(value: ast.expr | None) -> list[ast.expr | None]:
+def _tuple_elements(value: ast.expr | None) -> list[ast.expr | None]:
     """Return the values of a tuple, or a value alone."""
     return [*value.elts] if isinstance(value, ast.Tuple) else [value]
 
 
-def _assigned(statement: ast.stmt) -> Iterator[tuple[str, ast.expr | None]]:
+def _iter_assigned_names(statement: ast.stmt) -> Iterator[tuple[str, ast.expr | None]]:
     """Yield the names of a top-level assignment, each with its value, None where it cannot be told apart."""
     if not isinstance(statement, ast.Assign | ast.AnnAssign):
         return
@@ -168,7 +168,7 @@ def _assigned(statement: ast.stmt) -> Iterator[tuple[str, ast.expr | None]]:
             yield from ((name.id, value) for name, value in pairs if isinstance(name, ast.Name))
 
 
-def _is_to_fill(value: ast.expr, own: Collection[str]) -> bool:
+def _is_fillable_container(value: ast.expr, own: Collection[str]) -> bool:
     """Whether a value is an empty container, or is made by a class or a function that is not numpy's or math's."""
     match value:
         case ast.List(elts=items) | ast.Set(elts=items) | ast.Dict(keys=items):
@@ -180,7 +180,7 @@ def _is_to_fill(value: ast.expr, own: Collection[str]) -> bool:
     return False
 
 
-def _written(node: ast.AST) -> str | None:
+def _mutated_name(node: ast.AST) -> str | None:
     """Return the name of what a node writes into: by an index, an augmented assignment or a method of containers."""
     match node:
         case ast.Subscript(value=ast.Name(id=name), ctx=ast.Store() | ast.Del()):
@@ -192,7 +192,7 @@ def _written(node: ast.AST) -> str | None:
     return None
 
 
-def _may_be_read(statement: ast.Assign | ast.AnnAssign, read: AbstractSet[str]) -> bool:
+def _may_assign_read_name(statement: ast.Assign | ast.AnnAssign, read: AbstractSet[str]) -> bool:
     """Whether an assignment is to one of the names that are read, or to anything but names."""
     targets = statement.targets if isinstance(statement, ast.Assign) else [statement.target]
     return any(not isinstance(target, ast.Name) or target.id in read for target in targets)
@@ -207,7 +207,7 @@ def _sets_attribute(node: ast.AST, names: Collection[str]) -> bool:
     )
 
 
-def _bound(statement: ast.stmt, shared: AbstractSet[str]) -> set[str] | None:
+def _names_bound_by(statement: ast.stmt, shared: AbstractSet[str]) -> set[str] | None:
     """Return the names that a top-level statement binds; None where it may do something else."""
     match statement:
         case ast.FunctionDef():
@@ -236,7 +236,7 @@ def _is_harmless(
     while waiting:
         node = waiting.pop()
         kind = type(node)
-        if kind not in kinds or not _CHECKS.get(kind, _nothing)(node):
+        if kind not in kinds or not _CHECKS.get(kind, _accept_any)(node):
             return False
         if kind is ast.Name:
             (read if type(node.ctx) is ast.Load else own).add(node.id)
@@ -251,20 +251,20 @@ def _is_harmless(
     return own.isdisjoint(hidden) and read <= own | shared
 
 
-def _nothing(node: Any) -> bool:
+def _accept_any(node: Any) -> bool:
     """No further condition."""
     return True
 
 
-def _attribute(node: Any) -> bool:
+def _is_harmless_attribute(node: Any) -> bool:
     return node.attr in _ATTRIBUTES and isinstance(node.ctx, ast.Load)
 
 
-def _keyword(node: Any) -> bool:
+def _is_harmless_keyword(node: Any) -> bool:
     return node.arg is not None and node.arg != _UNWRITTEN
 
 
-def _function(node: Any) -> bool:
+def _is_harmless_function(node: Any) -> bool:
     """No decorator, which may keep the function; no mutable default, which all calls share."""
     defaults = (*node.args.defaults, *node.args.kw_defaults)
     return not getattr(node, "decorator_list", ()) and all(
@@ -272,7 +272,7 @@ def _function(node: Any) -> bool:
     )
 
 
-def _comparison(node: Any) -> bool:
+def _is_harmless_comparison(node: Any) -> bool:
     """Identity is compared with None only."""
     pairs = zip(node.ops, node.comparators, strict=True)
     return all(_is_none(other) for sign, other in pairs if isinstance(sign, ast.Is | ast.IsNot))
@@ -282,15 +282,15 @@ def _is_none(node: ast.expr) -> bool:
     return isinstance(node, ast.Constant) and node.value is None
 
 
-def _annotated(node: Any) -> bool:
+def _is_harmless_annotation(node: Any) -> bool:
     return isinstance(node.target, ast.Name)
 
 
 _CHECKS: dict[type, Callable[[Any], bool]] = {
-    ast.Attribute: _attribute,
-    ast.keyword: _keyword,
-    ast.FunctionDef: _function,
-    ast.Lambda: _function,
-    ast.Compare: _comparison,
-    ast.AnnAssign: _annotated,
+    ast.Attribute: _is_harmless_attribute,
+    ast.keyword: _is_harmless_keyword,
+    ast.FunctionDef: _is_harmless_function,
+    ast.Lambda: _is_harmless_function,
+    ast.Compare: _is_harmless_comparison,
+    ast.AnnAssign: _is_harmless_annotation,
 }

@@ -42,7 +42,7 @@ class _TooLarge(Exception):
 def to_stored(answer: ProbeAnswer) -> StoredAnswer:
     """Return the stored form of an answer; never raises for a value of a program."""
     try:
-        return _plain(answer, [MAX_ITEMS])
+        return _to_stored_form(answer, [MAX_ITEMS])
     except _TooLarge:
         return TOO_LARGE
 
@@ -51,39 +51,41 @@ def truncate_answers(answers: Sequence[StoredAnswer], max_items: int = MAX_TOTAL
     """Return the answers, with TOO_LARGE in place of those beyond the total size."""
     stored: list[StoredAnswer] = []
     for answer in answers:
-        max_items -= 1 + sum(array.size for array in _arrays(answer))
+        max_items -= 1 + sum(array.size for array in _iter_arrays(answer))
         stored.append(answer if max_items >= 0 else TOO_LARGE)
     return tuple(stored)
 
 
-def _plain(answer: ProbeAnswer, budget: list[int]) -> StoredAnswer:
-    _take(budget, 1)
+def _to_stored_form(answer: ProbeAnswer, budget: list[int]) -> StoredAnswer:
+    _consume_budget(budget, 1)
     if isinstance(answer, ProbeFault):
-        return _word(f"faute {answer.name}")
+        return _truncate_word(f"faute {answer.name}")
     if answer is None or isinstance(answer, str):
-        return "rien" if answer is None else _word(f"texte {answer}")
+        return "rien" if answer is None else _truncate_word(f"texte {answer}")
     if isinstance(answer, dict):
         return (
-            _word("dictionnaire " + ", ".join(map(str, answer))),
-            *(_plain(item, budget) for item in answer.values()),
+            _truncate_word("dictionnaire " + ", ".join(map(str, answer))),
+            *(_to_stored_form(item, budget) for item in answer.values()),
         )
     try:
         array = read_array(answer)
     except UnreadableError:
         if isinstance(answer, list | tuple):
-            return tuple(_plain(item, budget) for item in answer)
-        return _word(f"{type(answer).__name__} {answer!r}" if isinstance(answer, complex) else type(answer).__name__)
-    _take(budget, array.size)
+            return tuple(_to_stored_form(item, budget) for item in answer)
+        return _truncate_word(
+            f"{type(answer).__name__} {answer!r}" if isinstance(answer, complex) else type(answer).__name__
+        )
+    _consume_budget(budget, array.size)
     return array
 
 
-def _take(budget: list[int], items: int) -> None:
+def _consume_budget(budget: list[int], items: int) -> None:
     budget[0] -= items
     if budget[0] < 0:
         raise _TooLarge
 
 
-def _word(text: str) -> str:
+def _truncate_word(text: str) -> str:
     if len(text) <= MAX_WORD:
         return text
     return f"{text[:MAX_WORD]}… {hashlib.sha256(text.encode(errors='replace')).hexdigest()}"
@@ -105,7 +107,7 @@ def same_answers(first: Sequence[StoredAnswer], second: Sequence[StoredAnswer], 
 
 def structure_hash(answers: Sequence[StoredAnswer]) -> str:
     """Return a hash of the words and array shapes of the answers, equal for equal answers: 64 characters."""
-    return hashlib.sha256(json.dumps(_jsonable(tuple(answers), values=False)).encode(errors="replace")).hexdigest()
+    return hashlib.sha256(json.dumps(_to_json_value(tuple(answers), values=False)).encode(errors="replace")).hexdigest()
 
 
 def projection(answers: Sequence[StoredAnswer]) -> float:
@@ -113,7 +115,7 @@ def projection(answers: Sequence[StoredAnswer]) -> float:
 
     asinh moves by less than √2 times the tolerance between two numbers that are the same, and so does a mean of them.
     """
-    numbers = [array.ravel() for array in _arrays(tuple(answers))]
+    numbers = [array.ravel() for array in _iter_arrays(tuple(answers))]
     if not numbers:
         return 0.0
     all_of_them = np.concatenate(numbers)
@@ -123,39 +125,39 @@ def projection(answers: Sequence[StoredAnswer]) -> float:
     return float(np.mean(named * np.cos(np.arange(named.size))))
 
 
-def _arrays(value: StoredAnswer) -> Iterator[Floats]:
+def _iter_arrays(value: StoredAnswer) -> Iterator[Floats]:
     if isinstance(value, tuple):
         for item in value:
-            yield from _arrays(item)
+            yield from _iter_arrays(item)
     elif isinstance(value, np.ndarray):
         yield value
 
 
 def serialize_answers(answers: Sequence[StoredAnswer]) -> bytes:
     """Return the answers as compressed JSON, numbers exactly."""
-    return zlib.compress(json.dumps(_jsonable(tuple(answers), values=True)).encode(errors="replace"), 1)
+    return zlib.compress(json.dumps(_to_json_value(tuple(answers), values=True)).encode(errors="replace"), 1)
 
 
 def deserialize_answers(data: bytes) -> tuple[StoredAnswer, ...]:
     """Return the answers that `serialize_answers` encoded."""
-    read = _read(json.loads(zlib.decompress(data)))
+    read = _from_json_value(json.loads(zlib.decompress(data)))
     assert isinstance(read, tuple), "answers are packed as a list"
     return read
 
 
-def _jsonable(value: StoredAnswer, *, values: bool) -> Any:
+def _to_json_value(value: StoredAnswer, *, values: bool) -> Any:
     if isinstance(value, str):
         return value
     if isinstance(value, tuple):
-        return [_jsonable(item, values=values) for item in value]
+        return [_to_json_value(item, values=values) for item in value]
     encoded = base64.b64encode(value.astype("<f8").tobytes()).decode() if values else ""
     return {"shape": list(value.shape), "values": encoded}
 
 
-def _read(value: Any) -> StoredAnswer:
+def _from_json_value(value: Any) -> StoredAnswer:
     if isinstance(value, str):
         return value
     if isinstance(value, list):
-        return tuple(map(_read, value))
+        return tuple(map(_from_json_value, value))
     numbers = np.frombuffer(base64.b64decode(value["values"]), dtype="<f8")
     return numbers.astype(np.float64).reshape(value["shape"])

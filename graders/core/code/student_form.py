@@ -40,34 +40,34 @@ def student_form(source: str, function: str, seed: int, *, public: Collection[st
     Of a name that is defined twice at the top level, the last definition counts. `public` names keep theirs.
     """
     rng = np.random.default_rng(seed)
-    body = _needed(parse_source(source).body, function)
-    taken = _names(body) | set(dir(builtins)) | {"np", "math"}
+    body = _statements_needed_by(parse_source(source).body, function)
+    taken = _all_names(body) | set(dir(builtins)) | {"np", "math"}
     helpers = [node.name for node in body if isinstance(node, ast.FunctionDef) and node.name not in {function, *public}]
-    new_helpers = _draw_names(helpers, taken, rng)
+    new_helpers = _draw_new_names(helpers, taken, rng)
     stores = bool(rng.integers(2))
     splits = bool(rng.integers(4))
-    functions = [_rewritten(node, taken, new_helpers, rng, stores=stores, splits=splits) for node in body]
+    functions = [_rewrite_statement(node, taken, new_helpers, rng, stores=stores, splits=splits) for node in body]
     lines = [ast.unparse(ast.fix_missing_locations(node)) for node in functions]
     joints = ["\n\n\n" if isinstance(node, ast.FunctionDef | ast.ClassDef) else "\n" for node in functions[1:]]
     return "".join(text for pair in zip(lines, [*joints, "\n"], strict=True) for text in pair)
 
 
-def _needed(body: Sequence[ast.stmt], function: str) -> list[ast.stmt]:
+def _statements_needed_by(body: Sequence[ast.stmt], function: str) -> list[ast.stmt]:
     """Return the statements at the top level on which a function may depend, each name by its last definition."""
     last: dict[str, ast.stmt] = {}
     for node in body:
-        for name in _defined(node):
+        for name in _iter_defined_names(node):
             last[name] = node
     names, needed = [function], set[int]()
     while names:
         definition = last.get(names.pop())
         if definition is not None and id(definition) not in needed:
             needed.add(id(definition))
-            names += _names([definition])
+            names += _all_names([definition])
     return [node for node in body if id(node) in needed]
 
 
-def _defined(node: ast.stmt) -> Iterator[str]:
+def _iter_defined_names(node: ast.stmt) -> Iterator[str]:
     if isinstance(node, ast.FunctionDef | ast.ClassDef):
         yield node.name
     elif isinstance(node, ast.Import | ast.ImportFrom):
@@ -76,7 +76,7 @@ def _defined(node: ast.stmt) -> Iterator[str]:
         yield from (n.id for n in ast.walk(node) if isinstance(n, ast.Name) and isinstance(n.ctx, ast.Store))
 
 
-def _names(body: Sequence[ast.stmt]) -> set[str]:
+def _all_names(body: Sequence[ast.stmt]) -> set[str]:
     """Return all names of some statements: variables, arguments, attributes, keywords."""
     found = set()
     for node in body:
@@ -89,7 +89,7 @@ def _names(body: Sequence[ast.stmt]) -> set[str]:
     return found
 
 
-def _draw_names(names: Sequence[str], taken: set[str], rng: np.random.Generator) -> dict[str, str]:
+def _draw_new_names(names: Sequence[str], taken: set[str], rng: np.random.Generator) -> dict[str, str]:
     """Return another name for each, none of them taken; the new ones are added to those that are."""
     drawn = {}
     for name in names:
@@ -102,18 +102,18 @@ def _draw_names(names: Sequence[str], taken: set[str], rng: np.random.Generator)
     return drawn
 
 
-def _rewritten(
+def _rewrite_statement(
     node: ast.stmt, taken: set[str], helpers: Mapping[str, str], rng: np.random.Generator, *, stores: bool, splits: bool
 ) -> ast.stmt:
     if not isinstance(node, ast.FunctionDef):
-        _Renaming(helpers).visit(node)
+        _Renamer(helpers).visit(node)
         return node
     used = set(taken)
     locals_ = _local_names(node)
-    renaming = _Renaming({**helpers, **_draw_names(locals_, used, rng)})
+    renaming = _Renamer({**helpers, **_draw_new_names(locals_, used, rng)})
     result = next((word for word in MEANINGLESS if word not in used), "") if stores else ""
     renaming.visit(node)
-    _Habits(result, splits=splits).visit(node)
+    _StudentHabits(result, splits=splits).visit(node)
     if ast.get_docstring(node) is not None and len(node.body) > 1:
         node.body = node.body[1:]
     return node
@@ -132,7 +132,7 @@ def _local_names(node: ast.FunctionDef) -> list[str]:
     return list(dict.fromkeys(stored))
 
 
-class _Renaming(ast.NodeTransformer):
+class _Renamer(ast.NodeTransformer):
     """Gives variables and functions their other names."""
 
     def __init__(self, names: Mapping[str, str]) -> None:
@@ -148,7 +148,7 @@ class _Renaming(ast.NodeTransformer):
         return self.generic_visit(node)
 
 
-class _Habits(ast.NodeTransformer):
+class _StudentHabits(ast.NodeTransformer):
     """Stores what is returned under a name, and assigns one name a line."""
 
     def __init__(self, result: str, *, splits: bool) -> None:
@@ -161,18 +161,18 @@ class _Habits(ast.NodeTransformer):
         return [stored, ast.Return(ast.Name(self._result, ast.Load()))]
 
     def visit_Assign(self, node: ast.Assign) -> ast.AST | list[ast.stmt]:
-        pair = _Pair.of(node) if self._splits else None
+        pair = _MultipleAssignment.of(node) if self._splits else None
         return node if pair is None or not pair.is_free else pair.assignments
 
 
-class _Pair:
+class _MultipleAssignment:
     """An assignment of several names at once, `a, b = f, g`."""
 
     def __init__(self, targets: Sequence[ast.Name], values: Sequence[ast.expr]) -> None:
         self._targets, self._values = targets, values
 
     @classmethod
-    def of(cls, node: ast.Assign) -> _Pair | None:
+    def of(cls, node: ast.Assign) -> _MultipleAssignment | None:
         target = node.targets[0]
         if len(node.targets) != 1 or not isinstance(target, ast.Tuple) or not isinstance(node.value, ast.Tuple):
             return None

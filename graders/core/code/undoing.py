@@ -42,7 +42,7 @@ def verify_silent(
             continue
         if silent.instead:
             instead[name] = silent.instead
-        elif not _mends(name, edits[name], silent.number, prober, runner):
+        elif not _is_mended_by_undoing(name, edits[name], silent.number, prober, runner):
             likely.append(name)
     if not instead and not likely:
         return found
@@ -68,7 +68,7 @@ def verify_rule_names(
         if function in find_callers(runner.source, [other for other in broken_functions if other != function]):
             instead[ruled.mistake] = ()
             continue
-        name, is_open = _borne_out_name(ruled, prober, runner)
+        name, is_open = _choose_borne_out_name(ruled, prober, runner)
         if name != ruled.mistake:
             instead[ruled.mistake] = (name,) if name else ()
         likely += [name] if name and is_open else []
@@ -81,14 +81,14 @@ def verify_rule_names(
     return found._replace(mistakes=mistakes, fallback=fallback, likely=tuple(likely))
 
 
-def _borne_out_name(ruled: RuledName, prober: Prober, runner: Runner) -> tuple[str, bool]:
+def _choose_borne_out_name(ruled: RuledName, prober: Prober, runner: Runner) -> tuple[str, bool]:
     """Return the first candidate that its experiment bears out, else the first that it leaves open, and whether it is
     such a one; "" where all are belied."""
     edits = {edit.id: edit.functions for edit in prober.model.edits}
     still_open = ""
     for name, experiment in ruled.candidates:
-        undo = partial(_mends, name, edits.get(name, ()), ruled.number, prober, runner)
-        is_borne_out = experiment(_trial(ruled.number, prober, runner, undo))
+        undo = partial(_is_mended_by_undoing, name, edits.get(name, ()), ruled.number, prober, runner)
+        is_borne_out = experiment(_make_program_trial(ruled.number, prober, runner, undo))
         if is_borne_out:
             return name, False
         if is_borne_out is None:
@@ -96,7 +96,7 @@ def _borne_out_name(ruled: RuledName, prober: Prober, runner: Runner) -> tuple[s
     return still_open, True
 
 
-def _trial(index: int, prober: Prober, runner: Runner, undo: Callable[[], bool]) -> ProgramTrial:
+def _make_program_trial(index: int, prober: Prober, runner: Runner, undo: Callable[[], bool]) -> ProgramTrial:
     probes, source = prober.probes[index], count_turns(runner.source.decode("utf-8-sig", "replace"))
 
     def ask(calls: Sequence[Arguments]) -> Sequence[ProbeAnswer]:
@@ -111,7 +111,7 @@ def _trial(index: int, prober: Prober, runner: Runner, undo: Callable[[], bool])
     return ProgramTrial(ask_probes, ask, undo)
 
 
-def _mends(name: str, functions: Collection[str], index: int, prober: Prober, runner: Runner) -> bool:
+def _is_mended_by_undoing(name: str, functions: Collection[str], index: int, prober: Prober, runner: Runner) -> bool:
     """Whether some answer becomes right in the program with the mistake undone at some place."""
     source, probes = runner.source.decode("utf-8-sig", "replace"), prober.probes[index]
     repairs = find_repairs(prober.model, name, sorted(functions), source, lambda: False)
@@ -120,9 +120,9 @@ def _mends(name: str, functions: Collection[str], index: int, prober: Prober, ru
     answers = VariantCaller(runner.programs).answers(texts, probes.function, calls, probes.kit) if texts else []
     read = [[probes.read_answer(call, answer) for call, answer in zip(calls, given, strict=False)] for given in answers]
     rights = prober.right_answers_by_style(index)
-    return any(_some_right(probes, mine, right) for mine in read for right in rights)
+    return any(_has_right_answer(probes, mine, right) for mine in read for right in rights)
 
 
-def _some_right(probes: Probes, mine: list[object], right: list[object]) -> bool:
+def _has_right_answer(probes: Probes, mine: list[object], right: list[object]) -> bool:
     pairs = zip(mine, right, strict=False)
     return any(not isinstance(answer, ProbeFault) and probes.same(answer, wanted) for answer, wanted in pairs)

@@ -98,7 +98,7 @@ class VariantCaller:
         all variants draw the same numbers.
         """
         answers: list[list[Answer]] = [[] for _ in variants]
-        for begins, ends in _chunks(variants):
+        for begins, ends in _iter_driver_chunks(variants):
             begin = begins
             while begin < ends and self._deaths < MAX_DEATHS:
                 begin += self._call_chunk(variants[begin:ends], answers, begin, function, calls, kit, draws)
@@ -109,7 +109,7 @@ class VariantCaller:
     ) -> list[tuple[str, float]]:
         """Return those of the variables that are numbers when a program first notes them (`NOTE`) in a call."""
         try:
-            program = self._programs.open(_driver([text], self._suffix).encode(), kit)
+            program = self._programs.open(_driver_source([text], self._suffix).encode(), kit)
         except StudentFault:
             return []
         try:
@@ -124,7 +124,7 @@ class VariantCaller:
         self, texts: Sequence[str], function: str, calls: Sequence[Arguments], kit: KitSettings
     ) -> list[list[Answer]]:
         """Return, for each text, the values that it notes in each call (`SEE`): rows of numbers, or a fault."""
-        driver = _driver(texts, self._suffix) + _SEEING.format(seen=MAX_SEEN, look=SEEN, call=CALL)
+        driver = _driver_source(texts, self._suffix) + _SEEING.format(seen=MAX_SEEN, look=SEEN, call=CALL)
         asked = [(k, function, list(call)) for k in range(len(texts)) for call in calls]
         try:
             program = self._programs.open(driver.encode(), kit)
@@ -147,7 +147,7 @@ class VariantCaller:
         draws: Sequence[int],
     ) -> int:
         """Call variants in one process and return how many it is done with: up to one that kills it."""
-        driver = _driver(variants, self._suffix)
+        driver = _driver_source(variants, self._suffix)
         drawn: list[tuple[int, ...]] = [(count,) for count in draws] or [()] * len(calls)
         pairs = list(zip(calls, drawn, strict=True))
         asked = [(k, function, list(call), *count) for k in range(len(variants)) for call, count in pairs]
@@ -160,7 +160,7 @@ class VariantCaller:
         try:
             for _, block in program.call_batches([PlannedCalls(CALL, asked)]):
                 for answer in block:
-                    answers[begin + count // len(calls)].append(_unpacked(answer))
+                    answers[begin + count // len(calls)].append(_unpack_driver_answer(answer))
                     count += 1
         finally:
             program.close()
@@ -170,7 +170,7 @@ class VariantCaller:
         return len(variants)
 
 
-def _chunks(variants: Sequence[str]) -> Iterator[tuple[int, int]]:
+def _iter_driver_chunks(variants: Sequence[str]) -> Iterator[tuple[int, int]]:
     """Yield ranges of variants whose texts fit into one driver."""
     begin, size = 0, 0
     for k, text in enumerate(variants):
@@ -182,11 +182,11 @@ def _chunks(variants: Sequence[str]) -> Iterator[tuple[int, int]]:
         yield begin, len(variants)
 
 
-def _driver(variants: Sequence[str], suffix: str) -> str:
+def _driver_source(variants: Sequence[str], suffix: str) -> str:
     return _DRIVER.format(texts=list(variants), suffix=suffix, turns=MAX_TURNS, call=CALL, look=LOOK)
 
 
-def _unpacked(answer: Answer) -> Answer:
+def _unpack_driver_answer(answer: Answer) -> Answer:
     """Return the answer of a variant: its value, or the exception that the driver caught."""
     if isinstance(answer, StudentFault):
         return answer

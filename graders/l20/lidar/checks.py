@@ -48,8 +48,8 @@ class SameDistance:
 class Rays(Cases):
     """Cases of `lancer_rayon`, told in words."""
 
-    def _judged(self, args: Arguments, answer: Answer) -> Failure | None:
-        failure = super()._judged(args, answer)
+    def _find_failure(self, args: Arguments, answer: Answer) -> Failure | None:
+        failure = super()._find_failure(args, answer)
         if failure is not None or not isinstance(answer, Reply):
             return failure
         expected, portee_max = self.expected(*args), args[4]

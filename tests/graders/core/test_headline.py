@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from graders.core.code.checks import Rejection, Trial
-from graders.core.code.running import _hint
+from graders.core.code.running import _hint_of_failure
 from graders.core.contract.headline import headline
 from graders.core.contract.outcomes import Outcome
 from graders.core.contract.verdict import CheckResult, Verdict
@@ -64,7 +64,7 @@ def test_a_verdict_of_an_earlier_version_keeps_its_headline() -> None:
 )
 def test_a_hint_belongs_to_a_kind_of_failure(rejection: Rejection, hint: str | None) -> None:
     check = Trial(id="a", title="A", points=4, functions=("f",), hint="Où est le nord ?", protocol=lambda bench: None)
-    assert _hint(check, rejection) == hint
+    assert _hint_of_failure(check, rejection) == hint
 
 
 def test_several_functions_that_are_absent_are_listed() -> None:

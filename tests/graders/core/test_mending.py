@@ -330,7 +330,7 @@ def test_an_unlikely_change_that_leaves_a_failure_proves_nothing(
     search, failed = MendingSearch(CODE[EXERCISE], LOCAL, 3, lambda: False), CODE[EXERCISE].checks[: 1 + len(left)]
     step = MendingStep(ProgramChange(PROGRAM, PROGRAM, 2, "variable"), frozenset((failed[0].id,)), (), doubtful)
     monkeypatch.setattr(search, "failed_checks", lambda source: failed)
-    monkeypatch.setattr(search, "_steps", lambda *_: [step])
+    monkeypatch.setattr(search, "_search_steps", lambda *_: [step])
     mending = search.search(PROGRAM)
     assert (0 if mending is None else len(mending.steps)) == count
 

@@ -181,7 +181,7 @@ def test_a_work_may_vanish_while_a_helper_is_forked() -> None:
     confined._WORKS[number + 1] = confined._WORKS.pop(second.number)
     works.append(second)
     del second
-    helper = confined._Helper()
+    helper = confined._HelperProcess()
     helper.stop()
     assert helper.knows(first.number)
 
