@@ -28,7 +28,7 @@ NextAddress = Annotated[str, TruncateTo(MAX_ADDRESS)]
 
 
 @router.get("/inscription")
-def sign_up_form(request: Request, account: OptionalAccount, suite: NextAddress = "/") -> HTMLResponse:
+def show_sign_up_form(request: Request, account: OptionalAccount, suite: NextAddress = "/") -> HTMLResponse:
     return account_form(request, "inscription.html", account, after=local_path(suite))
 
 
@@ -43,7 +43,7 @@ async def sign_up(
     suite: Field = "/",
 ) -> Response:
     try:
-        opened = await _opened(request, accounts, account, (name, login, password))
+        opened = await _sign_up_from_form(request, accounts, account, (name, login, password))
     except RefusedForm as refused:
         return await run_in_threadpool(
             account_form, request, "inscription.html", account, refused, name=name, login=login, after=local_path(suite)
@@ -52,7 +52,7 @@ async def sign_up(
     return redirect(local_path(suite))
 
 
-async def _opened(
+async def _sign_up_from_form(
     request: Request,
     accounts: AccountService,
     visitor: Account | None,
@@ -70,13 +70,13 @@ async def _opened(
 
 
 @router.get("/bienvenue/{token}")
-def welcome_form(request: Request, account: OptionalAccount, db: Db, token: str) -> HTMLResponse:
+def show_invitation_form(request: Request, account: OptionalAccount, db: Db, token: str) -> HTMLResponse:
     links.check_invitation(db, token)
     return account_form(request, "bienvenue.html", account)
 
 
 @router.post("/bienvenue/{token}")
-async def welcome(
+async def sign_up_by_invitation(
     request: Request,
     account: OptionalAccount,
     accounts: AccountServiceOf,
@@ -86,7 +86,7 @@ async def welcome(
     password: Field = "",
 ) -> Response:
     try:
-        opened = await _opened(request, accounts, account, (name, login, password), token)
+        opened = await _sign_up_from_form(request, accounts, account, (name, login, password), token)
     except RefusedForm as refused:
         return await run_in_threadpool(
             account_form, request, "bienvenue.html", account, refused, name=name, login=login
@@ -96,13 +96,13 @@ async def welcome(
 
 
 @router.get("/connexion")
-def log_in_form(request: Request, account: OptionalAccount, db: Db, suite: NextAddress = "/") -> HTMLResponse:
+def show_login_form(request: Request, account: OptionalAccount, db: Db, suite: NextAddress = "/") -> HTMLResponse:
     return account_form(
         request, "connexion.html", account, after=local_path(suite), action="/", resend="", schools=load_buttons(db)
     )
 
 
-def _refused_log_in(
+def _render_refused_login(
     request: Request, accounts: AccountService, account: Account | None, refused: RefusedForm, **context: str
 ) -> HTMLResponse:
     with accounts.database.read() as db:
@@ -128,7 +128,7 @@ async def log_in(
             login, password, visitor=account, address=client_address(request), device=device_token(request)
         )
     except RefusedForm as refused:
-        return await run_in_threadpool(_refused_log_in, request, accounts, account, refused, login=login, **form)
+        return await run_in_threadpool(_render_refused_login, request, accounts, account, refused, login=login, **form)
     set_session_cookie(request, opened)
     fields = decode_fields(reprise)
     if fields is None:
@@ -139,7 +139,7 @@ async def log_in(
 
 
 @router.get("/nouveau-mot-de-passe")
-def open_slip(request: Request, account: OptionalAccount, code: CodeQuery = "") -> Response:
+def open_password_slip(request: Request, account: OptionalAccount, code: CodeQuery = "") -> Response:
     """Asks for the code of a slip, and leads to its page."""
     letters = "".join(letter for letter in secrets.normalize_token(code) if letter.isalnum())
     if letters:
@@ -148,7 +148,7 @@ def open_slip(request: Request, account: OptionalAccount, code: CodeQuery = "") 
 
 
 @router.get("/nouveau-mot-de-passe/{token}")
-def new_password_form(
+def show_new_password_form(
     request: Request, account: OptionalAccount, accounts: AccountServiceOf, token: str
 ) -> HTMLResponse:
     owner = accounts.find_link_owner(token, client_address(request))
@@ -156,7 +156,7 @@ def new_password_form(
 
 
 @router.post("/nouveau-mot-de-passe/{token}")
-async def new_password(
+async def choose_new_password(
     request: Request,
     account: OptionalAccount,
     accounts: AccountServiceOf,

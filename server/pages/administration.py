@@ -25,7 +25,7 @@ ADMINISTRATORS = "Ce journal est celui des administrateurs de ce serveur."
 
 
 @router.get(LOG_PATH)
-def show_log(request: Request, reader: CurrentReader, number: PageNumber = 1) -> Response:
+def show_audit_log(request: Request, reader: CurrentReader, number: PageNumber = 1) -> Response:
     if reader.account is None:
         return redirect_to_login(request)
     if not reader.account.is_administrator:

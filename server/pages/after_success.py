@@ -45,13 +45,13 @@ class PassedProgram:
     may_compare: bool
 
 
-def can_review(exercise: Exercise, is_packaged: bool) -> bool:
+def can_review_programs(exercise: Exercise, is_packaged: bool) -> bool:
     """Whether something can be said of the programs of an exercise: one of code, of the course itself."""
     return is_packaged and exercise.kind == "code" and isinstance(exercise.grader, CodeGrader)
 
 
 @router.get("/soumissions/{submission_id}/apres")
-async def show_review(
+async def show_program_review(
     request: Request,
     submission_id: str,
     account: OptionalAccount,
@@ -60,28 +60,32 @@ async def show_review(
     hunts: HuntsOf,
 ) -> Response:
     """Show the remarks on an attempt that passes; lead to the attempt where there is nothing to say."""
-    passed = await run_in_threadpool(_load, database, course, account, submission_id)
+    passed = await run_in_threadpool(_load_passed_program, database, course, account, submission_id)
     if passed is None or account is None:
         return redirect(f"/soumissions/{submission_id}")
     review = await hunts.review(account, passed.exercise, passed.source, client_address(request))
-    page = await run_in_threadpool(_page, course, passed, review, submission_id)
+    page = await run_in_threadpool(_build_review_page, course, passed, review, submission_id)
     return await run_in_threadpool(render_page, request, "after_success.html", account, page=page)
 
 
-def _load(database: Database, course: CourseOf, account: Account | None, submission_id: str) -> PassedProgram | None:
+def _load_passed_program(
+    database: Database, course: CourseOf, account: Account | None, submission_id: str
+) -> PassedProgram | None:
     """Load an attempt that the account may see. Raises NotFound."""
     with database.read() as db:
         attempt = gradebook.find_attempt(db, account, submission_id)
         exercise = find_exercise(course, *attempt.submission.exercise.split("/"))
         has_passed = attempt.held is None and attempt.verdict is not None and attempt.verdict.outcome is Outcome.OK
-        if not has_passed or not can_review(exercise, course.exercises.is_packaged(exercise.id)):
+        if not has_passed or not can_review_programs(exercise, course.exercises.is_packaged(exercise.id)):
             return None
         progress = gradebook.load_progress(db, account, exercise.id).get(exercise.id, NOTHING_YET)
         access = solutions.load_solution_access(db, account, exercise.id)
         return PassedProgram(exercise, attempt.submission.code, access.reason(progress) is not None)
 
 
-def _page(course: CourseOf, passed: PassedProgram, review: ProgramReview, submission_id: str) -> Mapping[str, Any]:
+def _build_review_page(
+    course: CourseOf, passed: PassedProgram, review: ProgramReview, submission_id: str
+) -> Mapping[str, Any]:
     exercise = passed.exercise
     return {
         "module": module_link(course.modules[exercise.module]),
@@ -92,12 +96,14 @@ def _page(course: CourseOf, passed: PassedProgram, review: ProgramReview, submis
         "ratio": review.ratio,
         "pace": "slower" if review.ratio >= SLOWER else "faster" if 0 < review.ratio <= FASTER else "alike",
         "own": python(passed.source),
-        "ways": [(title, python(text)) for title, text in _ways(exercise)] if passed.may_compare else (),
+        "ways": [(title, python(text)) for title, text in _pick_contrasting_solutions(exercise)]
+        if passed.may_compare
+        else (),
     }
 
 
 @lru_cache(maxsize=128)
-def _ways(exercise: Exercise) -> tuple[tuple[str, str], ...]:
+def _pick_contrasting_solutions(exercise: Exercise) -> tuple[tuple[str, str], ...]:
     """Return the reference and two right programs of the course that differ from it as much as possible."""
     assert isinstance(exercise.grader, CodeGrader)
     right = [specimen for specimen in exercise.grader.specimens() if specimen.outcome is Outcome.OK]

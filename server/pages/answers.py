@@ -18,7 +18,7 @@ from server.course import Exercise
 from server.gradebook import service as gradebook
 from server.gradebook.schemas import Attempt
 from server.pages import service, withheld
-from server.pages.schemas import AnswersPage, GivenView, PieceView, QuestionView, TranscriptView
+from server.pages.schemas import AnswersPage, GivenDatumView, OptionOrStepView, QuestionView, TranscriptView
 from server.submissions.models import Submission
 from server.web.rendering import jinja_environment
 from server.web.views import Reader
@@ -29,9 +29,9 @@ MOST_OPTIONS = 1024
 SAME_PLACE = "Deux étapes portent le même numéro : revenez en arrière et donnez une place à chacune."
 
 
-def answers_page(reader: Reader, exercise: Exercise, seed: int, taken: Attempt | None) -> AnswersPage:
+def build_answers_page(reader: Reader, exercise: Exercise, seed: int, taken: Attempt | None) -> AnswersPage:
     """The questions of `seed`; the fields hold the answers of `taken`, else of the last attempt."""
-    grader = _grader(exercise)
+    grader = _answers_grader(exercise)
     latest = gradebook.find_latest_attempt(reader.db, reader.account, exercise.id)
     paper = grader.paper(seed)
     saved = withheld.load_saved_work(reader, exercise, latest) if taken is None else None
@@ -39,16 +39,17 @@ def answers_page(reader: Reader, exercise: Exercise, seed: int, taken: Attempt |
     if saved is not None:
         answers = grader.reletter(read_answers(saved.source), seed, seed)
     else:
-        answers = _answers(grader, put_back.submission if put_back else None, seed)
+        answers = _read_relettered_answers(grader, put_back.submission if put_back else None, seed)
     sections = ["", *(question.section for question in paper.questions)]
     heads = [section if section != before else "" for before, section in pairwise(sections)]
     return AnswersPage(
-        **service.common_parts(reader, exercise, latest, saved, seed),
+        **service.build_common_fields(reader, exercise, latest, saved, seed),
         given=tuple(
-            GivenView(exercise.line(f"${datum.symbol}$"), datum.name, datum.text, datum.unit) for datum in paper.given
+            GivenDatumView(exercise.line(f"${datum.symbol}$"), datum.name, datum.text, datum.unit)
+            for datum in paper.given
         ),
         questions=tuple(
-            question_view(exercise, number, question, answers.get(question.id), heads[number - 1])
+            build_question_view(exercise, number, question, answers.get(question.id), heads[number - 1])
             for number, question in enumerate(paper.questions, 1)
         ),
         seed=str(seed),
@@ -56,12 +57,12 @@ def answers_page(reader: Reader, exercise: Exercise, seed: int, taken: Attempt |
     )
 
 
-def _grader(exercise: Exercise) -> AnswersGrader:
+def _answers_grader(exercise: Exercise) -> AnswersGrader:
     assert exercise.answers is not None
     return exercise.answers
 
 
-def _answers(grader: AnswersGrader, submission: Submission | None, seed: int) -> Mapping[str, Any]:
+def _read_relettered_answers(grader: AnswersGrader, submission: Submission | None, seed: int) -> Mapping[str, Any]:
     if submission is None:
         return {}
     try:
@@ -70,16 +71,16 @@ def _answers(grader: AnswersGrader, submission: Submission | None, seed: int) ->
         return {}
 
 
-def question_view(exercise: Exercise, number: int, question: Question, answer: Any, section: str) -> QuestionView:
+def build_question_view(exercise: Exercise, number: int, question: Question, answer: Any, section: str) -> QuestionView:
     chosen = answer if isinstance(answer, list) else [answer]
     places = {letter: place for place, letter in enumerate(chosen, 1) if isinstance(letter, str)}
     order = question.form == "order"
     pieces = tuple(
-        PieceView(
+        OptionOrStepView(
             piece.id,
             exercise.line(piece.text),
             piece.id in places,
-            _options(len(question.pieces), places.get(piece.id, 0)) if order else Markup(),
+            _render_place_options(len(question.pieces), places.get(piece.id, 0)) if order else Markup(),
         )
         for piece in question.pieces
     )
@@ -99,30 +100,35 @@ def question_view(exercise: Exercise, number: int, question: Question, answer: A
 
 
 @lru_cache(maxsize=MOST_OPTIONS)
-def _options(count: int, chosen: int) -> Markup:
+def _render_place_options(count: int, chosen: int) -> Markup:
     """Of each step the same, but for the one that is chosen (0: none)."""
     macros: Any = jinja_environment().get_template("exercise_answers_options.html").module
     return Markup(macros.options(count, chosen))
 
 
-def read_form(exercise: Exercise, fields: FormData) -> dict[str, Any]:
+def read_answers_form(exercise: Exercise, fields: FormData) -> dict[str, Any]:
     """The answers in a form, as the API takes them; what was left empty is absent. Raises Invalid."""
-    read = {"number": _text, "one": _text, "several": _ticked, "order": _placed}
-    questions = _grader(exercise).paper(0).questions
+    read = {
+        "number": _read_typed_answer,
+        "one": _read_typed_answer,
+        "several": _read_ticked_options,
+        "order": _read_placed_steps,
+    }
+    questions = _answers_grader(exercise).paper(0).questions
     values = {question.id: read[question.form](fields, question) for question in questions}
     return {name: value for name, value in values.items() if value}
 
 
-def _text(fields: FormData, question: Question) -> Any:
+def _read_typed_answer(fields: FormData, question: Question) -> Any:
     value = fields.get(FIELD + question.id, "")
     return value.strip() if isinstance(value, str) else ""
 
 
-def _ticked(fields: FormData, question: Question) -> Any:
+def _read_ticked_options(fields: FormData, question: Question) -> Any:
     return [value for value in fields.getlist(FIELD + question.id) if isinstance(value, str)]
 
 
-def _placed(fields: FormData, question: Question) -> Any:
+def _read_placed_steps(fields: FormData, question: Question) -> Any:
     places: dict[int, str] = {}
     for piece in question.pieces:
         value = fields.get(f"{PLACE}{question.id}.{piece.id}", "")
@@ -135,7 +141,7 @@ def _placed(fields: FormData, question: Question) -> Any:
 
 def build_transcript(exercise: Exercise, submission: Submission) -> Sequence[TranscriptView]:
     """Return the answers of an attempt for reading; blank questions too, where at least one was answered."""
-    grader = _grader(exercise)
+    grader = _answers_grader(exercise)
     try:
         answers = read_answers(submission.source)
     except UnreadableAnswersError:
@@ -143,13 +149,13 @@ def build_transcript(exercise: Exercise, submission: Submission) -> Sequence[Tra
     given = {answer.question: answer for answer in grader.transcribe(answers, submission.seed)}
     questions = grader.paper(submission.seed).questions if given else ()
     return [
-        transcript_view(exercise, given[question.id])
+        build_transcript_view(exercise, given[question.id])
         if question.id in given
         else TranscriptView(question.id, exercise.line(question.title), "", ())
         for question in questions
     ]
 
 
-def transcript_view(exercise: Exercise, answer: AnswerTranscript) -> TranscriptView:
+def build_transcript_view(exercise: Exercise, answer: AnswerTranscript) -> TranscriptView:
     pieces = tuple((piece.id, exercise.line(piece.text)) for piece in answer.pieces)
     return TranscriptView(answer.question, exercise.line(answer.title), answer.text, pieces)

@@ -33,6 +33,6 @@ def read_calendar(request: Request, db: Db, token: Annotated[str, Path(max_lengt
 
 
 @router.post("/compte/agenda/supprimer")
-def delete_address(person: SignedIn, db: Db) -> Response:
+def delete_calendar_address(person: SignedIn, db: Db) -> Response:
     calendars.delete_address(db, person)
     return redirect("/compte#agenda")

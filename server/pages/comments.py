@@ -20,8 +20,8 @@ from server.gradebook.schemas import Attempt
 from server.identity.dependencies import SignedIn
 from server.identity.models import Account
 from server.pages import talk
-from server.pages.routes import attempt_page, exercise_page, note_seen
-from server.pages.talk import Aim
+from server.pages.routes import mark_conversations_seen, render_attempt_page, render_exercise_page
+from server.pages.talk import MessageSubject
 from server.submissions import variants
 from server.web.dependencies import CurrentReader
 from server.web.forms import UNKNOWN_ACTION, Field, redirect, redirect_to_login
@@ -37,7 +37,7 @@ SettledOrNot = {"oui": True, "non": False}
 
 
 @router.post("/soumissions/{submission_id}/commentaires")
-def comment(
+def post_comment(
     request: Request,
     submission_id: str,
     account: SignedIn,
@@ -55,22 +55,22 @@ def comment(
     attempt = gradebook.find_attempt(reader.db, account, submission_id)
     lines: LineRange | None = None
     try:
-        lines = _lines(ligne, derniere)
+        lines = _parse_line_range(ligne, derniere)
         target = (
             ThreadTarget(lines=lines) if lines else ThreadTarget(check=verification) if verification else WHOLE_WORK
         )
-        text = _said(reader.db, account, attempt.submission.account_id, texte, phrase)
+        text = _prepend_chosen_phrase(reader.db, account, attempt.submission.account_id, texte, phrase)
         thread = service.begin_thread(reader.db, account, attempt, target, text, settings)
     except REFUSALS as refused:
         roll_back_then_read(reader.db)
-        aim = Aim(lines, verification, Draft(texte, refused.detail))
+        aim = MessageSubject(lines, verification, Draft(texte, refused.detail))
         again = gradebook.find_attempt(reader.db, account, submission_id)
-        return attempt_page(request, reader, database, again, aim, status=int(refused.status))
-    _keep(reader.db, account, attempt, texte, garder)
+        return render_attempt_page(request, reader, database, again, aim, status=int(refused.status))
+    _save_phrase_if_wanted(reader.db, account, attempt, texte, garder)
     return redirect(f"/soumissions/{submission_id}#fil-{thread.id}")
 
 
-def _lines(first: str, last: str) -> LineRange | None:
+def _parse_line_range(first: str, last: str) -> LineRange | None:
     """Raises Invalid."""
     if not first.strip():
         return None
@@ -81,14 +81,14 @@ def _lines(first: str, last: str) -> LineRange | None:
         raise Invalid(LINE) from error
 
 
-def _said(db: Db, account: Account, author: UUID, text: str, phrase: str) -> str:
+def _prepend_chosen_phrase(db: Db, account: Account, author: UUID, text: str, phrase: str) -> str:
     """Phrases are for who reads the work of others. Raises NotFound."""
     if account.id == author:
         return text
     return notes.prepend_phrase(db, account, notes.parse_phrase_id(phrase), text)
 
 
-def _keep(db: Db, account: Account, attempt: Attempt, text: str, wanted: str) -> None:
+def _save_phrase_if_wanted(db: Db, account: Account, attempt: Attempt, text: str, wanted: str) -> None:
     """Keeps what a teacher has typed, for this exercise and the mistake that was found in the attempt."""
     if wanted and text.strip() and account.id != attempt.submission.account_id:
         diagnosis = attempt.grading.diagnosis if attempt.grading else None
@@ -96,7 +96,7 @@ def _keep(db: Db, account: Account, attempt: Attempt, text: str, wanted: str) ->
 
 
 @router.post("/{module:module}/exercices/{slug}/questions")
-def ask(
+def ask_question(
     request: Request,
     module: str,
     slug: str,
@@ -116,29 +116,29 @@ def ask(
             None if exercise.answers is None else variants.seed_while_reading(reader.db, database, account, exercise.id)
         )
         draft = Draft(texte, refused.detail)
-        return exercise_page(request, reader, database, exercise, seed, draft=draft, status=int(refused.status))
+        return render_exercise_page(request, reader, database, exercise, seed, draft=draft, status=int(refused.status))
     return redirect(f"{exercise_href(exercise)}#fil-{thread.id}")
 
 
 @router.get("/fils/{thread_id}")
-def read(request: Request, thread_id: str, reader: CurrentReader, database: DatabaseOf) -> Response:
+def show_thread(request: Request, thread_id: str, reader: CurrentReader, database: DatabaseOf) -> Response:
     """A thread with what it is about."""
     if reader.account is None:
         return redirect_to_login(request)
-    return _thread(request, reader, database, thread_id, NO_DRAFT)
+    return _render_thread(request, reader, database, thread_id, NO_DRAFT)
 
 
-def _thread(
+def _render_thread(
     request: Request, reader: Reader, database: DatabaseOf, thread_id: str, draft: Draft, status: int = 200
 ) -> HTMLResponse:
-    view = talk.thread_page(reader, service.find_thread(reader.db, reader.account, thread_id), draft)
+    view = talk.build_thread_page(reader, service.find_thread(reader.db, reader.account, thread_id), draft)
     answer = render_page(request, "thread.html", reader.account, status=status, page=view)
-    note_seen(request, reader, database, view.unread)
+    mark_conversations_seen(request, reader, database, view.unread)
     return answer
 
 
 @router.post("/fils/{thread_id}")
-def reply(
+def post_reply(
     request: Request,
     thread_id: str,
     account: SignedIn,
@@ -151,38 +151,38 @@ def reply(
 ) -> Response:
     thread = service.find_thread(reader.db, account, thread_id)
     try:
-        text = _said(reader.db, account, thread.account_id, texte, phrase)
+        text = _prepend_chosen_phrase(reader.db, account, thread.account_id, texte, phrase)
         service.reply_to_thread(reader.db, account, thread, text, settings)
     except REFUSALS as refused:
         roll_back_then_read(reader.db)
-        return _thread(request, reader, database, thread_id, Draft(texte, refused.detail), int(refused.status))
-    return _back(thread_id, retour)
+        return _render_thread(request, reader, database, thread_id, Draft(texte, refused.detail), int(refused.status))
+    return _redirect_to_thread(thread_id, retour)
 
 
 @router.post("/fils/{thread_id}/etat")
-def settle(thread_id: str, account: SignedIn, db: Db, regle: Field = "oui", retour: Field = "") -> Response:
+def settle_thread(thread_id: str, account: SignedIn, db: Db, regle: Field = "oui", retour: Field = "") -> Response:
     """Says that there is no more to say, or opens the thread again."""
     if regle not in SettledOrNot:
         raise NotFound(UNKNOWN_ACTION)
     service.set_settled(service.find_thread(db, account, thread_id), SettledOrNot[regle])
-    return _back(thread_id, retour)
+    return _redirect_to_thread(thread_id, retour)
 
 
-def _back(thread_id: str, wanted: str) -> Response:
+def _redirect_to_thread(thread_id: str, return_path: str) -> Response:
     """To the page that one came from, where the thread stands."""
-    there = local_path(wanted) if wanted else f"/fils/{thread_id}"
+    there = local_path(return_path) if return_path else f"/fils/{thread_id}"
     return redirect(f"{there.partition('#')[0]}#fil-{thread_id}")
 
 
 @router.post("/mots/{note_id}/lu")
-def note_read(note_id: UUID, account: SignedIn, db: Db, retour: Field = "") -> Response:
+def record_note_read(note_id: UUID, account: SignedIn, db: Db, retour: Field = "") -> Response:
     """Record that a student has read a note."""
     notes.mark_note_read(db, account, note_id)
     return redirect(local_path(retour))
 
 
 @router.get("/compte/phrases")
-def phrases(request: Request, reader: CurrentReader) -> Response:
+def show_phrases(request: Request, reader: CurrentReader) -> Response:
     """The phrases that one keeps."""
     if reader.account is None:
         return redirect("/connexion?suite=/compte/phrases")
@@ -191,6 +191,6 @@ def phrases(request: Request, reader: CurrentReader) -> Response:
 
 
 @router.post("/compte/phrases/{phrase_id}/effacer")
-def forget_phrase(phrase_id: UUID, account: SignedIn, db: Db) -> Response:
+def delete_phrase(phrase_id: UUID, account: SignedIn, db: Db) -> Response:
     notes.delete_phrase(db, account, phrase_id)
     return redirect("/compte/phrases")

@@ -19,7 +19,7 @@ router = APIRouter(include_in_schema=False)
 
 
 @router.get("/soumissions/{submission_id}/figures/{name}.svg")
-async def figure(
+async def send_figure(
     request: Request,
     figures: FiguresOf,
     submission_id: str,
@@ -31,12 +31,12 @@ async def figure(
     """Of the grading `correction`, for ever; of the one that counts, which another may follow, where none is named."""
     wanted = VerdictFigureQuery(submission_id, name, "svg", theme, correction)
     picture = await figures.draw_verdict_figure(account, wanted, client_address(request))
-    headers = {"Cache-Control": _kept(correction), "Content-Security-Policy": FIGURE_POLICY}
+    headers = {"Cache-Control": _cache_control(correction), "Content-Security-Policy": FIGURE_POLICY}
     return Response(picture, media_type=MEDIA_TYPES["svg"], headers=headers)
 
 
 @router.get("/soumissions/{submission_id}/rejeux/{check}")
-async def film(
+async def send_film(
     request: Request,
     figures: FiguresOf,
     submission_id: str,
@@ -46,11 +46,11 @@ async def film(
 ) -> Response:
     """What the program did in a check, for the player; `correction` as of a figure."""
     compressed = await figures.render_film(account, submission_id, check, correction, client_address(request))
-    headers = {"Cache-Control": _kept(correction), "Vary": "Accept-Encoding"}
+    headers = {"Cache-Control": _cache_control(correction), "Vary": "Accept-Encoding"}
     if "gzip" not in request.headers.get("accept-encoding", ""):
         return Response(gzip.decompress(compressed), media_type="application/json", headers=headers)
     return Response(compressed, media_type="application/json", headers={**headers, "Content-Encoding": "gzip"})
 
 
-def _kept(grading: UUID | None) -> str:
+def _cache_control(grading: UUID | None) -> str:
     return "private, no-cache" if grading is None else "private, max-age=31536000, immutable"

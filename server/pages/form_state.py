@@ -31,14 +31,14 @@ SEND_AS_TRAINING = "Envoyer comme entraînement"
 SAVE_MINE = "Enregistrer ma version"
 
 
-class SituationChanged(FormRefusal):
+class RunningTestsChanged(FormRefusal):
     """A test has begun or ended since the page was drawn: the attempt would count for something else."""
 
     slug = "autre-situation"
     title = "La situation a changé"
 
 
-class WorkChanged(FormRefusal):
+class SavedWorkChanged(FormRefusal):
     slug = "autre-version"
     title = "Modifié ailleurs"
 
@@ -55,7 +55,7 @@ def require_same_tests(db: Session, account: Account, exercise: Exercise, form: 
     if form.get(TESTS_FIELD, key) == key or holds.refusal:  # whoever may not send at all is told so
         return
     running = holds.running_tests
-    raise SituationChanged(
+    raise RunningTestsChanged(
         BEGUN_SINCE.format(title=running[0].title) if running else ENDED_SINCE,
         typed_fields(form),
         account=account,
@@ -64,9 +64,11 @@ def require_same_tests(db: Session, account: Account, exercise: Exercise, form: 
     )
 
 
-def work_refusal(error: StaleWorkError, account: Account, form: FormData, other_text: str) -> WorkChanged:
+def build_stale_work_refusal(
+    error: StaleWorkError, account: Account, form: FormData, other_text: str
+) -> SavedWorkChanged:
     """Return the refusal of work that would replace `other_text`, saved meanwhile."""
-    return WorkChanged(
+    return SavedWorkChanged(
         error.detail,
         typed_fields(form),
         account=account,
@@ -76,6 +78,6 @@ def work_refusal(error: StaleWorkError, account: Account, form: FormData, other_
     )
 
 
-def base_version(form: FormData) -> str | None:
+def read_base_version(form: FormData) -> str | None:
     version = form.get(VERSION_FIELD)
     return version if isinstance(version, str) else None

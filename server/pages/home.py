@@ -21,11 +21,13 @@ from server.web.views import (
 )
 
 
-def home_page(reader: Reader) -> HomePage:
+def build_home_page(reader: Reader) -> HomePage:
     progress = gradebook.load_progress(reader.db, reader.account)
     due = deadlines.due_soon(reader.db, reader.account, progress)
     choices = paths.load_paths(reader.db, reader.account.id if reader.account else None)
-    cards = tuple(_card(module, progress, choices) for module in editions.visible_editions(reader, progress))
+    cards = tuple(
+        _build_module_card(module, progress, choices) for module in editions.visible_editions(reader, progress)
+    )
     solved = {name for name, own in progress.items() if own.succeeded}
     if reader.account is None or choices.get(REMINDERS) == OFF:
         return HomePage(cards, due)
@@ -40,7 +42,7 @@ def home_page(reader: Reader) -> HomePage:
     return HomePage(cards, due, len(recall.due), recall.streak)
 
 
-def _card(module: Module, progress: dict[str, ExerciseProgress], choices: Mapping[str, str]) -> ModuleCard:
+def _build_module_card(module: Module, progress: dict[str, ExerciseProgress], choices: Mapping[str, str]) -> ModuleCard:
     path = paths.find_path(module, choices)
     begun = any(progress.get(exercise.id, NOTHING_YET).attempts for exercise in module.exercises)
     found, way = choose_next(module, progress, path) if begun else None, lessons_in_reading_order(module)

@@ -61,7 +61,9 @@ async def show_hunt(
     if account is None:
         return redirect_to_login(request)
     offer = await hunts.offer(account, exercise.id, skip, client_address(request))
-    page = hunt_page(course, exercise, offer, "entree" if offer is None else possible_question(offer, question))
+    page = build_hunt_page(
+        course, exercise, offer, "entree" if offer is None else choose_possible_question(offer, question)
+    )
     return await run_in_threadpool(render_page, request, "hunt.html", account, page=page)
 
 
@@ -86,12 +88,12 @@ async def answer_hunt(
     outcome = None
     if offer is not None:
         offer = offer.model_copy(update={"index": suite})
-        outcome = await answer_question(hunts, account, offer, question, action, valeur, address)
-    page = hunt_page(course, exercise, offer, question, valeur, outcome, gave_up=action == "abandonner")
+        outcome = await judge_hunt_answer(hunts, account, offer, question, action, valeur, address)
+    page = build_hunt_page(course, exercise, offer, question, valeur, outcome, gave_up=action == "abandonner")
     return await run_in_threadpool(render_page, request, "hunt.html", account, page=page)
 
 
-async def answer_question(
+async def judge_hunt_answer(
     hunts: HuntService,
     account: SignedIn,
     offer: OfferedHunt,
@@ -114,7 +116,7 @@ async def answer_question(
     return await hunts.try_input(account, offer.hunt, dict(zip(names, typed, strict=False)), address)
 
 
-def possible_question(offer: OfferedHunt, question: Kind) -> Kind:
+def choose_possible_question(offer: OfferedHunt, question: Kind) -> Kind:
     """Return the question where it can be asked about a hunt, else that for an input."""
     possible = {"entree": True, "prevision": offer.predictable, "ligne": offer.wrong_lines > 0}
     return question if possible[question] else "entree"
@@ -124,7 +126,7 @@ def is_line_number(typed: str) -> bool:
     return typed.isascii() and typed.isdigit() and len(typed) <= MAX_DIGITS
 
 
-def hunt_page(
+def build_hunt_page(
     course: Course,
     exercise: Exercise,
     offer: OfferedHunt | None,

@@ -15,14 +15,14 @@ class KitDownload:
     media_type: str
 
 
-def file_name_of(module: Module, kit: str) -> str:
+def kit_file_name(module: Module, kit: str) -> str:
     """Return the file name of a downloaded kit."""
     return f"{kit}.py" if len(module.kits[kit]) == 1 else f"{kit}.zip"
 
 
-def build_download(module: Module, file: str) -> KitDownload:
+def build_kit_download(module: Module, file: str) -> KitDownload:
     """Return the file with this name of a kit: the program, or a zip of several. Raises NotFound."""
-    kit = next((name for name in module.kits if file_name_of(module, name) == file), None)
+    kit = next((name for name in module.kits if kit_file_name(module, name) == file), None)
     if kit is None:
         raise NotFound("Ce fichier n’existe pas.")
     files = {path: text.encode() for path, text in module.kits[kit].items()}

@@ -22,7 +22,7 @@ SIGNS_AND_WORDS: Mapping[MarkTone, tuple[str, str]] = {
 }
 
 
-def build_marks(
+def build_question_marks(
     exercise: Exercise, submission: Submission, verdict: Verdict | None, seed: int | None
 ) -> tuple[MarkView, ...]:
     """Return a mark for each question of the page, which shows the deal of `seed`.
@@ -33,33 +33,35 @@ def build_marks(
     if exercise.answers is None:
         return ()
     questions = exercise.answers.paper(submission.seed).questions
-    answers = _answers(submission)
+    answers = _read_answers_or_none(submission)
     if verdict is None or answers is None or submission.seed != seed or verdicts.common_message(verdict.checks):
-        return tuple(_empty(question) for question in questions)
+        return tuple(_empty_mark_view(question) for question in questions)
     checks = {check.id: check for check in verdict.checks}
     transcripts = {answer.question: answer for answer in exercise.answers.transcribe(answers, submission.seed)}
     return tuple(
-        _empty(question)
+        _empty_mark_view(question)
         if question.form == "order" or question.id not in checks
-        else _mark(
+        else _build_mark_view(
             exercise, checks[question.id], transcripts.get(question.id), blank=is_blank(answers.get(question.id))
         )
         for question in questions
     )
 
 
-def _answers(submission: Submission) -> Mapping[str, Any] | None:
+def _read_answers_or_none(submission: Submission) -> Mapping[str, Any] | None:
     try:
         return read_answers(submission.source)
     except UnreadableAnswersError:
         return None
 
 
-def _empty(question: Question) -> MarkView:
+def _empty_mark_view(question: Question) -> MarkView:
     return MarkView(question.id, "none", "", "", "", "", "", "", "", "")
 
 
-def _mark(exercise: Exercise, check: CheckResult, transcript: AnswerTranscript | None, *, blank: bool) -> MarkView:
+def _build_mark_view(
+    exercise: Exercise, check: CheckResult, transcript: AnswerTranscript | None, *, blank: bool
+) -> MarkView:
     tone: MarkTone = "good" if check.passed else "blank" if blank else "partial" if check.points else "bad"
     sign, word = SIGNS_AND_WORDS[tone]
     expected = check.counterexample.expected if check.counterexample else None
@@ -70,12 +72,12 @@ def _mark(exercise: Exercise, check: CheckResult, transcript: AnswerTranscript |
         word=word,
         points=format_mark(check.points, check.max_points),
         max_points=format_points(check.max_points),
-        answered=_answered(transcript) if transcript else "",
+        answered=_format_given_answer(transcript) if transcript else "",
         expected=exercise.line(expected) if isinstance(expected, str) else "",
         message="" if blank else exercise.prose(check.message),
         hint=exercise.line(check.hint) if check.hint else "",
     )
 
 
-def _answered(transcript: AnswerTranscript) -> str:
+def _format_given_answer(transcript: AnswerTranscript) -> str:
     return ", ".join(piece.id for piece in transcript.pieces) or transcript.text

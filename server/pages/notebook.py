@@ -63,7 +63,7 @@ def correction_href(mistake: PastMistake) -> str:
     return f"{SOURCE_PAGE.format(id=mistake.last.id)}/correction"
 
 
-def recall_mistake(
+def find_recalled_mistake(
     reader: Reader, exercise: Exercise, submission: Submission, misconception: str
 ) -> RecalledMistake | None:
     """Find the latest misconception of the same family that the author mended in another exercise, in three queries.
@@ -74,18 +74,20 @@ def recall_mistake(
     family = find_family(course.families, exercise.filing, misconception)
     if family is None or reader.account is None or submission.account_id != reader.account.id:
         return None
-    others = [other.id for other in course.exercises.values() if other is not exercise and _may_show(other, family)]
+    others = [
+        other.id for other in course.exercises.values() if other is not exercise and _may_show_family(other, family)
+    ]
     for mistake in mistakes.load_past_mistakes(reader.db, submission.account_id, others):
         earlier = course.exercises[mistake.exercise]
         is_mended = mistake.mended is not None and mistake.mended.sent_at < submission.created_at
         if is_mended and find_family(course.families, earlier.filing, mistake.misconception) is family:
-            change = _load_change(reader, earlier, mistake)
+            change = _load_mending_change(reader, earlier, mistake)
             lines = ("", "") if change is None else (change.before, change.after)
             return RecalledMistake(earlier.title, family.title, correction_href(mistake), *lines)
     return None
 
 
-def _load_change(reader: Reader, exercise: Exercise, mistake: PastMistake) -> LatestChange | None:
+def _load_mending_change(reader: Reader, exercise: Exercise, mistake: PastMistake) -> LatestChange | None:
     """Load what an author changed to mend a misconception, in one query."""
     if mistake.mended is None:
         return None
@@ -94,11 +96,11 @@ def _load_change(reader: Reader, exercise: Exercise, mistake: PastMistake) -> La
     return compare_attempts(before, after, is_code=exercise.answers is None)
 
 
-def _may_show(exercise: Exercise, family: MisconceptionFamily) -> bool:
+def _may_show_family(exercise: Exercise, family: MisconceptionFamily) -> bool:
     return bool(family.slips) or family.id in exercise.filing.families.values()
 
 
-def list_mistakes(reader: Reader) -> Sequence[NotebookEntry]:
+def list_notebook_entries(reader: Reader) -> Sequence[NotebookEntry]:
     """List the reader's misconceptions by family, the family of the latest one first; those without one are last.
 
     Those of exercises or catalogues that they have left since are not listed.
@@ -108,13 +110,13 @@ def list_mistakes(reader: Reader) -> Sequence[NotebookEntry]:
     entries = [
         entry
         for mistake in mistakes.load_past_mistakes(reader.db, reader.account.id)
-        if (entry := _entry(reader.course, mistake)) is not None
+        if (entry := _build_entry(reader.course, mistake)) is not None
     ]
     order = {family: rank for rank, family in reversed([*enumerate(entry.family for entry in entries)])}
     return sorted(entries, key=lambda entry: (entry.family is None, order[entry.family]))
 
 
-def _entry(course: Course, mistake: PastMistake) -> NotebookEntry | None:
+def _build_entry(course: Course, mistake: PastMistake) -> NotebookEntry | None:
     exercise = course.exercises.get(mistake.exercise)
     title = find_misconception(course, mistake.exercise, mistake.misconception).diagnosis.title
     if exercise is None or title == mistake.misconception:
@@ -122,7 +124,7 @@ def _entry(course: Course, mistake: PastMistake) -> NotebookEntry | None:
     return NotebookEntry(mistake, title, exercise, find_family(course.families, exercise.filing, mistake.misconception))
 
 
-def _with_changes(reader: Reader, entries: Sequence[NotebookEntry]) -> Sequence[NotebookEntry]:
+def _add_changes_and_tests(reader: Reader, entries: Sequence[NotebookEntry]) -> Sequence[NotebookEntry]:
     """Add the first lines that each mending changed, and when it was last tested, in two queries for all entries."""
     account = reader.account
     answers = recall.load_answers(reader.db, account.id) if account is not None and entries else ()
@@ -141,13 +143,13 @@ def _with_changes(reader: Reader, entries: Sequence[NotebookEntry]) -> Sequence[
 
 
 @router.get(PATH)
-def notebook(request: Request, reader: CurrentReader, number: PageNumber = 1) -> Response:
+def show_notebook(request: Request, reader: CurrentReader, number: PageNumber = 1) -> Response:
     """Show one's own mistakes, to nobody else."""
     if reader.account is None:
         return redirect_to_login(request)
-    entries = list_mistakes(reader)
+    entries = list_notebook_entries(reader)
     skipped = (number - 1) * MISTAKES_A_PAGE
-    shown = _with_changes(reader, entries[skipped : skipped + MISTAKES_A_PAGE])
+    shown = _add_changes_and_tests(reader, entries[skipped : skipped + MISTAKES_A_PAGE])
     page: Mapping[str, Any] = {
         "families": [(family, tuple(group)) for family, group in groupby(shown, key=lambda entry: entry.family)],
         "total": len(entries),
@@ -160,12 +162,12 @@ def notebook(request: Request, reader: CurrentReader, number: PageNumber = 1) ->
 
 
 @router.get("/soumissions/{submission_id}/correction")
-def correction(request: Request, submission_id: str, reader: CurrentReader) -> Response:
+def show_correction(request: Request, submission_id: str, reader: CurrentReader) -> Response:
     """Show an attempt beside the next one of its author that scored more; lead to the attempt where there is none."""
     attempt = gradebook.find_attempt(reader.db, reader.account, submission_id)
     submission = attempt.submission
     exercise = find_exercise(reader.course, *submission.exercise.split("/"))
-    after = _find_correction(reader, attempt)
+    after = _find_next_better_attempt(reader, attempt)
     if after is None or exercise.answers is not None:
         return redirect(SOURCE_PAGE.format(id=(after or attempt).submission.id))
     numbers = [gradebook.attempt_number(reader.db, sent) for sent in (submission, after.submission)]
@@ -189,7 +191,7 @@ def correction(request: Request, submission_id: str, reader: CurrentReader) -> R
     return render_page(request, "correction.html", reader.account, page=page)
 
 
-def _find_correction(reader: Reader, attempt: Attempt) -> Attempt | None:
+def _find_next_better_attempt(reader: Reader, attempt: Attempt) -> Attempt | None:
     """Return the first later attempt that scored more, of those that the reader and the author may see."""
     submission = attempt.submission
     seen = mistakes.load_attempts_with_feedback(reader.db, submission.account_id, [submission.exercise])

@@ -36,7 +36,7 @@ BEGINNING = "c’est par là que l’on commence"
 
 
 @dataclass(frozen=True)
-class Proposal:
+class NextTask:
     """The one thing to do now: its button, how long it takes in minutes (0: not known), and why, a clause."""
 
     href: str
@@ -46,7 +46,7 @@ class Proposal:
 
 
 @dataclass(frozen=True)
-class WayLeft:
+class RemainingWay:
     """The way to the end: the exercises that are left, each with its address, title and minutes."""
 
     path: str
@@ -60,13 +60,13 @@ class WayLeft:
 
 
 @router.get("/{module:module}/objectifs")
-def objectives(request: Request, module: str, reader: CurrentReader) -> Response:
+def show_objectives(request: Request, module: str, reader: CurrentReader) -> Response:
     """Show one's own objectives, to nobody else; the teacher's page is made of the same states."""
     course_module = find_module(reader.course, module)
-    return render_page(request, "objectives.html", reader.account, page=objectives_page(reader, course_module))
+    return render_page(request, "objectives.html", reader.account, page=build_objectives_page(reader, course_module))
 
 
-def objectives_page(reader: Reader, module: Module) -> Mapping[str, Any]:
+def build_objectives_page(reader: Reader, module: Module) -> Mapping[str, Any]:
     """Build the page of a reader, without queries for one who has no account yet."""
     progress: Mapping[str, ExerciseProgress] = {}
     choices: Mapping[str, str] = {}
@@ -75,24 +75,24 @@ def objectives_page(reader: Reader, module: Module) -> Mapping[str, Any]:
     if reader.account is not None:
         progress = gradebook.load_progress(reader.db, reader.account)
         choices = paths.load_paths(reader.db, reader.account.id)
-        recall = _load_recall(reader, progress, choices)
+        recall = _load_recall_state(reader, progress, choices)
         states = load_own_states(reader.db, reader.course, module, reader.account.id, utc_now())
     rows = [own_row(reader.course, module.slug, state) for state in states]
     fading = find_fading_misconceptions(reader.course, module, rows, {} if recall is None else recall.fading)
     path = paths.find_path(module, choices)
     following = choose_next(module, progress, path)
     way = list_way(module, path)
-    left = [exercise for exercise in way if not _solved(progress, exercise)]
+    left = [exercise for exercise in way if not _is_solved(progress, exercise)]
     return {
         "module": module_link(module),
         "begun": any(progress.get(exercise.id, NOTHING_YET).attempts for exercise in module.exercises),
-        "proposal": propose(module, rows, recall, fading, following),
+        "proposal": propose_next_task(module, rows, recall, fading, following),
         "rows": rows,
         "groups": group_by_lesson(reader.course, module.slug, rows),
         "counts": count_states(rows),
         "fading": fading,
         "two_minutes": TWO_MINUTES,
-        "way": WayLeft(
+        "way": RemainingWay(
             path="" if path is None else path.title,
             solved=len(way) - len(left),
             total=len(way),
@@ -103,7 +103,7 @@ def objectives_page(reader: Reader, module: Module) -> Mapping[str, Any]:
     }
 
 
-def _load_recall(
+def _load_recall_state(
     reader: Reader, progress: Mapping[str, ExerciseProgress], choices: Mapping[str, str]
 ) -> RecallState | None:
     solved = {name for name in progress if progress[name].succeeded}
@@ -115,7 +115,7 @@ def _load_recall(
     )
 
 
-def _solved(progress: Mapping[str, ExerciseProgress], exercise: Exercise) -> bool:
+def _is_solved(progress: Mapping[str, ExerciseProgress], exercise: Exercise) -> bool:
     return progress.get(exercise.id, NOTHING_YET).succeeded
 
 
@@ -140,30 +140,30 @@ def find_fading_misconceptions(
     return found
 
 
-def propose(
+def propose_next_task(
     module: Module,
     rows: Sequence[OwnObjectiveRow],
     recall: RecallState | None,
     fading: Mapping[str, Sequence[str]],
     following: NextExercise | None,
-) -> Proposal | None:
+) -> NextTask | None:
     """Return the one thing to do now: what fades, or the next exercise; where to begin, for a newcomer. Pure."""
     if recall is not None and recall.due and not recall.is_off:
         count = len(recall.due)
         titles = dict.fromkeys(title for row in rows for title in fading.get(row.objective.objective.id, ()))
-        why = _why_now(recall.due, next(iter(titles), ""))
+        why = _explain_recall(recall.due, next(iter(titles), ""))
         label = f"Deux minutes : {plural(count, 'question')}"
-        return Proposal(TWO_MINUTES, label, max(1, round(count * MINUTES_A_QUESTION)), why)
+        return NextTask(TWO_MINUTES, label, max(1, round(count * MINUTES_A_QUESTION)), why)
     if following is not None and any(row.state is not Mastery.none for row in rows):
         return _propose_exercise(rows, following)
     way = lessons_in_reading_order(module)
     if following is not None and way:
         minutes = round(reading_minutes(way[0]))
-        return Proposal(lesson_href(way[0]), f"Commencer : {way[0].label}", minutes, "c’est par là que l’on commence")
+        return NextTask(lesson_href(way[0]), f"Commencer : {way[0].label}", minutes, "c’est par là que l’on commence")
     return None
 
 
-def _why_now(due: Collection[str], first: str) -> str:
+def _explain_recall(due: Collection[str], first: str) -> str:
     """Say why these subjects are to be seen again: mended mistakes fade (`first` is one), lessons' questions were
     missed."""
     missed = sum(subject.startswith(retrievals.PREFIX) for subject in due)
@@ -176,7 +176,7 @@ def _why_now(due: Collection[str], first: str) -> str:
     return f"{fades}, et {questions}" if missed else fades
 
 
-def _propose_exercise(rows: Sequence[OwnObjectiveRow], following: NextExercise) -> Proposal:
+def _propose_exercise(rows: Sequence[OwnObjectiveRow], following: NextExercise) -> NextTask:
     verb = "Reprendre" if following.is_begun else "Exercice suivant"
     own = [row for row in rows if following.exercise.id in row.objective.exercises]
     weak = next((row for row in own if row.mistakes), None)
@@ -186,4 +186,4 @@ def _propose_exercise(rows: Sequence[OwnObjectiveRow], following: NextExercise) 
     elif own and reason:
         reason = f"{reason}, et il fait avancer l’objectif « {own[0].short} »"
     label = f"{verb} : {following.exercise.title}"
-    return Proposal(following.href, label, estimate_minutes(following.exercise), reason)
+    return NextTask(following.href, label, estimate_minutes(following.exercise), reason)

@@ -10,35 +10,35 @@ from server.course.practice import practised_objectives
 from server.gradebook import service as gradebook
 from server.gradebook.schemas import NOTHING_YET, ExerciseProgress
 from server.hunts.service import may_have_hunts
-from server.pages.after_success import can_review
+from server.pages.after_success import can_review_programs
 from server.pages.hunts import hunt_href
-from server.pages.schemas import Onward
+from server.pages.schemas import WayOnward
 from server.recall import paths
 from server.web.next_step import choose_next, list_way
 from server.web.schemas import VerdictView
 from server.web.views import Reader, exercise_href
 
 
-def way_onward(reader: Reader, exercise: Exercise, verdict: VerdictView | None) -> Onward | None:
+def build_way_onward(reader: Reader, exercise: Exercise, verdict: VerdictView | None) -> WayOnward | None:
     """Return the way on from a solved exercise; None but beside the verdict of an attempt that passes."""
     if verdict is None or verdict.tone != "good":
         return None
     module = reader.course.modules[exercise.module]
     progress = gradebook.load_progress(reader.db, reader.account)
-    following = choose_next(module, progress, find_path(reader, module), exercise)
+    following = choose_next(module, progress, find_chosen_path(reader, module), exercise)
     challenge = find_challenge(module, exercise, progress)
     if following is not None and following.exercise is challenge:
         challenge = None
-    return Onward(
+    return WayOnward(
         following=None if following is None else (following.href, following.exercise.title),
         reason="" if following is None else following.reason,
         challenge=None if challenge is None else (exercise_href(challenge), challenge.title),
         hunts=hunt_href(exercise) if may_have_hunts(reader.course, exercise) else "",
-        is_reviewed=can_review(exercise, reader.course.exercises.is_packaged(exercise.id)),
+        is_reviewed=can_review_programs(exercise, reader.course.exercises.is_packaged(exercise.id)),
     )
 
 
-def find_path(reader: Reader, module: Module) -> ReadingPath | None:
+def find_chosen_path(reader: Reader, module: Module) -> ReadingPath | None:
     """Return the path that the reader has chosen through a module."""
     choices = paths.load_paths(reader.db, reader.account.id if reader.account else None)
     return paths.find_path(module, choices)
@@ -54,7 +54,7 @@ def find_challenge(module: Module, exercise: Exercise, progress: Mapping[str, Ex
     return min(left, key=lambda other: other.stars, default=None)
 
 
-def find_neighbours(
+def find_neighbouring_exercises(
     module: Module, exercise: Exercise, path: ReadingPath | None = None
 ) -> tuple[tuple[str, str] | None, tuple[str, str] | None]:
     """Return the address and title of the exercises before and after one, on a path or in the order of reading."""

@@ -21,33 +21,33 @@ from server.web.views import Reader, exercise_href, solution_switch_view
 from server.web.words import plural
 
 
-def build_hints(
+def build_hint_views(
     reader: Reader, exercise: Exercise, progress: ExerciseProgress, access: SolutionAccess
 ) -> tuple[HintView, ...]:
     """Return the hints of an exercise; those not open yet say after how many failures they open."""
     if access.hints_held is not None and not access.teaches:
         return ()
     everything = progress.succeeded or access.teaches
-    failed = 0 if everything else _failed(reader, exercise)
+    failed = 0 if everything else _count_failures(reader, exercise)
     views = []
     written = [(html, needed) for html, needed in zip(exercise.hints, HINT_OPENS_AFTER, strict=True) if html]
     for number, (html, needed) in enumerate(written, 1):
-        closed = "" if everything or failed >= needed else _opens(needed, needed - failed)
+        closed = "" if everything or failed >= needed else _describe_when_hint_opens(needed, needed - failed)
         views.append(HintView(number, "" if closed else html, closed))
     return tuple(views)
 
 
-def _failed(reader: Reader, exercise: Exercise) -> int:
+def _count_failures(reader: Reader, exercise: Exercise) -> int:
     return gradebook.count_distinct_failures(reader.db, reader.account, exercise.id, besides=exercise.starter)
 
 
-def _opens(needed: int, left: int) -> str:
+def _describe_when_hint_opens(needed: int, left: int) -> str:
     if needed == left:
         return f"s’ouvre après {plural(needed, 'essai non réussi', 'essais différents non réussis')}, hors syntaxe."
     return f"s’ouvre après {needed} essais différents non réussis, hors syntaxe (encore {left})."
 
 
-def build_solution(
+def build_solution_view(
     reader: Reader, exercise: Exercise, progress: ExerciseProgress, access: SolutionAccess, seed: int | None
 ) -> SolutionView | None:
     """Return the solution, or None where the reader may not see it yet."""

@@ -31,7 +31,7 @@ AFTER_TOO_LONG = f"Le petit programme fait au plus {MAX_AFTER} caractères."
 
 
 @router.post("/{module:module}/exercices/{slug}/executer")
-async def run_own_call(
+async def run_typed_call(
     request: Request,
     module: str,
     slug: str,

@@ -48,7 +48,7 @@ ShortQuery = Annotated[str, Query(max_length=100)]
 SettingsOf = Annotated[Settings, Depends(app_service(Settings))]
 
 
-async def _page_of(database: Database, build: Callable[[Session], HTMLResponse]) -> HTMLResponse:
+async def _render_in_read_session(database: Database, build: Callable[[Session], HTMLResponse]) -> HTMLResponse:
     """Return the page that `build` makes in a thread, of a session that reads."""
 
     def read() -> HTMLResponse:
@@ -59,27 +59,27 @@ async def _page_of(database: Database, build: Callable[[Session], HTMLResponse])
 
 
 @router.get("/donnees-personnelles")
-def what_is_kept(request: Request, account: OptionalAccount, settings: SettingsOf) -> HTMLResponse:
+def show_stored_data(request: Request, account: OptionalAccount, settings: SettingsOf) -> HTMLResponse:
     return account_form(
         request,
         "donnees.html",
         account,
         settings=settings,
         kept_days=BUCKET_RETENTION.days,
-        kept=tuple(retention.rows(settings)),
+        kept=tuple(retention.list_retention_rows(settings)),
     )
 
 
 @router.get("/compte")
-def account_page(
+def show_account(
     request: Request, account: OptionalAccount, db: Db, settings: SettingsOf, change: ShortQuery = ""
 ) -> Response:
     if account is None:
         return redirect("/connexion?suite=/compte")
-    return _account_page(request, account, db, settings, changed=change == "mot-de-passe")
+    return _render_account_page(request, account, db, settings, changed=change == "mot-de-passe")
 
 
-def _account_page(
+def _render_account_page(
     request: Request,
     account: Account,
     db: Db,
@@ -113,26 +113,28 @@ def _account_page(
 
 
 @router.post("/compte/nom")
-def word_pseudonym(request: Request, person: SignedIn, db: Db, settings: SettingsOf, name: Field = "") -> Response:
+def name_pseudonymous_account(
+    request: Request, person: SignedIn, db: Db, settings: SettingsOf, name: Field = ""
+) -> Response:
     """Names an account of which no name is known."""
     try:
         identities.word_pseudonym(db, person, name)
     except RefusedForm as refused:
         roll_back_then_read(db)
-        return _account_page(request, person, db, settings, refused=refused, name=name)
+        return _render_account_page(request, person, db, settings, refused=refused, name=name)
     return redirect("/compte")
 
 
 @router.get("/compte/rejoindre")
-def join_form(
+def show_join_form(
     request: Request, account: OptionalAccount, db: Db, identifiant: ShortQuery = "", suite: NextAddress = "/"
 ) -> Response:
     if account is None:
         return redirect("/connexion?suite=/compte/rejoindre")
-    return _join_page(request, account, db, login=identifiant, after=local_path(suite))
+    return _render_join_page(request, account, db, login=identifiant, after=local_path(suite))
 
 
-def _join_page(
+def _render_join_page(
     request: Request, account: Account, db: Db, refused: RefusedForm | None = None, *, login: str, after: str
 ) -> HTMLResponse:
     own = identities.load_identities(db, account.id)
@@ -158,14 +160,14 @@ async def join_account(
             accounts, person, login, password, session=session_token(request), address=client_address(request)
         )
     except RefusedForm as refused:
-        page = partial(_join_page, request, person, refused=refused, login=login, after=local_path(suite))
-        return await _page_of(database, page)
+        page = partial(_render_join_page, request, person, refused=refused, login=login, after=local_path(suite))
+        return await _render_in_read_session(database, page)
     set_session_cookie(request, opened)
     return redirect(local_path(suite))
 
 
 @router.post("/compte/jetons")
-async def create_token(
+async def create_api_token(
     request: Request,
     person: SignedIn,
     accounts: AccountServiceOf,
@@ -180,12 +182,14 @@ async def create_token(
         _, secret = await accounts.create_token(person, label, password, session=session, address=address)
     except RefusedForm as error:
         refused = RefusedForm({TOKEN_FIELDS.get(field, field): why for field, why in error.problems.items()})
-    page = partial(_account_page, request, person, settings=settings, secret=secret, refused=refused, label=label)
-    return await _page_of(database, page)
+    page = partial(
+        _render_account_page, request, person, settings=settings, secret=secret, refused=refused, label=label
+    )
+    return await _render_in_read_session(database, page)
 
 
 @router.post("/compte/jetons/{token_id}/revoquer")
-def revoke_token(person: SignedIn, db: Db, token_id: UUID) -> Response:
+def revoke_api_token(person: SignedIn, db: Db, token_id: UUID) -> Response:
     tokens.revoke_token(db, person, token_id)
     return redirect("/compte")
 
@@ -195,7 +199,7 @@ def renew_calendar_address(request: Request, person: SignedIn, database: Databas
     with database.write() as db:
         token = calendars.renew_address(db, person)
     with database.read() as db:
-        return _account_page(request, person, db, settings, calendar_token=token)
+        return _render_account_page(request, person, db, settings, calendar_token=token)
 
 
 @router.post("/compte/mot-de-passe")
@@ -212,23 +216,25 @@ async def change_password(
     try:
         await accounts.change_password(person, password, new_password, session=session, address=address)
     except RefusedForm as refused:
-        return await _page_of(database, partial(_account_page, request, person, settings=settings, refused=refused))
+        return await _render_in_read_session(
+            database, partial(_render_account_page, request, person, settings=settings, refused=refused)
+        )
     return redirect("/compte?change=mot-de-passe")
 
 
 @router.get("/compte/donnees")
-def take_away(person: SignedIn, personal: PersonalDataOf) -> StreamingResponse:
+def export_personal_data(person: SignedIn, personal: PersonalDataOf) -> StreamingResponse:
     return OneAtATimeStream(personal.export(person), headers=archive_headers(utc_now()), media_type="application/zip")
 
 
 @router.get("/compte/supprimer")
-def erase_form(request: Request, account: OptionalAccount, db: Db, settings: SettingsOf) -> Response:
+def show_erasure_form(request: Request, account: OptionalAccount, db: Db, settings: SettingsOf) -> Response:
     if account is None:
         return redirect("/connexion?suite=/compte/supprimer")
-    return _erase_page(request, account, db, settings)
+    return _render_erasure_page(request, account, db, settings)
 
 
-def _erase_page(
+def _render_erasure_page(
     request: Request, account: Account, db: Db, settings: Settings, refused: RefusedForm | None = None
 ) -> HTMLResponse:
     now = utc_now()
@@ -246,7 +252,7 @@ def _erase_page(
 
 
 @router.post("/compte/supprimer")
-async def erase(
+async def erase_own_account(
     request: Request,
     person: SignedIn,
     accounts: AccountServiceOf,
@@ -261,7 +267,9 @@ async def erase(
             person, password, credential=session_token(request), address=client_address(request)
         )
     except RefusedForm as refused:
-        return await _page_of(database, partial(_erase_page, request, person, settings=settings, refused=refused))
+        return await _render_in_read_session(
+            database, partial(_render_erasure_page, request, person, settings=settings, refused=refused)
+        )
     if not await run_in_threadpool(personal.erase_on_request, person.id):
         return redirect("/compte/supprimer")
     clear_session_cookie(request)
@@ -275,5 +283,5 @@ def cancel_erasure(person: SignedIn, db: Db) -> Response:
 
 
 @router.get("/compte/efface")
-def erased(request: Request, account: OptionalAccount) -> HTMLResponse:
+def show_erasure_done(request: Request, account: OptionalAccount) -> HTMLResponse:
     return account_form(request, "efface.html", account)

@@ -83,7 +83,7 @@ class RecalledMistake:
 
 
 @dataclass(frozen=True)
-class WorkView:
+class SubmissionView:
     """The latest state of one submission: waiting (`waiting` says where) or judged; `again`: it is sent anew.
 
     `held` says which test holds its verdict back, which looks the same whether it was graded or not, if it `runs`.
@@ -119,7 +119,7 @@ class WorkView:
 
 
 @dataclass(frozen=True)
-class HeldView:
+class WithheldView:
     """Why something is not shown, in a sentence that ends with until when, where that is known."""
 
     text: str
@@ -180,7 +180,7 @@ class AttemptRow:
 
 
 @dataclass(frozen=True)
-class ReusedView:
+class ReusableExerciseView:
     """An earlier exercise whose functions may be imported.
 
     `when` says since when one's own are; without it, they are the course's if these are `offered`.
@@ -198,7 +198,7 @@ class ReusedView:
 
 
 @dataclass(frozen=True)
-class Onward:
+class WayOnward:
     """The way on from a solved exercise.
 
     The address and title of the next exercise (None: nothing is left on the way) with the `reason`, a clause; a harder
@@ -213,26 +213,26 @@ class Onward:
 
 
 @dataclass(frozen=True)
-class Results:
+class ResultsView:
     """The parts of a page that change when a verdict arrives.
 
     `solution` is None while it is hidden; the `…_held` fields say why.
     """
 
-    work: WorkView | None
+    work: SubmissionView | None
     hints: tuple[HintView, ...]
     solution: SolutionView | None
     attempts: tuple[AttemptRow, ...]
     all_attempts: str
     own: OwnProgress
-    hints_held: HeldView | None = None
-    diagnosis_held: HeldView | None = None
-    solution_held: HeldView | None = None
-    onward: Onward | None = None
+    hints_held: WithheldView | None = None
+    diagnosis_held: WithheldView | None = None
+    solution_held: WithheldView | None = None
+    onward: WayOnward | None = None
 
 
 @dataclass(frozen=True)
-class ExerciseFrame:
+class CommonExercisePage:
     """The context of an exercise page of any kind; `action` is the address of its form."""
 
     id: str
@@ -244,7 +244,7 @@ class ExerciseFrame:
     lesson: tuple[str, str] | None
     statement: Markup
     action: str
-    results: Results
+    results: ResultsView
     test: TestBanner | None
     previous: tuple[str, str] | None
     following: tuple[str, str] | None
@@ -252,7 +252,7 @@ class ExerciseFrame:
 
 
 @dataclass(frozen=True)
-class ExercisePage(ExerciseFrame):
+class ExercisePage(CommonExercisePage):
     """An exercise of code. `replay` is where one runs a call of one's own, a whole program or, where `is_class`, a
     small program that uses the class.
 
@@ -260,7 +260,7 @@ class ExercisePage(ExerciseFrame):
     """
 
     functions: tuple[FunctionSpec, ...]
-    reused: tuple[ReusedView, ...]
+    reused: tuple[ReusableExerciseView, ...]
     starter: str
     code: str
     taken: bool
@@ -273,7 +273,7 @@ class ExercisePage(ExerciseFrame):
 
 
 @dataclass(frozen=True)
-class GivenView:
+class GivenDatumView:
     """A number dealt to this account; `symbol` is HTML."""
 
     symbol: str
@@ -283,7 +283,7 @@ class GivenView:
 
 
 @dataclass(frozen=True)
-class PieceView:
+class OptionOrStepView:
     """An option or a step. `chosen` puts back an earlier answer; `options` are the places that a step may be given, as
     HTML."""
 
@@ -309,15 +309,15 @@ class QuestionView:
     points: str
     unit: str
     value: str
-    pieces: tuple[PieceView, ...]
+    pieces: tuple[OptionOrStepView, ...]
     section: str
 
 
 @dataclass(frozen=True)
-class AnswersPage(ExerciseFrame):
+class AnswersPage(CommonExercisePage):
     """An exercise answered without code, as one account sees it."""
 
-    given: tuple[GivenView, ...]
+    given: tuple[GivenDatumView, ...]
     questions: tuple[QuestionView, ...]
     seed: str
     taken: bool
@@ -345,4 +345,4 @@ class AttemptPage:
     when: datetime
     code: str
     transcript: tuple[TranscriptView, ...] | None
-    results: Results
+    results: ResultsView

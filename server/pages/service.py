@@ -27,18 +27,18 @@ from server.gradebook import service as gradebook
 from server.gradebook.figures import describe_figures
 from server.gradebook.schemas import NOTHING_YET, Attempt, AttemptLine, AttemptList
 from server.pages import kits, marks, notebook, onward, opening, talk, withheld
-from server.pages.policy import policy_lines
+from server.pages.policy import describe_policy_limits
 from server.pages.schemas import (
     AttemptPage,
     AttemptRow,
     ExercisePage,
     RecalledMistake,
-    Results,
-    ReusedView,
+    ResultsView,
+    ReusableExerciseView,
+    SubmissionView,
     TranscriptView,
-    WorkView,
 )
-from server.pages.waiting import waiting_text
+from server.pages.waiting import describe_waiting
 from server.steps.replayable import can_replay
 from server.submissions.models import SubmissionState
 from server.submissions.service import GradingProgress
@@ -60,7 +60,7 @@ NOT_LOADED = "Reçu, mais ne s’exécute pas en entier : à corriger"
 FAILED = "Pas corrigé, erreur de notre côté"
 
 
-def attempt_at(reader: Reader, exercise: Exercise, submission_id: str) -> Attempt:
+def find_attempt_at_exercise(reader: Reader, exercise: Exercise, submission_id: str) -> Attempt:
     """An attempt at this exercise, to be taken up again. Raises NotFound."""
     attempt = gradebook.find_attempt(reader.db, reader.account, submission_id)
     if attempt.submission.exercise != exercise.id:
@@ -68,20 +68,20 @@ def attempt_at(reader: Reader, exercise: Exercise, submission_id: str) -> Attemp
     return attempt
 
 
-def exercise_page(reader: Reader, exercise: Exercise, taken: str | None) -> ExercisePage:
+def build_exercise_page(reader: Reader, exercise: Exercise, taken: str | None) -> ExercisePage:
     """The exercise as this account sees it; `taken` is an attempt's code to start again from."""
     latest = gradebook.find_latest_attempt(reader.db, reader.account, exercise.id)
     saved = withheld.load_saved_work(reader, exercise, latest) if taken is None else None
     written = saved.source.decode() if saved else latest.submission.code if latest else exercise.starter
-    kit = "" if exercise.kit == SCENARIOS else kits.file_name_of(reader.course.modules[exercise.module], exercise.kit)
+    kit = "" if exercise.kit == SCENARIOS else kits.kit_file_name(reader.course.modules[exercise.module], exercise.kit)
     return ExercisePage(
-        **common_parts(reader, exercise, latest, saved),
+        **build_common_fields(reader, exercise, latest, saved),
         functions=exercise.functions,
-        reused=tuple(_reused(reader, exercise)),
+        reused=tuple(_list_reusable_exercises(reader, exercise)),
         starter=exercise.starter,
         code=taken if taken is not None else written,
         taken=taken is not None,
-        limits=policy_lines(exercise),
+        limits=describe_policy_limits(exercise),
         replay=f"{exercise_href(exercise)}/pas" if exercise.functions else "",
         is_class=all(wanted.is_class for wanted in exercise.functions),
         examples=tuple((function.name, function.example) for function in exercise.functions if function.example),
@@ -90,7 +90,7 @@ def exercise_page(reader: Reader, exercise: Exercise, taken: str | None) -> Exer
     )
 
 
-def _reused(reader: Reader, exercise: Exercise) -> Iterator[ReusedView]:
+def _list_reusable_exercises(reader: Reader, exercise: Exercise) -> Iterator[ReusableExerciseView]:
     """The functions that the program may import, and whose they are."""
     earlier = reader.course.reused(exercise.id)
     own = (
@@ -104,16 +104,16 @@ def _reused(reader: Reader, exercise: Exercise) -> Iterator[ReusedView]:
     for reused in earlier:
         functions = tuple(function.name for function in reused.functions)
         offered = offers_course_functions(exercise, reused, tested)
-        yield ReusedView(reused.title, exercise_href(reused), functions, own.get(reused.id), offered)
+        yield ReusableExerciseView(reused.title, exercise_href(reused), functions, own.get(reused.id), offered)
 
 
-def _lesson(module: Module, exercise: Exercise) -> tuple[str, str] | None:
+def _find_lesson_link(module: Module, exercise: Exercise) -> tuple[str, str] | None:
     """The page that the exercise follows: its address and its short name."""
     lesson = next((lesson for lesson in module.lessons if lesson.slug == exercise.seance), None)
     return (lesson_href(lesson), lesson.label) if lesson else None
 
 
-def common_parts(
+def build_common_fields(
     reader: Reader, exercise: Exercise, latest: Attempt | None, saved: SavedWork | None, deal: int | None = None
 ) -> dict[str, Any]:
     """Return the fields that the pages of exercises of every kind share, with the verdict of the latest attempt.
@@ -122,9 +122,9 @@ def common_parts(
     seed of what was dealt to this account.
     """
     attempts = gradebook.list_attempts(reader.db, reader.account, exercise.id, RECENT_ATTEMPTS)
-    work = _work(reader, exercise, latest, attempts.total, deal)
+    work = _build_submission_view(reader, exercise, latest, attempts.total, deal)
     module = reader.course.modules[exercise.module]
-    previous, following = onward.find_neighbours(module, exercise, onward.find_path(reader, module))
+    previous, following = onward.find_neighbouring_exercises(module, exercise, onward.find_chosen_path(reader, module))
     return {
         "id": exercise.id,
         "title": exercise.title,
@@ -132,30 +132,30 @@ def common_parts(
         "stars": exercise.stars,
         "origin": exercise.origin,
         "module": module_link(module),
-        "lesson": _lesson(module, exercise),
+        "lesson": _find_lesson_link(module, exercise),
         "statement": Markup(exercise.statement_html),
         "action": f"{exercise_href(exercise)}/soumissions",
-        "results": results(reader, exercise, attempts, work, deal, latest.feedback.diagnosis if latest else None),
-        "test": withheld.test_banner(reader, exercise, saved),
+        "results": build_results(reader, exercise, attempts, work, deal, latest.feedback.diagnosis if latest else None),
+        "test": withheld.build_test_banner(reader, exercise, saved),
         "previous": previous,
         "following": following,
         "due": deadlines.due_for_exercise(reader.db, reader.account, exercise.id),
     }
 
 
-def attempt_page(
+def build_attempt_page(
     reader: Reader,
     exercise: Exercise,
     attempt: Attempt,
-    answered: Sequence[TranscriptView] | None = None,
+    transcript: Sequence[TranscriptView] | None = None,
     *,
     again: bool = False,
 ) -> AttemptPage:
-    """`answered` is what was answered, where that is not code; `again` as in `WorkView`."""
+    """`transcript` is what was answered, where that is not code; `again` as in `SubmissionView`."""
     submission = attempt.submission
     number = gradebook.attempt_number(reader.db, submission)
     href = exercise_href(exercise)
-    work = _work(reader, exercise, attempt, number, submission.seed, again=again)
+    work = _build_submission_view(reader, exercise, attempt, number, submission.seed, again=again)
     return AttemptPage(
         module=module_link(reader.course.modules[exercise.module]),
         exercise_title=exercise.title,
@@ -163,14 +163,19 @@ def attempt_page(
         take_href=f"{href}?reprendre={submission.id}",
         when=submission.created_at,
         code=submission.code,
-        transcript=None if answered is None else tuple(answered),
-        results=results(
-            reader, exercise, _beside(reader, attempt, number), work, submission.seed, attempt.feedback.diagnosis
+        transcript=None if transcript is None else tuple(transcript),
+        results=build_results(
+            reader,
+            exercise,
+            _list_attempts_beside(reader, attempt, number),
+            work,
+            submission.seed,
+            attempt.feedback.diagnosis,
         ),
     )
 
 
-def _beside(reader: Reader, attempt: Attempt, number: int) -> AttemptList:
+def _list_attempts_beside(reader: Reader, attempt: Attempt, number: int) -> AttemptList:
     """List the attempts beside an attempt: its author's latest ones; for a teacher, only itself."""
     submission, grading = attempt.submission, attempt.grading
     if reader.account is not None and submission.account_id == reader.account.id:
@@ -179,7 +184,7 @@ def _beside(reader: Reader, attempt: Attempt, number: int) -> AttemptList:
     return AttemptList((AttemptLine(submission.id, number, submission.created_at, *marks),), 1)
 
 
-def attempts_page(reader: Reader, exercise: Exercise, number: int) -> dict[str, Any]:
+def build_attempts_page(reader: Reader, exercise: Exercise, number: int) -> dict[str, Any]:
     """Build page `number` of one's attempts, the newest on page 1. Raise NotFound beyond the last."""
     skipped = (number - 1) * ATTEMPTS_A_PAGE
     attempts = gradebook.list_attempts(reader.db, reader.account, exercise.id, ATTEMPTS_A_PAGE, skipped)
@@ -189,7 +194,7 @@ def attempts_page(reader: Reader, exercise: Exercise, number: int) -> dict[str, 
         "module": module_link(reader.course.modules[exercise.module]),
         "exercise_title": exercise.title,
         "exercise_href": exercise_href(exercise),
-        "attempts": _rows(exercise, attempts),
+        "attempts": _build_attempt_rows(exercise, attempts),
         "shared": None if attempts.lines else team_work.find_team_attempt(reader.db, reader.account, exercise.id),
         "total": attempts.total,
         "number": number,
@@ -197,14 +202,14 @@ def attempts_page(reader: Reader, exercise: Exercise, number: int) -> dict[str, 
     }
 
 
-def results(
+def build_results(
     reader: Reader,
     exercise: Exercise,
     attempts: AttemptList,
-    work: WorkView | None,
+    work: SubmissionView | None,
     seed: int | None,
     diagnosis_held: FeedbackHold | None = None,
-) -> Results:
+) -> ResultsView:
     """Build the parts that a verdict changes: the verdict, the hints, the solution, the attempts (newest first).
 
     `seed` is that of the deal whose correction is shown, in an exercise answered without code.
@@ -212,25 +217,25 @@ def results(
     progress = gradebook.load_progress(reader.db, reader.account, exercise.id).get(exercise.id, NOTHING_YET)
     verdict = work.verdict if work else None
     access = solutions.load_solution_access(reader.db, reader.account, exercise.id)
-    return Results(
+    return ResultsView(
         work=work,
-        hints=opening.build_hints(reader, exercise, progress, access),
-        solution=opening.build_solution(reader, exercise, progress, access, seed),
-        attempts=_rows(exercise, attempts),
+        hints=opening.build_hint_views(reader, exercise, progress, access),
+        solution=opening.build_solution_view(reader, exercise, progress, access, seed),
+        attempts=_build_attempt_rows(exercise, attempts),
         all_attempts=f"{exercise_href(exercise)}/essais" if attempts.total > RECENT_ATTEMPTS else "",
         own=own_progress(progress),
-        hints_held=None if access.teaches else withheld.withheld_view(access.hints_held, "hints"),
-        diagnosis_held=withheld.withheld_view(diagnosis_held, "diagnosis")
+        hints_held=None if access.teaches else withheld.build_withheld_view(access.hints_held, "hints"),
+        diagnosis_held=withheld.build_withheld_view(diagnosis_held, "diagnosis")
         if verdict and verdict.tone != "good"
         else None,
-        solution_held=withheld.withheld_view(access.solution_held, "solution")
+        solution_held=withheld.build_withheld_view(access.solution_held, "solution")
         if access.is_closed_only_by_hold(progress)
         else None,
-        onward=onward.way_onward(reader, exercise, verdict) if progress.succeeded else None,
+        onward=onward.build_way_onward(reader, exercise, verdict) if progress.succeeded else None,
     )
 
 
-def _work(
+def _build_submission_view(
     reader: Reader,
     exercise: Exercise,
     attempt: Attempt | None,
@@ -238,7 +243,7 @@ def _work(
     seed: int | None,
     *,
     again: bool = False,
-) -> WorkView | None:
+) -> SubmissionView | None:
     """`seed` is that of the deal that the page shows, in an exercise answered without code."""
     if attempt is None:
         return None
@@ -250,11 +255,11 @@ def _work(
         if attempt.held
         else reader.submissions.progress(reader.db, submission)
     )
-    work = WorkView(
+    work = SubmissionView(
         id=str(submission.id),
         number=number,
         status=place.state.value,
-        waiting=waiting_text(place),
+        waiting=describe_waiting(place),
         held=attempt.held_text,
         runs=not attempt.load_error,
         verdict=None,
@@ -262,15 +267,15 @@ def _work(
         events=f"{href}/evenements",
         fragment=f"{href}/verdict{'?deja=true' if again else ''}",
         again=again,
-        marks=marks.build_marks(exercise, submission, verdict, seed),
-        progress=_progress(reader, exercise, attempt, verdict),
-        asks=talk.may_ask(reader, exercise, submission.account_id),
+        marks=marks.build_question_marks(exercise, submission, verdict, seed),
+        progress=_compare_with_previous_verdict(reader, exercise, attempt, verdict),
+        asks=talk.may_ask_question(reader, exercise, submission.account_id),
         regraded=regraded.load_regraded_view(reader.db, attempt.grading.id, exercise.kind)
         if attempt.grading and not attempt.feedback.diagnosis
         else None,
     )
     if verdict is None or attempt.grading is None:
-        return replace(work, early=_early_view(reader, exercise, attempt, place.state))
+        return replace(work, early=_build_early_verdict_view(reader, exercise, attempt, place.state))
     view = verdicts.verdict_view(
         verdict,
         f"{href}/figures",
@@ -280,21 +285,28 @@ def _work(
         described=describe_figures(reader.db, attempt.grading.id, verdict),
         films=(f"{href}/rejeux", attempt.grading.filmed or ()),
         replayed=(f"{href}/pas", [check.id for check in verdict.checks if can_replay(exercise, check)]),
-        world=_world(exercise, verdict),
+        world=_find_check_world(exercise, verdict),
     )
     return replace(
-        work, verdict=view, searched=is_search_pending, recalled=_recall_mistake(reader, exercise, attempt, verdict)
+        work,
+        verdict=view,
+        searched=is_search_pending,
+        recalled=_find_recalled_mistake(reader, exercise, attempt, verdict),
     )
 
 
-def _recall_mistake(reader: Reader, exercise: Exercise, attempt: Attempt, verdict: Verdict) -> RecalledMistake | None:
+def _find_recalled_mistake(
+    reader: Reader, exercise: Exercise, attempt: Attempt, verdict: Verdict
+) -> RecalledMistake | None:
     named = verdict.diagnosis
     if named is None or named.source == TEACHER:
         return None
-    return notebook.recall_mistake(reader, exercise, attempt.submission, named.id)
+    return notebook.find_recalled_mistake(reader, exercise, attempt.submission, named.id)
 
 
-def _early_view(reader: Reader, exercise: Exercise, attempt: Attempt, state: SubmissionState) -> VerdictView | None:
+def _build_early_verdict_view(
+    reader: Reader, exercise: Exercise, attempt: Attempt, state: SubmissionState
+) -> VerdictView | None:
     """Return the checks of an attempt whose mistake is still sought; None where nothing may be shown yet."""
     if attempt.held or state is not SubmissionState.running:
         return None
@@ -302,10 +314,10 @@ def _early_view(reader: Reader, exercise: Exercise, attempt: Attempt, state: Sub
     if verdict is None:
         return None
     undrawn = replace(verdict, checks=[replace(check, figure=None) for check in verdict.checks])
-    return verdicts.verdict_view(undrawn, "", functions=exercise.functions, world=_world(exercise, verdict))
+    return verdicts.verdict_view(undrawn, "", functions=exercise.functions, world=_find_check_world(exercise, verdict))
 
 
-def _world(exercise: Exercise, verdict: Verdict) -> verdicts.World:
+def _find_check_world(exercise: Exercise, verdict: Verdict) -> verdicts.World:
     """Return the kit's settings under which the checks of a verdict ran, which its seed tells."""
     grader = exercise.grader
     if not isinstance(grader, CodeGrader):
@@ -313,7 +325,9 @@ def _world(exercise: Exercise, verdict: Verdict) -> verdicts.World:
     return grader.kit(stream(verdict.seed, "kit")), exercise.solution
 
 
-def _progress(reader: Reader, exercise: Exercise, attempt: Attempt, verdict: Verdict | None) -> Mended | None:
+def _compare_with_previous_verdict(
+    reader: Reader, exercise: Exercise, attempt: Attempt, verdict: Verdict | None
+) -> Mended | None:
     """What code mended since the attempt before; answers without code are marked one by one in their places."""
     before = None
     if verdict is not None and exercise.answers is None:
@@ -321,21 +335,21 @@ def _progress(reader: Reader, exercise: Exercise, attempt: Attempt, verdict: Ver
     return None if before is None or verdict is None else progress_since(before, verdict)
 
 
-def _rows(exercise: Exercise, attempts: AttemptList) -> tuple[AttemptRow, ...]:
-    return tuple(_row(exercise, line) for line in attempts.lines)
+def _build_attempt_rows(exercise: Exercise, attempts: AttemptList) -> tuple[AttemptRow, ...]:
+    return tuple(_build_attempt_row(exercise, line) for line in attempts.lines)
 
 
-def _row(exercise: Exercise, line: AttemptLine) -> AttemptRow:
+def _build_attempt_row(exercise: Exercise, line: AttemptLine) -> AttemptRow:
     return AttemptRow(
         number=line.number,
         href=f"/soumissions/{line.id}",
         when=line.sent_at,
         points="" if line.score is None else format_mark(20 * line.score),
-        outcome=_held_outcome(line) if line.held else verdicts.outcome_title(line.outcome, exercise.kind),
+        outcome=_withheld_outcome_text(line) if line.held else verdicts.outcome_title(line.outcome, exercise.kind),
     )
 
 
-def _held_outcome(line: AttemptLine) -> str:
+def _withheld_outcome_text(line: AttemptLine) -> str:
     if line.failed:
         return FAILED
     return HELD if line.runs else NOT_LOADED

@@ -31,7 +31,7 @@ NOT_UNDERSTOOD = "Je ne comprends pas cette vérification."
 
 
 @dataclass(frozen=True)
-class Chosen:
+class ChosenSubject:
     """What one is about to write of: lines, or a check; `title` is how the form is headed."""
 
     first: int | None = None
@@ -41,7 +41,7 @@ class Chosen:
     draft: Draft = NO_DRAFT
 
     @property
-    def is_lines(self) -> bool:
+    def has_lines(self) -> bool:
         return self.first is not None
 
 
@@ -54,7 +54,7 @@ class StudentLink:
 
 
 @dataclass(frozen=True)
-class TalkPart:
+class AttemptThreadsView:
     """What an attempt's page shows of threads. `threads` stand on no line of it; `checks` are the names and titles
     of those of its verdict; `unread` are to be noted as seen.
 
@@ -65,7 +65,7 @@ class TalkPart:
     code: CodeView | None
     threads: tuple[ThreadView, ...]
     writer: WriterView | None
-    chosen: Chosen
+    chosen: ChosenSubject
     checks: tuple[tuple[str, str], ...]
     student: StudentLink | None
     unread: tuple[Conversation, ...]
@@ -73,7 +73,7 @@ class TalkPart:
 
 
 @dataclass(frozen=True)
-class Aim:
+class MessageSubject:
     """The subject of a new message, lines or a check (neither: the whole work), with its draft."""
 
     lines: LineRange | None = None
@@ -81,14 +81,16 @@ class Aim:
     draft: Draft = NO_DRAFT
 
 
-def may_ask(reader: Reader, exercise: Exercise, author: UUID | None = None) -> bool:
+def may_ask_question(reader: Reader, exercise: Exercise, author: UUID | None = None) -> bool:
     """Whether one has sent it oneself, where it has been, and somebody would read a question about it."""
     if reader.account is None or author not in (None, reader.account.id):
         return False
     return rights.has_readers(reader.db, reader.account.id, exercise.module)
 
 
-def attempt_talk(reader: Reader, exercise: Exercise, attempt: Attempt, aim: Aim, *, asks: bool) -> TalkPart:
+def build_attempt_threads(
+    reader: Reader, exercise: Exercise, attempt: Attempt, aim: MessageSubject, *, asks: bool
+) -> AttemptThreadsView:
     """`asks`: it is one's own, and somebody would read a question."""
     submission, account = attempt.submission, reader.account
     assert account is not None  # who may read an attempt is somebody
@@ -97,58 +99,58 @@ def attempt_talk(reader: Reader, exercise: Exercise, attempt: Attempt, aim: Aim,
     may_write = asks or not own
     back = f"/soumissions/{submission.id}"
     write = (
-        writer_view(reader.db, account, exercise.id, back, staff=not own, diagnosis=_diagnosis(attempt))
+        writer_view(reader.db, account, exercise.id, back, staff=not own, diagnosis=_misconception_id(attempt))
         if may_write
         else None
     )
     code = None if exercise.answers is not None else code_view(submission.code, talks, account)
     shown = 0 if code is None else len(code.lines)
-    elsewhere = [talk for talk in talks if not _stands_on_a_line(talk, shown)]
-    return TalkPart(
+    elsewhere = [talk for talk in talks if not _is_on_shown_line(talk, shown)]
+    return AttemptThreadsView(
         action=f"{back}/commentaires",
         code=code,
         threads=thread_views(elsewhere, account),
         writer=write,
-        chosen=_chosen(attempt, aim, shown) if may_write else Chosen(draft=aim.draft),
-        checks=_checks(attempt),
-        student=None if own else _student(reader, account, submission.account_id, exercise),
+        chosen=_build_chosen_subject(attempt, aim, shown) if may_write else ChosenSubject(draft=aim.draft),
+        checks=_list_checks(attempt),
+        student=None if own else _build_student_link(reader, account, submission.account_id, exercise),
         unread=tuple(talk for talk in talks if talk.is_new),
         partner=find_teammate_name(reader.db, account.id, submission.account_id) if attempt.shared else "",
     )
 
 
-def _diagnosis(attempt: Attempt | None) -> str | None:
+def _misconception_id(attempt: Attempt | None) -> str | None:
     return attempt.grading.diagnosis if attempt is not None and attempt.grading is not None else None
 
 
-def _stands_on_a_line(talk: Conversation, shown: int) -> bool:
-    return talk.lines is not None and talk.fate is not LineFate.gone and talk.lines.last <= shown
+def _is_on_shown_line(talk: Conversation, line_count: int) -> bool:
+    return talk.lines is not None and talk.fate is not LineFate.gone and talk.lines.last <= line_count
 
 
-def _chosen(attempt: Attempt, aim: Aim, shown: int) -> Chosen:
+def _build_chosen_subject(attempt: Attempt, aim: MessageSubject, line_count: int) -> ChosenSubject:
     """What is not there is not chosen."""
     place, draft = aim.lines, aim.draft
-    if place is not None and 1 <= place.first <= place.last <= shown:
-        return Chosen(place.first, place.last, title=_heading(place), draft=draft)
-    if aim.check and aim.check in dict(_checks(attempt)):
+    if place is not None and 1 <= place.first <= place.last <= line_count:
+        return ChosenSubject(place.first, place.last, title=_line_range_heading(place), draft=draft)
+    if aim.check and aim.check in dict(_list_checks(attempt)):
         written = draft if draft.text or draft.problem else replace(draft, text=NOT_UNDERSTOOD)
-        return Chosen(check=aim.check, draft=written)
-    return Chosen(draft=draft)
+        return ChosenSubject(check=aim.check, draft=written)
+    return ChosenSubject(draft=draft)
 
 
-def _checks(attempt: Attempt) -> tuple[tuple[str, str], ...]:
+def _list_checks(attempt: Attempt) -> tuple[tuple[str, str], ...]:
     """Return id and title of the attempt's checks, failed ones first."""
     checks = attempt.verdict.checks if attempt.verdict else ()
     return tuple((check.id, check.title) for check in sorted(checks, key=lambda check: check.passed))
 
 
-def _heading(place: LineRange) -> str:
+def _line_range_heading(place: LineRange) -> str:
     return (
         f"Sur la ligne {place.first}" if place.first == place.last else f"Sur les lignes {place.first} à {place.last}"
     )
 
 
-def _student(reader: Reader, account: Account, author: UUID, exercise: Exercise) -> StudentLink | None:
+def _build_student_link(reader: Reader, account: Account, author: UUID, exercise: Exercise) -> StudentLink | None:
     member = rights.find_member_for_reader(reader.db, account, author, exercise.id)
     if member is None:
         return None
@@ -157,7 +159,7 @@ def _student(reader: Reader, account: Account, author: UUID, exercise: Exercise)
 
 
 @dataclass(frozen=True)
-class ExerciseTalk:
+class ExerciseThreadsView:
     """What the page of an exercise shows of what is said to this account: nothing, to a visitor."""
 
     news: Sequence[UnreadThread] = ()
@@ -170,11 +172,13 @@ class ExerciseTalk:
     unread: tuple[Conversation, ...] = ()
 
 
-def exercise_talk(reader: Reader, exercise: Exercise, *, asks: bool, draft: Draft = NO_DRAFT) -> ExerciseTalk:
+def build_exercise_threads(
+    reader: Reader, exercise: Exercise, *, asks: bool, draft: Draft = NO_DRAFT
+) -> ExerciseThreadsView:
     """`asks`: somebody would read a question."""
     account = reader.account
     if account is None:
-        return ExerciseTalk()
+        return ExerciseThreadsView()
     href = exercise_href(exercise)
     talks = service.load_page_conversations(reader.db, account, exercise.id)
     whole = [talk for talk in talks if talk.thread.submission_id is None]
@@ -184,7 +188,7 @@ def exercise_talk(reader: Reader, exercise: Exercise, *, asks: bool, draft: Draf
         if talk.thread.submission_id is not None
     ]
     received = notes_repository.load_received_notes(reader.db, account.id, exercise.id)
-    return ExerciseTalk(
+    return ExerciseThreadsView(
         news=found,
         words=[note for note in received if note.seen_at is None],
         read_words=[note for note in received if note.seen_at is not None],
@@ -217,7 +221,7 @@ class ThreadPage:
 AROUND = 4
 
 
-def thread_page(reader: Reader, thread: Thread, draft: Draft) -> ThreadPage:
+def build_thread_page(reader: Reader, thread: Thread, draft: Draft) -> ThreadPage:
     account = reader.account
     assert account is not None  # who may read a thread is somebody
     exercise = find_exercise(reader.course, *thread.exercise.split("/"))
@@ -226,7 +230,7 @@ def thread_page(reader: Reader, thread: Thread, draft: Draft) -> ThreadPage:
     attempt = None if thread.submission_id is None else gradebook.find_attempt(reader.db, account, thread.submission_id)
     number = None if attempt is None else gradebook.attempt_number(reader.db, attempt.submission)
     whole = exercise_href(exercise)
-    student = None if own else _student(reader, account, thread.account_id, exercise)
+    student = None if own else _build_student_link(reader, account, thread.account_id, exercise)
     if not own and attempt is None and student is not None:
         whole = student.href
     return ThreadPage(
@@ -236,11 +240,18 @@ def thread_page(reader: Reader, thread: Thread, draft: Draft) -> ThreadPage:
         href=whole if attempt is None else f"/soumissions/{attempt.submission.id}#fil-{thread.id}",
         href_text="Voir l’exercice" if number is None else f"Voir l’essai n° {number} en entier",
         student=student,
-        code=() if attempt is None or exercise.answers is not None else _around(attempt.submission.code, found.lines),
+        code=()
+        if attempt is None or exercise.answers is not None
+        else _lines_around(attempt.submission.code, found.lines),
         check=_check_view(reader, exercise, attempt, thread.check_id),
         texts=None if exercise.answers is None else exercise,
         writer=writer_view(
-            reader.db, account, thread.exercise, f"/fils/{thread.id}", staff=not own, diagnosis=_diagnosis(attempt)
+            reader.db,
+            account,
+            thread.exercise,
+            f"/fils/{thread.id}",
+            staff=not own,
+            diagnosis=_misconception_id(attempt),
         ),
         draft=draft,
         unread=(found,) if found.is_new else (),
@@ -260,7 +271,7 @@ def _check_view(reader: Reader, exercise: Exercise, attempt: Attempt | None, che
     return next((check for check in view.checks if check.id == check_id), None)
 
 
-def _around(code: str, place: LineRange | None) -> tuple[LineView, ...]:
+def _lines_around(code: str, place: LineRange | None) -> tuple[LineView, ...]:
     if place is None:
         return ()
     first, last = max(1, place.first - AROUND), min(place.last, place.first + 10 * AROUND) + AROUND

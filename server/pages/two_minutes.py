@@ -29,7 +29,7 @@ from server.hunts.service import (
 )
 from server.identity.dependencies import OptionalAccount, SignedIn
 from server.identity.models import Account
-from server.pages.hunts import MAX_NAME, WORDS, Act, Kind, Typed, answer_question, hunt_page
+from server.pages.hunts import MAX_NAME, WORDS, Act, Kind, Typed, build_hunt_page, judge_hunt_answer
 from server.polls.models import POLL_LENGTH
 from server.recall import calculations, repository, retrievals
 from server.recall.calculations import AskedCalculation
@@ -45,7 +45,7 @@ router = APIRouter(include_in_schema=False)
 PATH = "/deux-minutes"
 
 
-def read_recall(database: Database, course: CourseOf, account: Account) -> RecallState:
+def load_recall_state(database: Database, course: CourseOf, account: Account) -> RecallState:
     """Load what comes back to an account, in a transaction of its own."""
     with database.read() as db:
         progress = gradebook.load_progress(db, account)
@@ -55,18 +55,18 @@ def read_recall(database: Database, course: CourseOf, account: Account) -> Recal
 
 
 @router.get(PATH)
-async def show_question(
+async def show_due_question(
     request: Request, account: OptionalAccount, database: DatabaseOf, course: CourseOf, hunts: HuntsOf
 ) -> Response:
     """Ask about the most forgotten of what is due."""
     if account is None:
         return redirect_to_login(request)
-    recall = await run_in_threadpool(read_recall, database, course, account)
+    recall = await run_in_threadpool(load_recall_state, database, course, account)
     page: dict[str, Any] = {"offer": None}
     for subject, candidates in recall.due.items():
         if found := retrievals.find_question(course, subject):
             asked = await run_in_threadpool(retrievals.draw_retrieval, *found, account, retrievals.today())
-            page = _question_page(course, asked)
+            page = _build_question_page(course, asked)
             break
         turn = recall.answers.get(subject, 0)
         if chosen := _choose_calculation(course, candidates, turn):
@@ -78,17 +78,17 @@ async def show_question(
                 account,
                 retrievals.today(),
             )
-            page = await run_in_threadpool(_calculation_page, calculation)
+            page = await run_in_threadpool(_build_calculation_page, calculation)
             break
         offer, question = await _offer_hunt(hunts, account, turn, candidates, client_address(request))
         if offer is not None:
             exercise = course.exercises[offer.hunt.exercise]
-            page = dict(await run_in_threadpool(hunt_page, course, exercise, offer, question))
+            page = dict(await run_in_threadpool(build_hunt_page, course, exercise, offer, question))
             break
-    return await run_in_threadpool(_render, request, account, page, recall)
+    return await run_in_threadpool(_render_recall_page, request, account, page, recall)
 
 
-def _from_turn(candidates: Sequence[RecallCandidate], turn: int) -> Sequence[RecallCandidate]:
+def _rotate_candidates(candidates: Sequence[RecallCandidate], turn: int) -> Sequence[RecallCandidate]:
     """Return the candidates from that of a turn on, the others after them."""
     place = turn % max(1, len(candidates))
     return [*candidates[place:], *candidates[:place]]
@@ -96,7 +96,7 @@ def _from_turn(candidates: Sequence[RecallCandidate], turn: int) -> Sequence[Rec
 
 def _choose_calculation(course: Course, candidates: Sequence[RecallCandidate], turn: int) -> RecallCandidate | None:
     """Return the candidate of a turn where it is one of a calculation, or the first such where none has a program."""
-    ordered = _from_turn(candidates, turn)
+    ordered = _rotate_candidates(candidates, turn)
     answered = [candidate for candidate in ordered if course.exercises[candidate.exercise].answers is not None]
     return answered[0] if answered and (answered[0] == ordered[0] or len(answered) == len(ordered)) else None
 
@@ -105,12 +105,12 @@ async def _offer_hunt(
     hunts: HuntService, account: Account, turn: int, candidates: Sequence[RecallCandidate], address: str
 ) -> tuple[OfferedHunt | None, Kind]:
     """Offer the first misconception about which a question can be asked: a hunt, a prediction and a line in turn."""
-    offer = await hunts.offer_first(account, hunts_of_misconceptions(_from_turn(candidates, turn)), address)
+    offer = await hunts.offer_first(account, hunts_of_misconceptions(_rotate_candidates(candidates, turn)), address)
     return offer, "entree" if offer is None else WORDS[choose_question_kind(offer, turn)]
 
 
 @router.post(f"{PATH}/questions/{{module:module}}")
-def answer_question_of_lesson(
+def answer_lesson_question(
     request: Request,
     account: SignedIn,
     database: DatabaseOf,
@@ -129,7 +129,9 @@ def answer_question_of_lesson(
             shown["marking"] = retrievals.submit_retrieval(db, course_module, question, account, jour, reponse)
     except Invalid as error:
         shown["refusal"] = str(error)
-    return _render(request, account, _question_page(course, asked) | shown, read_recall(database, course, account))
+    return _render_recall_page(
+        request, account, _build_question_page(course, asked) | shown, load_recall_state(database, course, account)
+    )
 
 
 @router.post(f"{PATH}/calculs")
@@ -154,11 +156,13 @@ def answer_calculation(
         }  # fmt: skip
     except Invalid as error:
         shown["refusal"] = str(error)
-    return _render(request, account, _calculation_page(asked) | shown, read_recall(database, course, account))
+    return _render_recall_page(
+        request, account, _build_calculation_page(asked) | shown, load_recall_state(database, course, account)
+    )
 
 
 @router.post(PATH)
-async def answer_due(
+async def answer_due_hunt(
     request: Request,
     account: SignedIn,
     database: DatabaseOf,
@@ -172,17 +176,17 @@ async def answer_due(
     valeur: Typed = [],  # noqa: B006 (read by FastAPI, and never changed)
 ) -> Response:
     """Judge an answer as on the page of hunts."""
-    exercise, address = find_exercise(course, *_split(exercice)), client_address(request)
+    exercise, address = find_exercise(course, *_split_exercise_id(exercice)), client_address(request)
     hunt = HuntName(exercise=exercise.id, misconception=erreur, function=fonction)
     offer = await hunts.reopen(account, hunt, address)
     outcome = None
     if offer is not None:
-        outcome = await answer_question(hunts, account, offer, question, action, valeur, address)
-    recall = await run_in_threadpool(read_recall, database, course, account)
+        outcome = await judge_hunt_answer(hunts, account, offer, question, action, valeur, address)
+    recall = await run_in_threadpool(load_recall_state, database, course, account)
     page = await run_in_threadpool(
-        hunt_page, course, exercise, offer, question, valeur, outcome, gave_up=action == "abandonner"
+        build_hunt_page, course, exercise, offer, question, valeur, outcome, gave_up=action == "abandonner"
     )
-    return await run_in_threadpool(_render, request, account, dict(page), recall)
+    return await run_in_threadpool(_render_recall_page, request, account, dict(page), recall)
 
 
 @router.post(f"{PATH}/rappels")
@@ -195,13 +199,13 @@ def set_reminders(
     return redirect("/" if rappels == "non" else PATH)
 
 
-def _question_page(course: Course, asked: AskedQuestion) -> dict[str, Any]:
+def _build_question_page(course: Course, asked: AskedQuestion) -> dict[str, Any]:
     module, slug = course.modules[asked.module], asked.name.partition("/")[0]
     title = next((lesson.title for lesson in module.lessons if lesson.slug == slug), module.title)
     return {"offer": None, "asked": asked, "lesson": title, "typed": "", "refusal": "", "marking": None}
 
 
-def _calculation_page(asked: AskedCalculation) -> dict[str, Any]:
+def _build_calculation_page(asked: AskedCalculation) -> dict[str, Any]:
     exercise, question = asked.exercise, asked.question
     return {
         "offer": None,
@@ -217,11 +221,11 @@ def _calculation_page(asked: AskedCalculation) -> dict[str, Any]:
     }
 
 
-def _split(exercise: str) -> Sequence[str]:
+def _split_exercise_id(exercise: str) -> Sequence[str]:
     module, _, slug = exercise.partition("/")
     return module, slug
 
 
-def _render(request: Request, account: Account, page: Mapping[str, Any], recall: RecallState) -> Response:
+def _render_recall_page(request: Request, account: Account, page: Mapping[str, Any], recall: RecallState) -> Response:
     shown = {"asked": None, "calculation": None, **page, "recall": recall, "here": PATH, "sitting": SITTING_QUESTIONS}
     return render_page(request, "two_minutes.html", account, page=shown)

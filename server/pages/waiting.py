@@ -16,7 +16,7 @@ from server.submissions.service import GradingProgress, Submissions
 from server.web.words import plural
 
 
-def waiting_text(place: GradingProgress) -> str:
+def describe_waiting(place: GradingProgress) -> str:
     """Describe the state of a submission without a verdict."""
     if place.state is SubmissionState.running:
         return "Correction en cours…"
@@ -33,7 +33,7 @@ def waiting_text(place: GradingProgress) -> str:
 
 
 @dataclass(frozen=True)
-class Waiting:
+class WaitingState:
     """The state that the page of a waiting submission receives."""
 
     status: str
@@ -53,15 +53,15 @@ class Waiting:
         return members if self.settles_in is None else {**members, "held": True}
 
 
-def held_state(attempt: Attempt) -> Waiting:
+def withheld_state(attempt: Attempt) -> WaitingState:
     """Return the state of a withheld attempt: it is watched for a file that does not run, for a fixed time."""
     settles_in = attempt.settles_in
     status = SubmissionState.running if settles_in else SubmissionState.done
-    return Waiting(status, attempt.held_text, settles_in)
+    return WaitingState(status, attempt.held_text, settles_in)
 
 
 @dataclass
-class Watched:
+class WatchedSubmission:
     """A submission, for whoever may see it: once it has been seen to wait, its place alone is asked for until its job
     is over. Hundreds may look at the same time."""
 
@@ -71,15 +71,15 @@ class Watched:
     submission: UUID
     waits: bool = False
 
-    def look(self) -> Waiting:
+    def read_state(self) -> WaitingState:
         """Raises NotFound."""
         with self.database.read() as db:
             place = self.store.progress_while_waiting(db, self.submission) if self.waits else None
             if place is None:
                 attempt = gradebook.find_attempt(db, self.account, self.submission)
                 if attempt.held:
-                    return held_state(attempt)
+                    return withheld_state(attempt)
                 place = self.store.progress(db, attempt.submission)
             self.waits = place.state is not SubmissionState.done
             early = place.state is SubmissionState.running and early_verdicts.exists(db, self.submission)
-            return Waiting(place.state, waiting_text(place), early=early)
+            return WaitingState(place.state, describe_waiting(place), early=early)

@@ -11,7 +11,7 @@ from server.course import Exercise
 from server.database import utc_now
 from server.gradebook.schemas import Attempt
 from server.pages import form_state
-from server.pages.schemas import HeldView, TestBanner
+from server.pages.schemas import TestBanner, WithheldView
 from server.web.views import Reader, exercise_href
 
 What = Literal["hints", "diagnosis", "solution"]
@@ -33,17 +33,17 @@ SHOWN_STAGES: dict[SittingStage, Literal["may_begin", "running", "over"]] = {
 }
 
 
-def withheld_view(closed: FeedbackHold | None, what: What) -> HeldView | None:
+def build_withheld_view(closed: FeedbackHold | None, what: What) -> WithheldView | None:
     """None where nothing is held back, or where nothing is to be said of it."""
     if closed is None:
         return None
     if closed.test:
         text = IN_TEST[what].format(title=closed.title)
-        return HeldView(text) if text else None
+        return WithheldView(text) if text else None
     text = FOR_A_TIME[what].format(title=closed.title)
     if closed.until is None:
-        return HeldView(f"{text}.")
-    return HeldView(f"{text} jusqu’au", closed.until)
+        return WithheldView(f"{text}.")
+    return WithheldView(f"{text} jusqu’au", closed.until)
 
 
 def load_holds_of_exercise(reader: Reader, exercise: Exercise) -> FeedbackHolds:
@@ -59,7 +59,7 @@ def load_saved_work(reader: Reader, exercise: Exercise, latest: Attempt | None) 
     return saved if newer else None
 
 
-def test_banner(reader: Reader, exercise: Exercise, saved: SavedWork | None) -> TestBanner | None:
+def build_test_banner(reader: Reader, exercise: Exercise, saved: SavedWork | None) -> TestBanner | None:
     """Build the banner of the running test, else of the first test that withholds the exercise."""
     holds = load_holds_of_exercise(reader, exercise)
     tests = holds.tests

@@ -241,9 +241,9 @@ def test_another_deal_has_no_marks(site: Site, worker: Worker, course: Course) -
     sent(site, QUIZ, fields_of(QUIZ, right(site, course, QUIZ)))
     exercise, (row,) = course.exercises[QUIZ], stored(site.database, Submission)
     verdict = exercise.grader.grade(row.source, LOCAL, seed=row.seed, version="").verdict
-    assert {mark.tone for mark in marks.build_marks(exercise, row, verdict, row.seed)} == {"good"}
-    assert {mark.tone for mark in marks.build_marks(exercise, row, verdict, row.seed + 1)} == {"none"}
-    assert {mark.tone for mark in marks.build_marks(exercise, row, None, row.seed)} == {"none"}
+    assert {mark.tone for mark in marks.build_question_marks(exercise, row, verdict, row.seed)} == {"good"}
+    assert {mark.tone for mark in marks.build_question_marks(exercise, row, verdict, row.seed + 1)} == {"none"}
+    assert {mark.tone for mark in marks.build_question_marks(exercise, row, None, row.seed)} == {"none"}
 
 
 def test_numbers_are_typed_by_hand_and_come_back_as_typed(site: Site, worker: Worker) -> None:

@@ -249,7 +249,7 @@ def test_an_assistant_comments_and_an_archived_class_is_read_no_more(school: Sch
 
 def test_the_page_of_a_refusal_keeps_no_other_writer_waiting(site: Site, monkeypatch: pytest.MonkeyPatch) -> None:
     """Its rendering takes as long as a page: verdicts waited for it, fourteen times as long under a flood of these."""
-    render, written = comments.attempt_page, list[int]()
+    render, written = comments.render_attempt_page, list[int]()
 
     def render_beside_a_writer(*arguments: Any, **options: Any) -> Any:
         answer = render(*arguments, **options)
@@ -259,6 +259,6 @@ def test_the_page_of_a_refusal_keeps_no_other_writer_waiting(site: Site, monkeyp
         return answer
 
     sent = site.client.post("/l20/exercices/poses/soumissions", data={"code": "x"})
-    monkeypatch.setattr(comments, "attempt_page", render_beside_a_writer)
+    monkeypatch.setattr(comments, "render_attempt_page", render_beside_a_writer)
     answer = site.client.post(f"{sent.headers['location']}/commentaires", data={"texte": "Pourquoi ?"})
     assert (answer.status_code, "Pourquoi ?" in answer.text, written) == (409, True, [1])

@@ -11,21 +11,21 @@ from pathlib import Path
 import pytest
 
 from server.base.errors import NotFound
-from server.pages.kits import build_download, file_name_of
+from server.pages.kits import build_kit_download, kit_file_name
 from tests.support.quick import the_course
 from tests.support.small_site import SmallSite
 
 
 def test_a_kit_of_one_file_is_that_file_and_another_an_archive() -> None:
     module = the_course().modules["l20"]
-    assert [file_name_of(module, kit) for kit in module.kits] == ["l20.py", "ros.zip"]
+    assert [kit_file_name(module, kit) for kit in module.kits] == ["l20.py", "ros.zip"]
     assert the_course().exercises["l20/noeud_ros"].kit == "ros"
-    assert build_download(module, "l20.py").content.startswith('"""Le monde simulé'.encode())
-    archive = zipfile.ZipFile(io.BytesIO(build_download(module, "ros.zip").content))
+    assert build_kit_download(module, "l20.py").content.startswith('"""Le monde simulé'.encode())
+    archive = zipfile.ZipFile(io.BytesIO(build_kit_download(module, "ros.zip").content))
     assert {"ros/l20.py", "ros/ros.py", "ros/rclpy/node.py", "ros/sensor_msgs/msg.py"} <= set(archive.namelist())
     for absent in ("ros.py", "l20.zip", "rclpy.py", "../l20.py"):
         with pytest.raises(NotFound):
-            build_download(module, absent)
+            build_kit_download(module, absent)
 
 
 def test_the_page_s_address_serves_it(small_site: SmallSite) -> None:
@@ -37,7 +37,7 @@ def test_the_page_s_address_serves_it(small_site: SmallSite) -> None:
 @pytest.mark.slow
 def test_the_archive_works_at_home(tmp_path: Path) -> None:
     module = the_course().modules["l20"]
-    zipfile.ZipFile(io.BytesIO(build_download(module, "ros.zip").content)).extractall(tmp_path)
+    zipfile.ZipFile(io.BytesIO(build_kit_download(module, "ros.zip").content)).extractall(tmp_path)
     home = tmp_path / "ros"
     (home / "noeud.py").write_text(the_course().exercises["l20/noeud_ros"].solution, encoding="utf-8")
     text = (home / "ros.py").read_text(encoding="utf-8")

@@ -11,7 +11,7 @@ import pytest
 from server.api.schemas import LimitsOut
 from server.base.validation import format_size
 from server.course.schemas import PolicyEntry
-from server.pages.policy import policy_lines
+from server.pages.policy import describe_policy_limits
 from server.sandbox.policy import LIMIT_SPECS, Policy
 from tests.support.small_course import EXERCISE, CourseFolder
 from tests.support.small_site import PAGE, SmallSite
@@ -75,7 +75,7 @@ def test_an_exercises_own_limit_binds_and_shows(course_folder: CourseFolder, fie
     assert not course.problems
     own, usual = (course.exercises[f"m9/{slug}"] for slug in ("a", "b"))
     assert getattr(own.policy, field) == value
-    changed = set(policy_lines(own)) - set(policy_lines(usual))
+    changed = set(describe_policy_limits(own)) - set(describe_policy_limits(usual))
     assert changed == {(LIMIT_SPECS[field].label, told)}
 
 

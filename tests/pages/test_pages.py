@@ -14,7 +14,7 @@ from server.base.errors import NotFound
 from server.database import Database
 from server.gradebook.schemas import HINT_OPENS_AFTER
 from server.identity.models import Account
-from server.pages.waiting import Watched
+from server.pages.waiting import WatchedSubmission
 from server.queue.interfaces import WorkerCapabilities
 from server.submissions.models import Submission
 from server.submissions.service import GRADE, Submissions
@@ -154,17 +154,17 @@ def test_who_waits_asks_for_the_place_alone_until_the_verdict_is_there(small_sit
     identity = UUID(small_site.submit("b").rpartition("/")[2])
     with database.read() as db:
         author = db.get_one(Account, db.get_one(Submission, identity).account_id)
-    watch = Watched(author, get_service(app, Submissions), database, identity)
-    assert watch.look().text == "En attente : 1 envoi passe avant le vôtre."
+    watch = WatchedSubmission(author, get_service(app, Submissions), database, identity)
+    assert watch.read_state().text == "En attente : 1 envoi passe avant le vôtre."
     with Counted(database) as counted:
-        assert not watch.look().done
+        assert not watch.read_state().done
     assert len(counted.statements) == 1
     small_site.grade(verdict())
     small_site.grade(verdict())
-    assert watch.look().done
-    stranger = Watched(new_account(database), watch.store, database, identity)
+    assert watch.read_state().done
+    stranger = WatchedSubmission(new_account(database), watch.store, database, identity)
     with pytest.raises(NotFound):
-        stranger.look()
+        stranger.read_state()
 
 
 def test_without_script_a_form_leads_to_the_attempt(small_site: SmallSite) -> None:

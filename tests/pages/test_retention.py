@@ -10,7 +10,7 @@ import pytest
 
 from server.base.files import ROOT
 from server.base.settings import Settings
-from server.pages.retention import Row, rows
+from server.pages.retention import RetentionRow, list_retention_rows
 from server.tables import metadata
 from tests.support.service import Site
 
@@ -23,7 +23,7 @@ def table(settings: Settings) -> list[str]:
     return [
         f"| {row.what} | {row.kept} | {where(row)} | {', '.join(f'`{name}`' for name in row.variables) or '—'} "
         f"| {row.removed} |".replace("\u00a0", " ")
-        for row in rows(settings)
+        for row in list_retention_rows(settings)
     ]
 
 
@@ -32,15 +32,15 @@ def plain(text: str) -> str:
     return text.replace("\u00a0", " ").replace("\u202f", " ")
 
 
-def where(row: Row) -> str:
+def where(row: RetentionRow) -> str:
     return ", ".join(f"`{name}`" for name in row.tables) or ", ".join(row.places) or "les mêmes tables"
 
 
 def test_each_table_of_the_database_is_told_once() -> None:
-    told = Counter(name for row in rows(Settings()) for name in row.tables)
+    told = Counter(name for row in list_retention_rows(Settings()) for name in row.tables)
     assert told.keys() == metadata.tables.keys() - NOBODY_S
     assert set(told.values()) == {1}
-    for row in rows(Settings()):
+    for row in list_retention_rows(Settings()):
         assert row.what
         assert row.kept
         assert row.removed
@@ -48,7 +48,7 @@ def test_each_table_of_the_database_is_told_once() -> None:
 
 
 def test_every_setting_that_erases_is_told() -> None:
-    told = {name for row in rows(Settings()) for name in row.settings}
+    told = {name for row in list_retention_rows(Settings()) for name in row.settings}
     erasing = {name for name in Settings.model_fields if re.search(r"_(days|hours)$", name)}
     assert erasing <= told
 
@@ -62,14 +62,14 @@ def test_every_setting_that_erases_is_told() -> None:
     ],
 )  # fmt: skip
 def test_the_settings_in_force_are_told(name: str, value: int, said: str) -> None:
-    changed = [row.kept for row in rows(Settings(**{name: value})) if name in row.settings]  # type: ignore[arg-type]
+    changed = [row.kept for row in list_retention_rows(Settings(**{name: value})) if name in row.settings]  # type: ignore[arg-type]
     assert any(re.search(rf"(?<!\d){said}(?!\w)", kept) for kept in changed)
 
 
 def test_the_page_shows_each_row_with_the_settings_in_force(site: Site) -> None:
     site.tighten(session_days=77, silent_days=400)
     page = plain(html.unescape(site.client.get("/donnees-personnelles").text))
-    for row in rows(site.settings.model_copy(update={"session_days": 77, "silent_days": 400})):
+    for row in list_retention_rows(site.settings.model_copy(update={"session_days": 77, "silent_days": 400})):
         assert all(plain(text) in page for text in (row.what, row.kept, row.removed)), row.what
 
 

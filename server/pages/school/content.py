@@ -26,7 +26,7 @@ from server.federation.models import ActivityKind
 from server.federation.outgoing import origin_of
 from server.identity.dependencies import SignedIn
 from server.identity.models import Account
-from server.pages.school.cookies import state_cookie
+from server.pages.school.cookies import read_state_cookie
 from server.rights import service as rights
 from server.rights.models import Right
 from server.web.forms import Field
@@ -48,7 +48,9 @@ class ContentGroup:
     contents: Mapping[str, LinkableContent]
 
 
-def load_groups(db: Session, course: Course, choice: ContentChoice, account: Account) -> Sequence[ContentGroup]:
+def load_linkable_content_groups(
+    db: Session, course: Course, choice: ContentChoice, account: Account
+) -> Sequence[ContentGroup]:
     """Return what may be chosen: assignments of the class of the course, then lessons and exercises."""
     groups = []
     class_id = None if choice.context is None else choice.context.class_id
@@ -77,15 +79,15 @@ def load_groups(db: Session, course: Course, choice: ContentChoice, account: Acc
 
 
 @router.get(CONTENT_PATH)
-def show_contents(
+def show_linkable_contents(
     request: Request, account: SignedIn, database: DatabaseOf, course: CourseOf, etat: State = ""
 ) -> HTMLResponse:
     with database.read() as db:
-        choice = deep_linking.find_choice(db, etat, account, state_cookie(request, etat))
-        return _choice_page(request, db, course, account, choice, etat)
+        choice = deep_linking.find_choice(db, etat, account, read_state_cookie(request, etat))
+        return _render_choice_page(request, db, course, account, choice, etat)
 
 
-def _choice_page(
+def _render_choice_page(
     request: Request,
     db: Session,
     course: Course,
@@ -99,7 +101,7 @@ def _choice_page(
         "platforms/content.html",
         account,
         status=422 if problem else 200,
-        groups=load_groups(db, course, choice, account),
+        groups=load_linkable_content_groups(db, course, choice, account),
         platform=choice.provider.name,
         has_class=choice.context is not None and choice.context.class_id is not None,
         state=state,
@@ -118,13 +120,13 @@ def choose_content(
     action: Field = "",
 ) -> Response:
     """Take the choice to the platform, by a form that its browser sends there."""
-    browser = state_cookie(request, etat)
+    browser = read_state_cookie(request, etat)
     with database.read() as db:
         choice = deep_linking.find_choice(db, etat, account, browser)
-        groups = load_groups(db, course, choice, account)
+        groups = load_linkable_content_groups(db, course, choice, account)
         content = next((group.contents[contenu] for group in groups if contenu in group.contents), None)
         if content is None and action != "annuler":
-            return _choice_page(request, db, course, account, choice, etat, CHOOSE)
+            return _render_choice_page(request, db, course, account, choice, etat, CHOOSE)
     if action == "annuler":
         content = None
     with database.write() as db:

@@ -13,18 +13,18 @@ ATTRIBUTES = "HttpOnly; Secure; SameSite=None; Partitioned"
 
 def set_state_cookie(response: Response, begun: pending.BegunSignIn) -> None:
     seconds = int(pending.LIFETIME.total_seconds())
-    _append(response, pending.cookie_name(begun.state), begun.browser, seconds)
+    _append_set_cookie(response, pending.cookie_name(begun.state), begun.browser, seconds)
 
 
 def clear_state_cookie(response: Response, state: str) -> None:
-    _append(response, pending.cookie_name(state), "", 0)
+    _append_set_cookie(response, pending.cookie_name(state), "", 0)
 
 
-def _append(response: Response, name: str, value: str, seconds: int) -> None:
+def _append_set_cookie(response: Response, name: str, value: str, seconds: int) -> None:
     cookie = f"{name}={value}; Max-Age={seconds}; Path={root_path() or '/'}; {ATTRIBUTES}"
     response.headers.append("Set-Cookie", cookie)
 
 
-def state_cookie(request: Request, state: str) -> str:
+def read_state_cookie(request: Request, state: str) -> str:
     """Return what the browser has kept of a sign-in that it began; empty for another browser."""
     return cookie_value(request, pending.cookie_name(state))

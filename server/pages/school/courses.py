@@ -34,7 +34,7 @@ NextAddress = Annotated[str, TruncateTo(MAX_ADDRESS)]
 
 
 @router.get(COURSES_PATH)
-def list_courses(
+def show_courses(
     request: Request, account: OptionalAccount, database: DatabaseOf, suite: NextAddress = "/"
 ) -> Response:
     if account is None:
@@ -50,10 +50,10 @@ def show_course(
 ) -> Response:
     if account is None:
         return redirect_to_login(request)
-    return _course_page(request, account, database, context_id, local_path(suite))
+    return _render_course_page(request, account, database, context_id, local_path(suite))
 
 
-def _course_page(
+def _render_course_page(
     request: Request,
     account: Account,
     database: Database,
@@ -74,7 +74,7 @@ def _course_page(
             course=context,
             platform="" if provider is None else provider.name,
             classes=rights_rows.load_taught_classes(db, account.id),
-            students=[_name(row, who) for row, who in waiting.load_waiting_students(db, context.id)],
+            students=[_waiting_student_name(row, who) for row, who in waiting.load_waiting_students(db, context.id)],
             may_create=Right.create_class in rights.server_rights(account),
             name=name or context.title,
             after=after,
@@ -82,12 +82,12 @@ def _course_page(
         )
 
 
-def _name(row: WaitingStudent, account: Account) -> str:
+def _waiting_student_name(row: WaitingStudent, account: Account) -> str:
     return f"{row.given_name} {row.family_name}" if row.given_name and row.family_name else account.name
 
 
 @router.post(COURSE_PATH)
-def tie_course(
+def link_course_to_class(
     request: Request,
     account: SignedIn,
     database: DatabaseOf,
@@ -111,5 +111,5 @@ def tie_course(
             else:
                 raise Invalid(UNKNOWN_ACTION)
     except (Invalid, Conflict) as refused:
-        return _course_page(request, account, database, context_id, after, problem=refused.detail, name=name)
+        return _render_course_page(request, account, database, context_id, after, problem=refused.detail, name=name)
     return redirect(after if after != "/" else f"/classes/{class_id}")

@@ -33,7 +33,7 @@ from server.identity.models import Account
 from server.identity.opened_sessions import OpenedSession
 from server.identity.service import AccountService
 from server.limits import service as limits
-from server.pages.school.landing import choose_page
+from server.pages.school.landing import choose_landing_page
 from server.pages.school.platforms import PLATFORM_PATH
 from server.pages.school.rules import show_trial
 from server.web.forms import Field, redirect, redirect_to_login
@@ -55,7 +55,7 @@ AWAY = (
 AWAY_SECONDS = 10
 
 
-def find_active(database: Database, provider_id: UUID, *, paused: bool = False) -> IdentityProvider:
+def find_active_provider(database: Database, provider_id: UUID, *, paused: bool = False) -> IdentityProvider:
     """Return a system by which one signs in here. Raises NotFound, or Refused where it is paused."""
     if not is_installed():
         raise NotFound(MISSING)
@@ -67,7 +67,7 @@ def find_active(database: Database, provider_id: UUID, *, paused: bool = False) 
         return provider
 
 
-async def ask_system(
+async def ask_provider(
     database: Database, federation: Federation, provider: IdentityProvider, kind: ActivityKind, work: Callable[[], T]
 ) -> T:
     """Return the result of `work`, which asks a system; its failures are written to the activity. Raises Refused or
@@ -83,7 +83,7 @@ async def ask_system(
         raise Unavailable(away, retry_after=AWAY_SECONDS) from error
 
 
-def leave(request: Request, begun: pending.BegunSignIn, address: str) -> Response:
+def redirect_to_provider(request: Request, begun: pending.BegunSignIn, address: str) -> Response:
     """Lead the browser to the system's address, with the cookie by which it is known when it comes back."""
     answer = redirect(address)
     answer.headers.update(NO_STORE)
@@ -99,7 +99,7 @@ def leave(request: Request, begun: pending.BegunSignIn, address: str) -> Respons
     return answer
 
 
-async def begin_entry(
+async def begin_provider_sign_in(
     request: Request,
     database: Database,
     federation: Federation,
@@ -116,12 +116,12 @@ async def begin_entry(
     if provider.protocol == Protocol.cas:  # which asks nobody
         begun, address = await run_in_threadpool(begin)
     else:
-        begun, address = await ask_system(database, federation, provider, ActivityKind.sign_in, begin)
-    return leave(request, begun, address)
+        begun, address = await ask_provider(database, federation, provider, ActivityKind.sign_in, begin)
+    return redirect_to_provider(request, begun, address)
 
 
 @router.get(ENTRY_PATH)
-async def enter(
+async def sign_in_by_provider(
     request: Request,
     database: DatabaseOf,
     federation: FederationOf,
@@ -132,14 +132,14 @@ async def enter(
     """Leads to the system's own page of sign-in."""
 
     def prepare() -> IdentityProvider:
-        provider = find_active(database, provider_id)
+        provider = find_active_provider(database, provider_id)
         with database.write() as db:
             key = f"entry:{client_address(request)}"
             limits.take_token(db, key, accounts.settings.guest_bucket, TOO_MANY_ENTRIES)
         return provider
 
     provider = await run_in_threadpool(prepare)
-    return await begin_entry(request, database, federation, provider, local_path(suite))
+    return await begin_provider_sign_in(request, database, federation, provider, local_path(suite))
 
 
 @router.get(TRIAL_PATH)
@@ -150,12 +150,12 @@ async def begin_trial(
     if account is None:
         return redirect_to_login(request)
     providers.require_administrator(account)
-    provider = await run_in_threadpool(lambda: find_active(database, provider_id, paused=True))
-    return await begin_entry(request, database, federation, provider, "/", trial_by=account.id)
+    provider = await run_in_threadpool(lambda: find_active_provider(database, provider_id, paused=True))
+    return await begin_provider_sign_in(request, database, federation, provider, "/", trial_by=account.id)
 
 
 @router.get(RETURN_PATH)
-async def come_back(
+async def complete_provider_sign_in(
     request: Request,
     visitor: OptionalAccount,
     accounts: AccountServiceOf,
@@ -175,7 +175,7 @@ async def come_back(
     browser = request.cookies.get(cookie, "")
 
     def take() -> tuple[IdentityProvider, str, Mapping[str, Any]]:
-        provider = find_active(database, provider_id, paused=True)
+        provider = find_active_provider(database, provider_id, paused=True)
         with database.write() as db:
             target, details = pending.consume_own_sign_in(db, provider_id, answer.state, browser)
         if TRIAL not in details:
@@ -187,10 +187,12 @@ async def come_back(
     def prove() -> ProvenPerson:
         return entries.prove(database, federation, provider, answer, details)
 
-    proof = await ask_system(database, federation, provider, ActivityKind.sign_in, prove)
+    proof = await ask_provider(database, federation, provider, ActivityKind.sign_in, prove)
     if TRIAL in details:
         return await run_in_threadpool(show_trial, request, visitor, database, provider_id, proof, details[TRIAL])
-    opened, target = await run_in_threadpool(_open_session, accounts, database, provider_id, proof, visitor, target)
+    opened, target = await run_in_threadpool(
+        _open_provider_session, accounts, database, provider_id, proof, visitor, target
+    )
     set_session_cookie(request, opened)
     away = redirect(target)
     away.headers.update(NO_STORE)
@@ -198,7 +200,7 @@ async def come_back(
     return away
 
 
-def _open_session(
+def _open_provider_session(
     accounts: AccountService,
     database: Database,
     provider_id: UUID,
@@ -213,7 +215,7 @@ def _open_session(
             providers.require_active(provider)
             person = apply_rule(entries.find_entry(provider).rule(provider), proof.claims, proof.subject, proof.session)
             arrival = arrivals.open_session(db, accounts, provider, person, visitor)
-            page = choose_page(db, arrival, person.role, local_path(target), visitor)
+            page = choose_landing_page(db, arrival, person.role, local_path(target), visitor)
     except Refused as refused:
         entries.record_failure(database, provider_id, ActivityKind.sign_in, refused.code)
         raise
@@ -221,11 +223,11 @@ def _open_session(
 
 
 @router.post(RETURN_PATH)
-async def end_by_ticket(database: DatabaseOf, provider_id: UUID, logoutRequest: Field = "") -> Response:
+async def end_session_by_cas_ticket(database: DatabaseOf, provider_id: UUID, logoutRequest: Field = "") -> Response:
     """The single logout of CAS: whoever knows a ticket that has opened a session may end it, and nobody else."""
 
     def end() -> None:
-        provider = find_active(database, provider_id, paused=True)
+        provider = find_active_provider(database, provider_id, paused=True)
         if provider.protocol != Protocol.cas:
             raise Refused("protocol", entries.NOT_HERE)
         ticket = parse_logout(logoutRequest)
@@ -237,11 +239,11 @@ async def end_by_ticket(database: DatabaseOf, provider_id: UUID, logoutRequest: 
 
 
 @router.post(LOGOUT_PATH)
-async def end_by_token(
+async def end_session_by_logout_token(
     database: DatabaseOf, federation: FederationOf, provider_id: UUID, logout_token: Field = ""
 ) -> Response:
     """The back-channel logout of OpenID Connect (1.0, 2.8)."""
-    provider = await run_in_threadpool(find_active, database, provider_id, paused=True)
+    provider = await run_in_threadpool(find_active_provider, database, provider_id, paused=True)
     if provider.protocol != Protocol.oidc:
         raise Refused("protocol", entries.NOT_HERE)
 

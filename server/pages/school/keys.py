@@ -16,7 +16,7 @@ FRESH_SECONDS = 600
 
 
 @router.get(KEYS_PATH)
-def show_keys(database: DatabaseOf) -> Response:
+def show_public_keys(database: DatabaseOf) -> Response:
     if not is_installed():
         raise NotFound(MISSING)
     headers = {"Cache-Control": f"public, max-age={FRESH_SECONDS}"}

@@ -16,7 +16,9 @@ COURSE_PATH = "/etablissement/cours/{context_id}"
 COURSES_PATH = "/etablissement/cours"
 
 
-def choose_page(db: Session, arrival: Arrival, role: CourseRole, wanted: str, visitor: Account | None) -> str:
+def choose_landing_page(
+    db: Session, arrival: Arrival, role: CourseRole, requested_path: str, visitor: Account | None
+) -> str:
     """Return the page of an arrival: the wanted one, the class of the course, or first the questions to be asked.
 
     A teacher of a course that no class is tied to is asked for one; a new account is asked whether it is another one's
@@ -24,12 +26,12 @@ def choose_page(db: Session, arrival: Arrival, role: CourseRole, wanted: str, vi
     """
     tied = [context for context in arrival.contexts if context.class_id is not None]
     context = next(iter(tied or arrival.contexts), None)
-    page = wanted
+    page = requested_path
     if len(arrival.contexts) > 1 and role is CourseRole.teacher and not tied:
-        page = f"{COURSES_PATH}?{urlencode({'suite': wanted})}"
+        page = f"{COURSES_PATH}?{urlencode({'suite': requested_path})}"
     elif context is not None and role is CourseRole.teacher and context.class_id is None:
-        page = f"{COURSE_PATH.format(context_id=context.id)}?{urlencode({'suite': wanted})}"
-    elif context is not None and wanted == "/" and context.class_id is not None:
+        page = f"{COURSE_PATH.format(context_id=context.id)}?{urlencode({'suite': requested_path})}"
+    elif context is not None and requested_path == "/" and context.class_id is not None:
         page = f"/classes/{context.class_id}"
     if arrival.is_new and _may_have_another_account(db, arrival, context, visitor):
         login = visitor.login if visitor is not None and visitor.login else ""

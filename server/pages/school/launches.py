@@ -34,7 +34,7 @@ from server.identity.service import AccountService
 from server.limits import service as limits
 from server.pages.school import landing
 from server.pages.school.content import CONTENT_PATH
-from server.pages.school.cookies import clear_state_cookie, set_state_cookie, state_cookie
+from server.pages.school.cookies import clear_state_cookie, read_state_cookie, set_state_cookie
 from server.web.forms import Field, redirect
 from server.web.rendering import render_page
 
@@ -48,7 +48,7 @@ NO_TOKEN = "La plateforme n’a pas laissé entrer ({error}) : recommencez depui
 FRAMES = frozenset({"iframe", "frame", "embed", "object"})
 
 
-def _from_query(
+def _read_initiation_query(
     iss: Hint = "",
     login_hint: Hint = "",
     target_link_uri: Hint = "",
@@ -59,7 +59,7 @@ def _from_query(
     return Initiation(iss, login_hint, target_link_uri, client_id, lti_message_hint, lti_deployment_id)
 
 
-def _from_form(
+def _read_initiation_form(
     iss: Field = "",
     login_hint: Field = "",
     target_link_uri: Field = "",
@@ -74,23 +74,26 @@ def _from_form(
 
 
 @router.get(LTI_BEGIN_PATH)
-def begin_by_query(
+def begin_launch_by_query(
     request: Request,
     database: DatabaseOf,
     settings: SettingsOf,
-    initiation: Annotated[Initiation, Depends(_from_query)],
+    initiation: Annotated[Initiation, Depends(_read_initiation_query)],
 ) -> Response:
-    return _begin(request, database, settings, initiation)
+    return _begin_launch(request, database, settings, initiation)
 
 
 @router.post(LTI_BEGIN_PATH)
-def begin_by_form(
-    request: Request, database: DatabaseOf, settings: SettingsOf, initiation: Annotated[Initiation, Depends(_from_form)]
+def begin_launch_by_form(
+    request: Request,
+    database: DatabaseOf,
+    settings: SettingsOf,
+    initiation: Annotated[Initiation, Depends(_read_initiation_form)],
 ) -> Response:
-    return _begin(request, database, settings, initiation)
+    return _begin_launch(request, database, settings, initiation)
 
 
-def _begin(request: Request, database: Database, settings: SettingsOf, initiation: Initiation) -> Response:
+def _begin_launch(request: Request, database: Database, settings: SettingsOf, initiation: Initiation) -> Response:
     with database.write() as db:
         limits.take_token(db, f"lti:{client_address(request)}", settings.guest_bucket, TOO_MANY)
         launch = sign_in.begin(db, initiation, service_url(request))
@@ -100,34 +103,34 @@ def _begin(request: Request, database: Database, settings: SettingsOf, initiatio
 
 
 @router.get(CHECK_PATH)
-def go_on(request: Request, database: DatabaseOf, state: State = "") -> Response:
+def continue_launch(request: Request, database: DatabaseOf, state: State = "") -> Response:
     """Send a browser that keeps cookies to its platform; another one gets a button that opens a tab."""
     with database.write() as db:
         begun, provider = sign_in.find_begun(db, state)
         setattr(request.state, FRAMES_STATE, sign_in.frames_of(lti_settings(provider)))
-        browser = state_cookie(request, state)
+        browser = read_state_cookie(request, state)
         if browser:
             pending.require_browser(begun, browser)
             return redirect(sign_in.authorization_url(db, begun, provider, state, service_url(request)))
         query = sign_in.resume_query(begun.details, provider, service_url(request) + begun.target)
-    return _without_cookies(request, provider, f"{LTI_BEGIN_PATH}?{query}")
+    return _render_no_cookies_page(request, provider, f"{LTI_BEGIN_PATH}?{query}")
 
 
-def _without_cookies(request: Request, provider: IdentityProvider, again: str) -> HTMLResponse:
+def _render_no_cookies_page(request: Request, provider: IdentityProvider, retry_url: str) -> HTMLResponse:
     is_framed = request.headers.get("sec-fetch-dest", "") in FRAMES
     return render_page(
-        request, "platforms/no_cookies.html", None, platform=provider.name, again=again, is_framed=is_framed
+        request, "platforms/no_cookies.html", None, platform=provider.name, again=retry_url, is_framed=is_framed
     )
 
 
 @router.get(LTI_LAUNCH_PATH)
-def explain(request: Request, account: OptionalAccount) -> HTMLResponse:
+def explain_launch_address(request: Request, account: OptionalAccount) -> HTMLResponse:
     """Say to whoever opens the address of a tool by hand how one enters."""
     return render_page(request, "platforms/from_platform.html", account)
 
 
 @router.post(LTI_LAUNCH_PATH)
-async def arrive(
+async def complete_launch(
     request: Request,
     database: DatabaseOf,
     accounts: AccountServiceOf,
@@ -138,7 +141,7 @@ async def arrive(
     error: Field = "",
 ) -> Response:
     """Verify a launch, and open the session of its person."""
-    begun, provider = await run_in_threadpool(_expect, request, database, state[:100])
+    begun, provider = await run_in_threadpool(_find_expected_launch, request, database, state[:100])
     service = service_url(request)
     try:
         if not id_token:
@@ -146,7 +149,7 @@ async def arrive(
         launch = await federation.threads.run(
             provider.id, lambda: sign_in.read_launch(begun, provider, id_token, federation.keys, service)
         )
-        response = await run_in_threadpool(_open, request, database, accounts, visitor, state, launch)
+        response = await run_in_threadpool(_open_launch_session, request, database, accounts, visitor, state, launch)
     except Refused as refused:
         await run_in_threadpool(record_failure, database, provider.id, ActivityKind.sign_in, refused.detail)
         raise
@@ -154,16 +157,16 @@ async def arrive(
     return response
 
 
-def _expect(request: Request, database: Database, state: str) -> tuple[PendingSignIn, IdentityProvider]:
+def _find_expected_launch(request: Request, database: Database, state: str) -> tuple[PendingSignIn, IdentityProvider]:
     """Return a launch that this browser has begun, with its platform. Raises Refused."""
     with database.read() as db:
         begun, provider = sign_in.find_begun(db, state)
         setattr(request.state, FRAMES_STATE, sign_in.frames_of(lti_settings(provider)))
-        pending.require_browser(begun, state_cookie(request, state))
+        pending.require_browser(begun, read_state_cookie(request, state))
     return begun, provider
 
 
-def _open(
+def _open_launch_session(
     request: Request,
     database: Database,
     accounts: AccountService,
@@ -181,9 +184,9 @@ def _open(
         arrival = arrivals.open_session(db, accounts, provider, launch.person, visitor, frames=frames)
         for context, arrived in zip(arrival.contexts, launch.person.contexts, strict=True):
             outbox.adopt_line_item(db, context, launch.target, arrived.line_item_url, utc_now())
-        choosing = _begin_choice(db, provider, arrival, launch)
+        choosing = _begin_content_choice(db, provider, arrival, launch)
         if choosing is None:
-            page = landing.choose_page(db, arrival, launch.person.role, launch.target or target, visitor)
+            page = landing.choose_landing_page(db, arrival, launch.person.role, launch.target or target, visitor)
         else:
             page = f"{CONTENT_PATH}?etat={choosing.state}"
     set_session_cookie(request, arrival.opened)
@@ -193,7 +196,7 @@ def _open(
     return response
 
 
-def _begin_choice(
+def _begin_content_choice(
     db: Session, provider: IdentityProvider, arrival: arrivals.Arrival, launch: Launch
 ) -> pending.BegunSignIn | None:
     """Begin the choice of a content, where the launch asks for one."""

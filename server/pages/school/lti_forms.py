@@ -22,7 +22,7 @@ from server.pages.school.platforms import (
     LIST_PATH,
     PLATFORM_PATH,
     form_problems,
-    our_addresses,
+    list_own_addresses,
 )
 from server.web.forms import FormFields, redirect, redirect_to_login
 from server.web.rendering import render_page
@@ -32,24 +32,26 @@ NEW_PATH, EDIT_PATH = f"{LIST_PATH}/lti", f"{PLATFORM_PATH}/lti"
 
 
 @router.get(NEW_PATH)
-def show_new(request: Request, account: OptionalAccount) -> Response:
+def show_new_platform_form(request: Request, account: OptionalAccount) -> Response:
     if account is None:
         return redirect_to_login(request)
     providers.require_administrator(account)
-    return _form_page(request, account, {"enseignants": "oui"}, {}, action=NEW_PATH)
+    return _render_form_page(request, account, {"enseignants": "oui"}, {}, action=NEW_PATH)
 
 
 @router.get(EDIT_PATH)
-def show_settings(request: Request, account: OptionalAccount, database: DatabaseOf, provider_id: UUID) -> Response:
+def show_platform_settings(
+    request: Request, account: OptionalAccount, database: DatabaseOf, provider_id: UUID
+) -> Response:
     if account is None:
         return redirect_to_login(request)
     providers.require_administrator(account)
     with database.read() as db:
-        values = _values(providers.find_provider(db, provider_id, Protocol.lti))
-    return _form_page(request, account, values, {}, action=EDIT_PATH.format(provider_id=provider_id))
+        values = _form_values(providers.find_provider(db, provider_id, Protocol.lti))
+    return _render_form_page(request, account, values, {}, action=EDIT_PATH.format(provider_id=provider_id))
 
 
-def _form_page(
+def _render_form_page(
     request: Request, account: Account, values: Mapping[str, str], problems: Mapping[str, str], *, action: str
 ) -> HTMLResponse:
     return render_page(
@@ -59,7 +61,7 @@ def _form_page(
         status=422 if problems else 200,
         values=values,
         problems=problems,
-        addresses=our_addresses(request),
+        addresses=list_own_addresses(request),
         action=action,
         is_new=action == NEW_PATH,
         missing="" if is_installed() else MISSING,
@@ -71,7 +73,7 @@ def create_platform(
     request: Request, account: SignedIn, database: DatabaseOf, federation: FederationOf, form: FormFields
 ) -> Response:
     providers.require_administrator(account)
-    values = _typed(form)
+    values = _read_text_fields(form)
     try:
         texts, settings = registration.parse_form(values, insecure=federation.insecure)
         with database.write() as db:
@@ -79,12 +81,12 @@ def create_platform(
             provider = registration.add_platform(db, texts, settings, account.id, trusts=trusts)
             page = PLATFORM_PATH.format(provider_id=provider.id)
     except ServiceError as error:
-        return _form_page(request, account, values, form_problems(error), action=NEW_PATH)
+        return _render_form_page(request, account, values, form_problems(error), action=NEW_PATH)
     return redirect(page)
 
 
 @router.post(EDIT_PATH)
-def change_settings(
+def change_platform_settings(
     request: Request,
     account: SignedIn,
     database: DatabaseOf,
@@ -96,7 +98,7 @@ def change_settings(
     providers.require_administrator(account)
     with database.read() as db:
         provider = providers.find_provider(db, provider_id, Protocol.lti)
-    values = {**_typed(form), "issuer": provider.issuer, "client_id": provider.client_id}
+    values = {**_read_text_fields(form), "issuer": provider.issuer, "client_id": provider.client_id}
     try:
         texts, settings = registration.parse_form(values, insecure=federation.insecure)
         with database.write() as db:
@@ -105,15 +107,15 @@ def change_settings(
             registration.change_platform(db, provider, settings, texts["name"], account.id)
     except ServiceError as error:
         action = EDIT_PATH.format(provider_id=provider_id)
-        return _form_page(request, account, values, form_problems(error), action=action)
+        return _render_form_page(request, account, values, form_problems(error), action=action)
     return redirect(PLATFORM_PATH.format(provider_id=provider_id))
 
 
-def _typed(form: FormFields) -> dict[str, str]:
+def _read_text_fields(form: FormFields) -> dict[str, str]:
     return {name: value for name, value in form.items() if isinstance(value, str)}
 
 
-def _values(provider: IdentityProvider) -> Mapping[str, str]:
+def _form_values(provider: IdentityProvider) -> Mapping[str, str]:
     """Return the values of the form of a platform that there is."""
     settings = lti_settings(provider)
     return {

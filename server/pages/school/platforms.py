@@ -53,7 +53,7 @@ Check = Callable[[Database, Federation, IdentityProvider, str], str]
 
 
 @dataclass(frozen=True)
-class ProtocolPage:
+class ProtocolPageParts:
     """A protocol's part of the pages: its name, its template beside the common one, its settings, and its test.
 
     The test gets our own address, returns a sentence about the success, and raises OutgoingError.
@@ -73,12 +73,16 @@ def _list_addresses(_request: Request, provider: IdentityProvider) -> Mapping[st
     return servers.list_addresses(provider, KEYS_PATH)
 
 
-PROTOCOLS: Mapping[str, ProtocolPage] = {
-    Protocol.lti: ProtocolPage(
-        "LTI 1.3", "platforms/lti_part.html", lti_settings, check_platform, lambda request, _: our_addresses(request)
+PROTOCOLS: Mapping[str, ProtocolPageParts] = {
+    Protocol.lti: ProtocolPageParts(
+        "LTI 1.3",
+        "platforms/lti_part.html",
+        lti_settings,
+        check_platform,
+        lambda request, _: list_own_addresses(request),
     ),
-    Protocol.cas: ProtocolPage("CAS", SERVER_PART, cas_settings, servers.check_cas, _list_addresses),
-    Protocol.oidc: ProtocolPage("OpenID Connect", SERVER_PART, oidc_settings, servers.check_oidc, _list_addresses),
+    Protocol.cas: ProtocolPageParts("CAS", SERVER_PART, cas_settings, servers.check_cas, _list_addresses),
+    Protocol.oidc: ProtocolPageParts("OpenID Connect", SERVER_PART, oidc_settings, servers.check_oidc, _list_addresses),
 }
 
 
@@ -88,7 +92,7 @@ def form_problems(error: ServiceError) -> Mapping[str, str]:
 
 
 @router.get(LIST_PATH)
-def list_platforms(request: Request, account: OptionalAccount, database: DatabaseOf) -> Response:
+def show_platforms(request: Request, account: OptionalAccount, database: DatabaseOf) -> Response:
     if account is None:
         return redirect_to_login(request)
     providers.require_administrator(account)
@@ -100,14 +104,14 @@ def list_platforms(request: Request, account: OptionalAccount, database: Databas
             account,
             platforms=rows,
             accounts=repository.count_accounts(db),
-            latest=_latest(db, rows),
+            latest=_load_latest_activity(db, rows),
             labels=ACTIVITY_LABELS,
             protocols=PROTOCOLS,
             missing="" if is_installed() else MISSING,
         )
 
 
-def _latest(db: Session, rows: Any) -> Mapping[UUID, Any]:
+def _load_latest_activity(db: Session, rows: Any) -> Mapping[UUID, Any]:
     """Return the newest activity of each provider."""
     latest: dict[UUID, Any] = {}
     for activity in repository.load_activity(db, [row.id for row in rows]):
@@ -120,10 +124,10 @@ def show_platform(request: Request, account: OptionalAccount, database: Database
     if account is None:
         return redirect_to_login(request)
     providers.require_administrator(account)
-    return platform_page(request, account, database, provider_id)
+    return render_platform_page(request, account, database, provider_id)
 
 
-def platform_page(
+def render_platform_page(
     request: Request, account: Account, database: Database, provider_id: UUID, *, result: str = "", problem: str = ""
 ) -> HTMLResponse:
     with database.read() as db:
@@ -145,7 +149,7 @@ def platform_page(
         )
 
 
-def our_addresses(request: Request) -> Mapping[str, str]:
+def list_own_addresses(request: Request) -> Mapping[str, str]:
     """Return our own addresses, which a platform's administrator types there."""
     service = service_url(request)
     return {
@@ -169,11 +173,11 @@ async def change_platform(
 ) -> Response:
     providers.require_administrator(account)
     if action == "tester":
-        return await _test(request, account, database, federation, provider_id)
-    return await run_in_threadpool(_change, database, account, provider_id, action, deploiement)
+        return await _test_connection(request, account, database, federation, provider_id)
+    return await run_in_threadpool(_apply_action, database, account, provider_id, action, deploiement)
 
 
-def _change(database: Database, account: Account, provider_id: UUID, action: str, deployment: str) -> Response:
+def _apply_action(database: Database, account: Account, provider_id: UUID, action: str, deployment: str) -> Response:
     page = PLATFORM_PATH.format(provider_id=provider_id)
     with database.write() as db:
         provider = providers.find_provider(db, provider_id)
@@ -191,7 +195,7 @@ def _change(database: Database, account: Account, provider_id: UUID, action: str
     return redirect(page)
 
 
-async def _test(
+async def _test_connection(
     request: Request, account: Account, database: Database, federation: Federation, provider_id: UUID
 ) -> Response:
     """Ask the platform what its protocol needs, and say what came of it."""
@@ -212,5 +216,5 @@ async def _test(
 
     result, problem = await federation.threads.run(provider_id, check)
     return await run_in_threadpool(
-        platform_page, request, account, database, provider_id, result=result, problem=problem
+        render_platform_page, request, account, database, provider_id, result=result, problem=problem
     )

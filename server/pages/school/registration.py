@@ -38,7 +38,7 @@ NOT_A_PLATFORM = (
 
 
 @link_router.post(f"{LIST_PATH}/lien")
-def create_link(request: Request, account: SignedIn, database: DatabaseOf) -> HTMLResponse:
+def create_registration_link(request: Request, account: SignedIn, database: DatabaseOf) -> HTMLResponse:
     """Show a new one-time address, once."""
     providers.require_administrator(account)
     with database.write() as db:
@@ -57,7 +57,7 @@ async def begin_registration(
     registration_token: Annotated[str, Query(max_length=2000)] = "",
 ) -> Response:
     """Show which platform wants to register itself."""
-    await run_in_threadpool(_require_link, database, token)
+    await run_in_threadpool(_require_registration_link, database, token)
     if not openid_configuration:
         raise Refused("registration", NOT_A_PLATFORM)
     try:
@@ -79,13 +79,13 @@ async def begin_registration(
     )
 
 
-def _require_link(database: DatabaseOf, token: str) -> None:
+def _require_registration_link(database: DatabaseOf, token: str) -> None:
     with database.read() as db:
         dynamic.require_link(db, token)
 
 
 @router.post(REGISTRATION_PATH)
-async def register(
+async def register_platform(
     request: Request,
     database: DatabaseOf,
     federation: FederationOf,

@@ -37,7 +37,7 @@ ROLES = {"student": "élève", "teacher": "enseignant"}
 OTHER_ADMINISTRATOR = "Cet essai de connexion a été commencé par un administrateur qui n’est plus connecté ici."
 
 
-def _rule_page(
+def _render_rule_page(
     request: Request,
     account: Account,
     provider: IdentityProvider,
@@ -74,7 +74,7 @@ def show_rule(request: Request, account: OptionalAccount, database: DatabaseOf, 
     providers.require_administrator(account)
     with database.read() as db:
         provider = providers.find_provider(db, provider_id)
-        return _rule_page(request, account, provider, format_rule(entries.find_entry(provider).rule(provider)))
+        return _render_rule_page(request, account, provider, format_rule(entries.find_entry(provider).rule(provider)))
 
 
 def show_trial(
@@ -87,7 +87,7 @@ def show_trial(
         provider = providers.find_provider(db, provider_id)
         rule = entries.find_entry(provider).rule(provider)
         values = {**format_rule(rule), "claims": format_claims(proof.claims)}
-        return _rule_page(request, account, provider, values, trial=try_rule(rule, proof.claims))
+        return _render_rule_page(request, account, provider, values, trial=try_rule(rule, proof.claims))
 
 
 @router.post(RULE_PATH)
@@ -106,10 +106,10 @@ def change_rule(
     try:
         trial = try_rule(rule := parse_rule(values), parse_claims(values["claims"]))
     except InvalidFields as error:
-        return _rule_page(request, account, provider, values, problems=error.problems)
+        return _render_rule_page(request, account, provider, values, problems=error.problems)
     saves = values.get("action") in {"enregistrer", "ouvrir"}
     if not saves or values.get("tried") != _trial_digest(values):
-        return _rule_page(request, account, provider, values, trial=trial, changed=saves)
+        return _render_rule_page(request, account, provider, values, trial=trial, changed=saves)
     with database.write() as db:
         provider = providers.find_provider(db, provider_id)
         settings = {**provider.settings, "rule": rule.model_dump(mode="json")}

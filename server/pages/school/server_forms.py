@@ -48,14 +48,14 @@ FORMS: Mapping[str, ServerForm] = {
 }
 
 
-def _find_form(protocol: str) -> ServerForm:
+def _find_server_form(protocol: str) -> ServerForm:
     """Raises NotFound."""
     if protocol not in FORMS:
         raise NotFound(NO_PROTOCOL)
     return FORMS[protocol]
 
 
-def _form_page(
+def _render_form_page(
     request: Request,
     account: Account,
     protocol: str,
@@ -84,9 +84,9 @@ def show_new_server(request: Request, account: OptionalAccount, protocol: str) -
     if account is None:
         return redirect_to_login(request)
     providers.require_administrator(account)
-    _find_form(protocol)
+    _find_server_form(protocol)
     start = {"service": service_url(request), "scopes": "openid profile", "enseignants": "oui"}
-    return _form_page(request, account, protocol, start)
+    return _render_form_page(request, account, protocol, start)
 
 
 @router.post(NEW_PATH)
@@ -99,9 +99,9 @@ def add_server(
     form: FormFields,
 ) -> Response:
     providers.require_administrator(account)
-    values = _typed(form)
+    values = _read_text_fields(form)
     try:
-        texts, settings = _find_form(protocol).parse(values, federation.insecure, "")
+        texts, settings = _find_server_form(protocol).parse(values, federation.insecure, "")
         with database.write() as db:
             trusts = values.get("enseignants") == "oui"
             provider = registration.add_server(db, Protocol(protocol), texts, settings, account.id, trusts=trusts)
@@ -109,7 +109,7 @@ def add_server(
     except NotFound:
         raise
     except ServiceError as error:
-        return _form_page(request, account, protocol, values, form_problems(error))
+        return _render_form_page(request, account, protocol, values, form_problems(error))
     return redirect(page)
 
 
@@ -120,8 +120,8 @@ def show_server(request: Request, account: OptionalAccount, database: DatabaseOf
     providers.require_administrator(account)
     with database.read() as db:
         provider = providers.find_provider(db, provider_id)
-        _find_form(provider.protocol)
-        return _form_page(request, account, provider.protocol, _values(provider), provider=provider)
+        _find_server_form(provider.protocol)
+        return _render_form_page(request, account, provider.protocol, _form_values(provider), provider=provider)
 
 
 @router.post(EDIT_PATH)
@@ -137,13 +137,13 @@ def change_server(
     providers.require_administrator(account)
     with database.read() as db:
         provider = providers.find_provider(db, provider_id)
-        server_form = _find_form(provider.protocol)
-    values = {**_typed(form), "issuer": provider.issuer, "client_id": provider.client_id}
+        server_form = _find_server_form(provider.protocol)
+    values = {**_read_text_fields(form), "issuer": provider.issuer, "client_id": provider.client_id}
     secret = oidc_settings(provider).client_secret if provider.protocol == Protocol.oidc else ""
     try:
         texts, settings = server_form.parse(values, federation.insecure, secret)
     except InvalidFields as error:
-        return _form_page(request, account, provider.protocol, values, error.problems, provider=provider)
+        return _render_form_page(request, account, provider.protocol, values, error.problems, provider=provider)
     with database.write() as db:
         provider = providers.find_provider(db, provider_id)
         provider.trusts_teachers = values.get("enseignants") == "oui"
@@ -151,11 +151,11 @@ def change_server(
     return redirect(PLATFORM_PATH.format(provider_id=provider_id))
 
 
-def _typed(form: FormFields) -> dict[str, str]:
+def _read_text_fields(form: FormFields) -> dict[str, str]:
     return {name: value for name in FIELDS if isinstance(value := form.get(name), str)}
 
 
-def _values(provider: IdentityProvider) -> Mapping[str, str]:
+def _form_values(provider: IdentityProvider) -> Mapping[str, str]:
     """Return the values of the form of a server that there is: never its secret."""
     settings = provider.settings
     return {
