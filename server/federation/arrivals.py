@@ -57,10 +57,10 @@ def open_session(
     session = session_digest(provider, person.session) if person.session else ""
     opened = joining.open_identity_session(accounts, db, external, visitor, external=session, frames=frames)
     entered = tuple(
-        contexts.store_context_and_seat(db, provider, context, opened.account, person) for context in person.contexts
+        contexts.store_context_and_enrol(db, provider, context, opened.account, person) for context in person.contexts
     )
     if provider.protocol != Protocol.lti:  # whose launches tell of one course each
-        waiting.forget_other_contexts(db, provider.id, opened.account.id, [context.id for context in entered])
+        waiting.forget_left_contexts(db, provider.id, opened.account.id, [context.id for context in entered])
     repository.record_activity(db, provider.id, ActivityKind.sign_in, utc_now(), f"rôle : {ROLE_WORDS[person.role]}")
     return Arrival(opened, is_new, entered)
 

@@ -17,7 +17,7 @@ SLOW = "la réponse est trop lente"
 _deadline = threading.local()  # of the exchange of this thread, by the monotonic clock
 
 
-def _remaining(timeout: float | None) -> float:
+def _remaining_seconds(timeout: float | None) -> float:
     """Return the seconds that may still be waited for. Raises OutgoingError."""
     left = getattr(_deadline, "at", time.monotonic()) - time.monotonic()
     if left <= 0:
@@ -32,10 +32,10 @@ class _TimedStream(httpcore.NetworkStream):
         self._stream = stream
 
     def read(self, max_bytes: int, timeout: float | None = None) -> bytes:
-        return self._stream.read(max_bytes, _remaining(timeout))
+        return self._stream.read(max_bytes, _remaining_seconds(timeout))
 
     def write(self, buffer: bytes, timeout: float | None = None) -> None:
-        self._stream.write(buffer, _remaining(timeout))
+        self._stream.write(buffer, _remaining_seconds(timeout))
 
     def close(self) -> None:
         self._stream.close()
@@ -43,7 +43,7 @@ class _TimedStream(httpcore.NetworkStream):
     def start_tls(
         self, ssl_context: ssl.SSLContext, server_hostname: str | None = None, timeout: float | None = None
     ) -> httpcore.NetworkStream:
-        return _TimedStream(self._stream.start_tls(ssl_context, server_hostname, _remaining(timeout)))
+        return _TimedStream(self._stream.start_tls(ssl_context, server_hostname, _remaining_seconds(timeout)))
 
     def get_extra_info(self, info: str) -> Any:
         return self._stream.get_extra_info(info)
@@ -70,7 +70,9 @@ class _CheckedBackend(httpcore.NetworkBackend):
         addresses = list(dict.fromkeys(str(row[4][0]) for row in found))
         if not addresses or not all(map(self._is_allowed, addresses)):
             raise OutgoingError("cette adresse est celle d’un réseau privé")
-        stream = self._backend.connect_tcp(addresses[0], port, _remaining(timeout), local_address, socket_options)
+        stream = self._backend.connect_tcp(
+            addresses[0], port, _remaining_seconds(timeout), local_address, socket_options
+        )
         return _TimedStream(stream)
 
 
@@ -93,11 +95,11 @@ class CheckedConnections:
         url: str,
         headers: Mapping[str, str],
         content: bytes,
-        most: int,
+        max_bytes: int,
         *,
         timeouts: tuple[float, float, float],
     ) -> tuple[int, Mapping[str, str], bytes]:
-        """Return status, headers by lower-case names and body, of at most `most` bytes. Raises OutgoingError.
+        """Return status, headers by lower-case names and body, of at most `max_bytes` bytes. Raises OutgoingError.
 
         `timeouts`, in seconds, are those of a connection, of a read or write, and of the whole.
         """
@@ -111,7 +113,7 @@ class CheckedConnections:
                 chunks, size = [], 0
                 for chunk in response.iter_stream():
                     size += len(chunk)
-                    if size > most:
+                    if size > max_bytes:
                         raise OutgoingError("la réponse est trop longue")
                     chunks.append(chunk)
                 told = {name.decode("latin-1").lower(): value.decode("latin-1") for name, value in response.headers}

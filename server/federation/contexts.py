@@ -37,7 +37,7 @@ SEATS = {
 }
 
 
-def store_context_and_seat(
+def store_context_and_enrol(
     db: Session, provider: IdentityProvider, arrived: ArrivedContext, account: Account, person: SignedPerson
 ) -> ProviderContext:
     """Store what an arrival tells of its course, and seat the account in the class that is tied to it."""
@@ -59,32 +59,32 @@ def store_context_and_seat(
         repository.forget_context_teacher(db, context.id, account.id)
     school_class = None if context.class_id is None else classes.find_class(db, context.class_id)
     if school_class is not None and school_class.archived_at is None:
-        _seat(db, provider, school_class, account, person)
+        _enrol_unless_removed(db, provider, school_class, account, person)
     elif person.role is CourseRole.student:
         waiting.store_waiting_student(db, context.id, account.id, person, now)
     return context
 
 
-def _seat(
+def _enrol_unless_removed(
     db: Session, provider: IdentityProvider, school_class: SchoolClass, account: Account, person: SignedPerson
 ) -> None:
     """Let an account into a class. No role there changes; who was removed by a teacher asks to be admitted."""
     membership = classes.find_membership(db, school_class.id, account.id)
-    if person.role not in SEATS or (membership is not None and not _may_come_back(membership)):
+    if person.role not in SEATS or (membership is not None and not _may_join_again(membership)):
         return
     with changing_members(db, school_class.id, account.id):
-        seat_account(db, provider, school_class, account, person)
+        enrol_account(db, provider, school_class, account, person)
 
 
-def seat_account(
+def enrol_account(
     db: Session, provider: IdentityProvider, school_class: SchoolClass, account: Account, person: SignedPerson
 ) -> None:
-    """Give an account its seat in a class, within `changing_members`, as `_seat` says."""
+    """Give an account its seat in a class, within `changing_members`, as `_enrol_unless_removed` says."""
     role = SEATS.get(person.role)
     membership = classes.find_membership(db, school_class.id, account.id)
     if membership is None and role is not None:
         db.add(_new_membership(db, provider, school_class, account, person, role))
-    elif role is None or membership is None or not _may_come_back(membership):
+    elif role is None or membership is None or not _may_join_again(membership):
         return
     elif membership.left_voluntarily or membership.status == Status.pending:
         membership.status, membership.left_at, membership.left_voluntarily = Status.active, None, False
@@ -93,7 +93,7 @@ def seat_account(
     db.flush()
 
 
-def _may_come_back(membership: Membership) -> bool:
+def _may_join_again(membership: Membership) -> bool:
     """Whether a seat is neither taken, nor asked for anew by somebody whom a teacher has removed."""
     removed = membership.status == Status.pending and membership.left_at is not None
     return membership.status != Status.active and not removed
@@ -116,12 +116,13 @@ def _new_membership(
         role=role,
         given_name=given if family else "",
         family_name=family if given else "",
-        is_confirmed=role is not ClassRole.student or not _namesakes(db, provider.issuer, school_class.id, name),
+        is_confirmed=role is not ClassRole.student
+        or not _unidentified_namesakes(db, provider.issuer, school_class.id, name),
         joined_at=utc_now(),
     )
 
 
-def _namesakes(db: Session, issuer: str, class_id: UUID, name: str) -> Sequence[UUID]:
+def _unidentified_namesakes(db: Session, issuer: str, class_id: UUID, name: str) -> Sequence[UUID]:
     """Return the members of this name who have no identity at this issuer: each may be the person who arrives."""
     folded = normalise_name(name)
     found = [member.id for member in classes.load_members(db, class_id) if normalise_name(member.plain_name) == folded]
@@ -129,13 +130,13 @@ def _namesakes(db: Session, issuer: str, class_id: UUID, name: str) -> Sequence[
     return [member for member in found if member not in known]
 
 
-def may_be_another_member(db: Session, class_id: UUID, account_id: UUID) -> bool:
+def may_duplicate_listed_member(db: Session, class_id: UUID, account_id: UUID) -> bool:
     """Whether a member who has just arrived may be one whom the class's list has already."""
     seat = classes.find_membership(db, class_id, account_id)
     return seat is not None and not seat.is_confirmed
 
 
-def find_own_context(db: Session, context_id: UUID, account: Account) -> ProviderContext:
+def find_taught_context(db: Session, context_id: UUID, account: Account) -> ProviderContext:
     """Return a course that this account teaches. Raises NotFound."""
     context = repository.find_context(db, context_id)
     if context is None or not repository.teaches_context(db, context_id, account.id):
@@ -153,19 +154,19 @@ def link_class(db: Session, context: ProviderContext, account: Account, class_id
     if current is None:
         context.class_id, context.linked_by = class_id, account.id
         audit.record_event(db, class_id, account.id, AuditAction.course_tied, about=context.title)
-        _seat_waiting(db, context, access.school_class)
+        _enrol_waiting_students(db, context, access.school_class)
     return access.school_class
 
 
-def _seat_waiting(db: Session, context: ProviderContext, school_class: SchoolClass) -> None:
+def _enrol_waiting_students(db: Session, context: ProviderContext, school_class: SchoolClass) -> None:
     """Let the students into a class who have come from its course before it was tied."""
     provider = repository.find_provider(db, context.provider_id)
     if provider is None:
         return
     for student, account in waiting.load_waiting_students(db, context.id):
         person = SignedPerson("", "", student.given_name, student.family_name, CourseRole.student)
-        _seat(db, provider, school_class, account, person)
-    waiting.forget_waiting_students(db, context.id)
+        _enrol_unless_removed(db, provider, school_class, account, person)
+    waiting.delete_waiting_students(db, context.id)
 
 
 def link_new_class(db: Session, context: ProviderContext, account: Account, name: str, module: str) -> SchoolClass:

@@ -11,7 +11,7 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError
 from server.federation.errors import OutgoingError
 from server.federation.models import ADDRESS_LENGTH
 from server.federation.outgoing import Outgoing, check_url
-from server.federation.remote_documents import RemoteDocuments
+from server.federation.remote_documents import RemoteDocumentCache
 
 WELL_KNOWN = "/.well-known/openid-configuration"
 MAX_DOCUMENT, MAX_CACHED, MAX_LISTED = 64 * 1024, 100, 100
@@ -65,7 +65,7 @@ class Discovery:
 
     def __init__(self, outgoing: Outgoing, clock: Callable[[], float] = time.monotonic) -> None:
         self._outgoing = outgoing
-        self._documents = RemoteDocuments(
+        self._documents = RemoteDocumentCache(
             self._fetch, clock, fresh_seconds=FRESH_SECONDS, retry_seconds=RETRY_SECONDS, most=MAX_CACHED
         )
 

@@ -14,7 +14,7 @@ from server.database import Database, utc_now
 from server.federation import pending, repository
 from server.federation.cas import entry as cas
 from server.federation.cas.schemas import cas_settings
-from server.federation.errors import Refused
+from server.federation.errors import FederationRefused
 from server.federation.models import ActivityKind, IdentityProvider, Protocol
 from server.federation.oidc import entry as oidc
 from server.federation.oidc.schemas import oidc_settings
@@ -35,7 +35,7 @@ class ProtocolFunctions:
     """A protocol's functions.
 
     `start` gets our return address, the state and the details of the sign-in, and returns the address of the system;
-    `prove` gets the same, and what the browser brings back. Both raise Refused or OutgoingError.
+    `prove` gets the same, and what the browser brings back. Both raise FederationRefused or OutgoingError.
     """
 
     start: Callable[[Federation, IdentityProvider, str, str, Mapping[str, Any]], str]
@@ -46,19 +46,26 @@ class ProtocolFunctions:
 
 ENTRIES: Mapping[str, ProtocolFunctions] = {
     Protocol.cas: ProtocolFunctions(
-        cas.start, cas.prove, lambda row: cas_settings(row).rule, lambda row: cas_settings(row).service
+        cas.start_cas_sign_in,
+        cas.prove_cas_person,
+        lambda row: cas_settings(row).rule,
+        lambda row: cas_settings(row).service,
     ),
     Protocol.oidc: ProtocolFunctions(
-        oidc.start, oidc.prove, lambda row: oidc_settings(row).rule, lambda row: oidc_settings(row).service
+        oidc.start_oidc_sign_in,
+        oidc.prove_oidc_person,
+        lambda row: oidc_settings(row).rule,
+        lambda row: oidc_settings(row).service,
     ),
 }
 
 
 def find_entry(provider: IdentityProvider) -> ProtocolFunctions:
-    """Return the functions of a provider's protocol. Raises Refused for a platform that one enters from itself."""
+    """Return the functions of a provider's protocol. Raises FederationRefused for a platform that one enters from
+    itself."""
     entry = ENTRIES.get(provider.protocol)
     if entry is None:
-        raise Refused("protocol", NOT_HERE)
+        raise FederationRefused("protocol", NOT_HERE)
     return entry
 
 
@@ -72,23 +79,24 @@ def begin_sign_in(
     database: Database, federation: Federation, provider: IdentityProvider, target: str, *, trial_by: UUID | None = None
 ) -> tuple[BegunSignIn, str]:
     """Begin a sign-in, and return it with the address to which the browser goes. `trial_by`: an administrator tries the
-    rule, and no session will be opened. Raises Refused or OutgoingError."""
+    rule, and no session will be opened. Raises FederationRefused or OutgoingError."""
     entry = find_entry(provider)
     details = {"verifier": new_token(), **({TRIAL: str(trial_by)} if trial_by else {})}
     with database.write() as db:
-        begun, nonce = pending.begin_here(db, provider.id, target, details)
+        begun, nonce = pending.begin_own_sign_in(db, provider.id, target, details)
     address = entry.start(federation, provider, return_url(provider), begun.state, {**details, pending.NONCE: nonce})
     return begun, address
 
 
-def prove(
+def prove_person(
     database: Database,
     federation: Federation,
     provider: IdentityProvider,
     answer: BrowserAnswer,
     details: Mapping[str, Any],
 ) -> ProvenPerson:
-    """Return who has signed in; `details` are of a sign-in that has been used up. Raises Refused or OutgoingError."""
+    """Return who has signed in; `details` are of a sign-in that has been used up. Raises FederationRefused or
+    OutgoingError."""
     return find_entry(provider).prove(federation, database, provider, return_url(provider), answer, details)
 
 

@@ -3,7 +3,7 @@
 from server.base.errors import Forbidden
 
 
-class Refused(Forbidden):
+class FederationRefused(Forbidden):
     """A sign-in, a registration or a launch that is not accepted. `code` names the reason in the activity."""
 
     slug = "connexion-refusee"

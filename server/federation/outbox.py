@@ -58,7 +58,7 @@ def final_points(mark: AssignmentMark, assignment: Assignment, now: datetime) ->
     return None if mark.points is None else round(mark.points, DIGITS)
 
 
-def compare_with_gradebook(
+def queue_changed_marks(
     db: Session,
     course: Course,
     context: ProviderContext,
@@ -78,10 +78,10 @@ def compare_with_gradebook(
             item = items.get(assignment.id)
             if item is not None:
                 points = final_points(mark, assignment, now)
-                _compare(db, deliveries.get((item.id, row.member.id)), item, row.member.id, points, now)
+                _queue_if_changed(db, deliveries.get((item.id, row.member.id)), item, row.member.id, points, now)
 
 
-def _compare(
+def _queue_if_changed(
     db: Session, delivery: MarkDelivery | None, item: LineItem, account_id: UUID, points: float | None, now: datetime
 ) -> None:
     if delivery is None:
@@ -97,14 +97,14 @@ def _compare(
         delivery.tries, delivery.next_try_at = 0, now
 
 
-def adopt_line_item(db: Session, context: ProviderContext, page: str, line_item_url: str, now: datetime) -> None:
+def adopt_launch_line_item(db: Session, context: ProviderContext, page: str, line_item_url: str, now: datetime) -> None:
     """Send an assignment's marks to the column of the link that opens it, unless they have a column already.
 
     A platform may let nobody make columns (Open edX), and a second one beside that of the link would stay empty.
     """
     found = ASSIGNMENT_PAGE.fullmatch(page.partition("?")[0])
     if found is not None and line_item_url and found[1] == str(context.class_id):
-        outbox_repository.adopt_line_item(db, context.id, UUID(found[2]), line_item_url[:ADDRESS_LENGTH], now)
+        outbox_repository.set_missing_line_item_url(db, context.id, UUID(found[2]), line_item_url[:ADDRESS_LENGTH], now)
 
 
 @dataclass(frozen=True)
@@ -153,7 +153,7 @@ def record_result(db: Session, sending: MarkSending, error: OutgoingError | None
     elif delivery.points != sending.points or delivery.state != DeliveryState.waiting:
         return
     elif error.status == 409:
-        _record_conflict(delivery, now)
+        _retry_with_later_timestamp(delivery, now)
     elif (error.retry and sending.tries < MAX_TRIES) or (error.status == 404 and sending.tries < MAX_LOST):
         delivery.reason = f"Nouvel essai prévu : {error.reason}."[:REASON_LENGTH]
         delivery.next_try_at = now + max(retry_delay(sending.tries), timedelta(seconds=error.retry_after))
@@ -162,7 +162,7 @@ def record_result(db: Session, sending: MarkSending, error: OutgoingError | None
         delivery.state, delivery.reason = DeliveryState.refused, reason[:REASON_LENGTH]
 
 
-def _record_conflict(delivery: MarkDelivery, now: datetime) -> None:
+def _retry_with_later_timestamp(delivery: MarkDelivery, now: datetime) -> None:
     """Go on with a later timestamp: ours was not later than one that the platform has."""
     assert delivery.told_at is not None
     if delivery.tries >= MAX_CONFLICTS:

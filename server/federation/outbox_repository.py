@@ -91,7 +91,7 @@ def find_next_try(db: Session, line_item_ids: Collection[UUID]) -> datetime | No
     return db.execute(query).scalar_one_or_none()
 
 
-def send_again(db: Session, line_item_ids: Collection[UUID], account_id: UUID | None, now: datetime) -> int:
+def requeue_deliveries(db: Session, line_item_ids: Collection[UUID], account_id: UUID | None, now: datetime) -> int:
     """Have refused deliveries and those that wait sent again at once, or that of one account whatever its state; return
     how many."""
     is_chosen = (
@@ -112,7 +112,7 @@ def find_delivery(db: Session, line_item_id: UUID, account_id: UUID) -> MarkDeli
     return db.get(MarkDelivery, (line_item_id, account_id), with_for_update=True, populate_existing=True)
 
 
-def load_waiting_line_items(db: Session, line_item_ids: Collection[UUID]) -> Collection[UUID]:
+def load_line_items_to_send(db: Session, line_item_ids: Collection[UUID]) -> Collection[UUID]:
     """Return those of these line items that have a mark to send."""
     query = select(MarkDelivery.line_item_id).where(
         MarkDelivery.line_item_id.in_(line_item_ids), MarkDelivery.state == DeliveryState.waiting
@@ -124,7 +124,7 @@ def set_line_item(db: Session, line_item_id: UUID, url: str | None, problem: str
     db.execute(update(LineItem).where(LineItem.id == line_item_id).values(url=url, problem=problem))
 
 
-def adopt_line_item(db: Session, context_id: UUID, assignment_id: UUID, url: str, now: datetime) -> None:
+def set_missing_line_item_url(db: Session, context_id: UUID, assignment_id: UUID, url: str, now: datetime) -> None:
     """Set the address of a line item that has none, and have its marks sent."""
     statement = update(LineItem).where(
         LineItem.context_id == context_id, LineItem.assignment_id == assignment_id, LineItem.url.is_(None)
@@ -137,7 +137,7 @@ def remove_line_item(db: Session, context_id: UUID, assignment_id: UUID) -> None
     db.execute(delete(LineItem).where(LineItem.context_id == context_id, LineItem.assignment_id == assignment_id))
 
 
-def set_next_check(db: Session, context_id: UUID, at: datetime) -> None:
+def set_next_comparison(db: Session, context_id: UUID, at: datetime) -> None:
     """Compare a course's marks next then."""
     db.execute(update(LineItem).where(LineItem.context_id == context_id).values(check_at=at))
 

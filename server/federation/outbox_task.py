@@ -24,7 +24,7 @@ from server.course import Course
 from server.database import Database, utc_now
 from server.federation import outbox, outbox_repository, repository
 from server.federation.errors import OutgoingError
-from server.federation.lti.access_tokens import LINE_ITEM_SCOPE, SCORE_SCOPE, AccessTokens
+from server.federation.lti.access_tokens import LINE_ITEM_SCOPE, SCORE_SCOPE, AccessTokenCache
 from server.federation.lti.grade_services import GradeServices, Score
 from server.federation.models import REASON_LENGTH, ActivityKind, IdentityProvider, ProviderContext
 from server.federation.outgoing import Outgoing
@@ -50,7 +50,7 @@ NO_SERVICE = (
 
 
 @dataclass(frozen=True)
-class MarksRun:
+class CourseMarksWork:
     """The course of one run, and its platform."""
 
     context: ProviderContext
@@ -70,42 +70,42 @@ class SchoolMarksTask:
     ) -> None:
         self._database, self._course = database, course
         self._clock, self._monotonic = clock, monotonic
-        self._tokens = AccessTokens(database, outgoing)
-        self.give_up = give_up
+        self._tokens = AccessTokenCache(database, outgoing)
+        self.give_up = postpone_abandoned_job
 
-    def read(self, db: Session, lease: Lease) -> MarksRun | None:
+    def read(self, db: Session, lease: Lease) -> CourseMarksWork | None:
         """Return the course; None where it is tied to no class any more, or its platform is paused."""
         context = repository.find_context(db, UUID(lease.key))
         provider = None if context is None else repository.find_provider(db, context.provider_id)
         if context is None or provider is None or provider.paused_at is not None or context.class_id is None:
             return None
-        return MarksRun(context, provider)
+        return CourseMarksWork(context, provider)
 
-    def run(self, work: MarksRun) -> datetime:
+    def run(self, work: CourseMarksWork) -> datetime:
         """Compare the marks with the gradebook and send those that differ; return when to compare next."""
         with self._database.write() as db:
             school_class = None if work.context.class_id is None else classes.find_class(db, work.context.class_id)
             if school_class is None:
                 return self._clock() + CHECK_ARCHIVED_EVERY
-            outbox.compare_with_gradebook(db, self._course, work.context, work.provider, school_class, self._clock())
+            outbox.queue_changed_marks(db, self._course, work.context, work.provider, school_class, self._clock())
         addresses = self._ensure_line_items(work)
         if addresses:
-            self._send(work, addresses)
+            self._send_due_marks(work, addresses)
         with self._database.read() as db:
             due = outbox_repository.find_next_try(db, list(addresses))
         now = self._clock()
         later = now + (CHECK_EVERY if school_class.archived_at is None else CHECK_ARCHIVED_EVERY)
         return later if due is None else min(max(due, now + PAUSE), later)
 
-    def record(self, db: Session, work: MarksRun, result: datetime) -> None:
-        outbox_repository.set_next_check(db, work.context.id, result)
+    def record(self, db: Session, work: CourseMarksWork, result: datetime) -> None:
+        outbox_repository.set_next_comparison(db, work.context.id, result)
 
-    def _ensure_line_items(self, work: MarksRun) -> Mapping[UUID, str]:
+    def _ensure_line_items(self, work: CourseMarksWork) -> Mapping[UUID, str]:
         """Return the addresses of the line items with something to send, by id; missing ones are found or made."""
         context, provider = work.context, work.provider
         with self._database.read() as db:
             rows = outbox_repository.load_line_items(db, context.id)
-            waiting = outbox_repository.load_waiting_line_items(db, [item.id for item, _ in rows])
+            waiting = outbox_repository.load_line_items_to_send(db, [item.id for item, _ in rows])
         services, addresses = GradeServices(self._tokens, provider), dict[UUID, str]()
         for item, assignment in rows:
             problem, url = "", item.url
@@ -132,7 +132,7 @@ class SchoolMarksTask:
                 now = self._clock()
                 repository.record_activity(db, provider.id, ActivityKind.marks, now, problem, succeeded=False)
 
-    def _send(self, work: MarksRun, addresses: Mapping[UUID, str]) -> None:
+    def _send_due_marks(self, work: CourseMarksWork, addresses: Mapping[UUID, str]) -> None:
         """Send what is due, in batches, until nothing is, the time is over, or the platform fails again and again."""
         services = GradeServices(self._tokens, work.provider)
         deadline, failures, addresses = self._monotonic() + RUN_SECONDS, 0, dict(addresses)
@@ -159,14 +159,16 @@ class SchoolMarksTask:
                 if not batch:
                     return
                 results = list(zip(batch, threads.map(post, batch), strict=True))
-                self._record(work, results)
+                self._record_results(work, results)
                 for sending, error in results:
                     if error is not None and error.status == 404:
                         addresses.pop(sending.line_item_id, None)
                 failed = sum(error is not None and error.retry for _, error in results)
                 failures = failures + failed if failed == len(results) else 0
 
-    def _record(self, work: MarksRun, results: Sequence[tuple[outbox.MarkSending, OutgoingError | None]]) -> None:
+    def _record_results(
+        self, work: CourseMarksWork, results: Sequence[tuple[outbox.MarkSending, OutgoingError | None]]
+    ) -> None:
         now = self._clock()
         with self._database.write() as db:
             for sending, error in results:
@@ -185,15 +187,15 @@ class SchoolMarksTask:
                 )
 
 
-def give_up(db: Session, lease: Lease) -> None:
+def postpone_abandoned_job(db: Session, lease: Lease) -> None:
     """Look again later: the marks to send are rows of their own."""
     log.error("the marks of course %s could not be sent; trying again later", lease.key)
-    outbox_repository.set_next_check(db, UUID(lease.key), utc_now() + CHECK_ARCHIVED_EVERY)
+    outbox_repository.set_next_comparison(db, UUID(lease.key), utc_now() + CHECK_ARCHIVED_EVERY)
 
 
 def give_up_handlers() -> Mapping[str, GiveUpHandler]:
     """Return the handlers of abandoned jobs, for processes that send no marks."""
-    return {SCHOOL_MARKS: give_up}
+    return {SCHOOL_MARKS: postpone_abandoned_job}
 
 
 class OutboxThread:
@@ -222,11 +224,11 @@ class OutboxThread:
 
     def work(self, stopping: Event | None = None) -> None:
         """Queue what is due, and run jobs until none waits."""
-        self.queue_due()
+        self.queue_due_courses()
         while (stopping is None or not stopping.is_set()) and self._runner.claim_and_run([SCHOOL_MARKS], lambda: None):
             pass
 
-    def queue_due(self) -> None:
+    def queue_due_courses(self) -> None:
         """Put a job into the queue for each course that is due: of several processes one does."""
         now = utc_now()
         with self._database.read() as db:

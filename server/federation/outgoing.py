@@ -77,7 +77,7 @@ def is_url(url: str, *, insecure: bool = False) -> bool:
     return True
 
 
-def origin_of(url: str) -> str:
+def origin_of_url(url: str) -> str:
     """Return scheme, host and port, where it is not the scheme's own; an empty text for what is no address."""
     try:
         parts = urlsplit(url)
@@ -87,9 +87,9 @@ def origin_of(url: str) -> str:
     return f"{parts.scheme}://{parts.netloc.lower().removesuffix(own_port)}"
 
 
-def is_same_site(url: str, origins: Iterable[str]) -> bool:
+def has_origin_in(url: str, origins: Iterable[str]) -> bool:
     """Whether an address is on one of these origins: scheme, host and port."""
-    return is_url(url, insecure=True) and origin_of(url) in set(origins)
+    return is_url(url, insecure=True) and origin_of_url(url) in set(origins)
 
 
 def with_query(url: str, parameters: Mapping[str, str]) -> str:
@@ -111,7 +111,7 @@ class HttpAnswer:
             raise OutgoingError("la réponse n’est pas du JSON") from None
 
 
-class Exchange(Protocol):
+class HttpExchange(Protocol):
     """One request and its answer; see `checked_connections.CheckedConnections.exchange`."""
 
     def __call__(
@@ -120,7 +120,7 @@ class Exchange(Protocol):
         url: str,
         headers: Mapping[str, str],
         content: bytes,
-        most: int,
+        max_bytes: int,
         *,
         timeouts: tuple[float, float, float],
     ) -> tuple[int, Mapping[str, str], bytes]: ...
@@ -130,12 +130,12 @@ class Outgoing:
     """Thread-safe; one for each process. `private` are the networks of the administrator's own platforms."""
 
     def __init__(
-        self, private: Sequence[Network] = (), *, insecure: bool = False, exchange: Exchange | None = None
+        self, private: Sequence[Network] = (), *, insecure: bool = False, exchange: HttpExchange | None = None
     ) -> None:
         self._private, self.insecure, self._given = tuple(private), insecure, exchange
 
     @cached_property
-    def _exchange(self) -> Exchange:
+    def _exchange(self) -> HttpExchange:
         if self._given is not None:
             return self._given
         from server.federation.checked_connections import CheckedConnections
@@ -182,7 +182,7 @@ def _require_success(answer: HttpAnswer) -> HttpAnswer:
     raise OutgoingError(f"réponse {status}", status=status, retry=retry, retry_after=wait)
 
 
-class _Share:
+class _ProviderThreads:
     """The threads of one provider: how many may be taken, and how many calls there are."""
 
     def __init__(self) -> None:
@@ -197,7 +197,7 @@ class OutgoingThreads:
     """
 
     def __init__(self) -> None:
-        self._shares: dict[Hashable, _Share] = {}
+        self._shares: dict[Hashable, _ProviderThreads] = {}
 
     @cached_property
     def _threads(self) -> ThreadPoolExecutor:
@@ -206,7 +206,7 @@ class OutgoingThreads:
     async def run(self, owner: Hashable, work: Callable[[], T]) -> T:
         """Return the result of `work`, which asks the provider `owner`. Raises Overloaded where too many calls to it
         wait, or for too long, else as `work`."""
-        share = self._shares.setdefault(owner, _Share())
+        share = self._shares.setdefault(owner, _ProviderThreads())
         if share.calls >= MAX_CALLS:
             raise Overloaded(BUSY, retry_after=5)
         share.calls += 1
@@ -214,7 +214,7 @@ class OutgoingThreads:
             async with asyncio.timeout(WAIT_SECONDS):
                 await share.free.acquire()
         except BaseException as error:
-            self._end(owner, share)
+            self._end_call(owner, share)
             if isinstance(error, TimeoutError):
                 raise Overloaded(BUSY, retry_after=5) from None
             raise
@@ -222,12 +222,12 @@ class OutgoingThreads:
 
         def release(_: object) -> None:  # also for a page whose browser has gone: the thread is busy until then
             with suppress(RuntimeError):  # the loop has ended
-                loop.call_soon_threadsafe(self._end, owner, share, True)
+                loop.call_soon_threadsafe(self._end_call, owner, share, True)
 
         call.add_done_callback(release)
         return await asyncio.wrap_future(call)
 
-    def _end(self, owner: Hashable, share: _Share, has_thread: bool = False) -> None:
+    def _end_call(self, owner: Hashable, share: _ProviderThreads, has_thread: bool = False) -> None:
         share.calls -= 1
         if has_thread:
             share.free.release()

@@ -13,7 +13,7 @@ from sqlalchemy.orm import Session
 
 from server.database import Database, utc_now
 from server.federation import repository
-from server.federation.errors import Refused
+from server.federation.errors import FederationRefused
 from server.federation.models import PendingSignIn
 from server.identity.secrets import new_token, sha256_hex
 
@@ -37,7 +37,7 @@ def cookie_name(state: str) -> str:
     return COOKIE_PREFIX + sha256_hex(state)[:NAME_DIGITS]
 
 
-def begin(
+def begin_sign_in(
     db: Session,
     provider_id: UUID,
     target: str,
@@ -63,57 +63,59 @@ def begin(
     return begun
 
 
-def find(db: Session, state: str) -> PendingSignIn:
-    """Return a sign-in that has begun and is not used. Raises Refused."""
-    pending = repository.find_pending(db, sha256_hex(state), utc_now())
+def find_pending_sign_in(db: Session, state: str) -> PendingSignIn:
+    """Return a sign-in that has begun and is not used. Raises FederationRefused."""
+    pending = repository.find_pending_sign_in(db, sha256_hex(state), utc_now())
     if pending is None:
-        raise Refused("state", USED)
+        raise FederationRefused("state", USED)
     return pending
 
 
 def require_browser(pending: PendingSignIn, browser: str) -> None:
-    """Raise Refused for another browser than the one that has begun."""
+    """Raise FederationRefused for another browser than the one that has begun."""
     if not browser or not compare_digest(pending.browser_digest, sha256_hex(browser)):
-        raise Refused("browser", OTHER_BROWSER)
+        raise FederationRefused("browser", OTHER_BROWSER)
 
 
-def draw_nonce(db: Session, pending: PendingSignIn, details: Mapping[str, Any]) -> str:
-    """Return a new nonce for a sign-in, which replaces an earlier one. Raises Refused."""
+def replace_nonce(db: Session, pending: PendingSignIn, details: Mapping[str, Any]) -> str:
+    """Return a new nonce for a sign-in, which replaces an earlier one. Raises FederationRefused."""
     nonce = new_token()
     row = repository.set_nonce(db, pending.state_digest, pending.browser_digest, sha256_hex(nonce), details)
     if not row:
-        raise Refused("state", USED)
+        raise FederationRefused("state", USED)
     return nonce
 
 
-def consume(db: Session, pending: PendingSignIn, nonce: object) -> tuple[str, Mapping[str, Any]]:
-    """Use a sign-in up, and return its target and details: in one statement, so that it serves once. Raises Refused."""
+def consume_sign_in(db: Session, pending: PendingSignIn, nonce: object) -> tuple[str, Mapping[str, Any]]:
+    """Use a sign-in up, and return its target and details: in one statement, so that it serves once. Raises
+    FederationRefused."""
     if not isinstance(nonce, str) or not nonce:
-        raise Refused("nonce", USED)
-    row = repository.consume_pending(
+        raise FederationRefused("nonce", USED)
+    row = repository.consume_pending_sign_in(
         db, pending.provider_id, pending.state_digest, sha256_hex(nonce), pending.browser_digest, utc_now()
     )
     if row is None:
-        raise Refused("replayed", USED)
+        raise FederationRefused("replayed", USED)
     return row
 
 
-def begin_here(
+def begin_own_sign_in(
     db: Session, provider_id: UUID, target: str, details: Mapping[str, Any], *, lifetime: timedelta = LIFETIME
 ) -> tuple[BegunSignIn, str]:
     """Record a sign-in that begins on our own page, and return it with its nonce."""
     nonce = new_token()
-    begun = begin(db, provider_id, target, {**details, NONCE: nonce}, nonce=nonce, lifetime=lifetime)
+    begun = begin_sign_in(db, provider_id, target, {**details, NONCE: nonce}, nonce=nonce, lifetime=lifetime)
     return begun, nonce
 
 
 def consume_own_sign_in(db: Session, provider_id: UUID, state: str, browser: str) -> tuple[str, Mapping[str, Any]]:
-    """Use up a sign-in that this browser has begun on our page, and return its target and details. Raises Refused."""
-    pending = find(db, state)
+    """Use up a sign-in that this browser has begun on our page, and return its target and details. Raises
+    FederationRefused."""
+    pending = find_pending_sign_in(db, state)
     if pending.provider_id != provider_id:
-        raise Refused("state", USED)
+        raise FederationRefused("state", USED)
     require_browser(pending, browser)
-    return consume(db, pending, pending.details.get(NONCE))
+    return consume_sign_in(db, pending, pending.details.get(NONCE))
 
 
 def delete_expired(database: Database) -> None:

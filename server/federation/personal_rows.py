@@ -35,7 +35,7 @@ def load_courses_taught(db: Session, account_id: UUID) -> Sequence[tuple[Context
     return [(row[0], row[1]) for row in db.execute(query)]
 
 
-def load_awaited_classes(db: Session, account_id: UUID) -> Sequence[tuple[WaitingStudent, str]]:
+def load_awaited_contexts(db: Session, account_id: UUID) -> Sequence[tuple[WaitingStudent, str]]:
     """Load the school classes whose class here an account waits for, each with its title."""
     query = (
         select(WaitingStudent, ProviderContext.title)
@@ -46,7 +46,7 @@ def load_awaited_classes(db: Session, account_id: UUID) -> Sequence[tuple[Waitin
     return [(row[0], row[1]) for row in db.execute(query)]
 
 
-def move(db: Session, newcomer_id: UUID, account_id: UUID) -> None:
+def move_account_rows(db: Session, newcomer_id: UUID, account_id: UUID) -> None:
     """Move the rows of an account to another one of the same person, which keeps its own where both have one."""
     for table, key in (
         (ContextTeacher, ContextTeacher.context_id),

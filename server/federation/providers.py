@@ -17,9 +17,9 @@ from server.audit.models import AuditAction
 from server.base.errors import Conflict, Forbidden, NotFound
 from server.database import utc_now
 from server.federation import repository
-from server.federation.errors import Refused
+from server.federation.errors import FederationRefused
 from server.federation.models import ID_LENGTH, NAME_LENGTH, IdentityProvider, Protocol
-from server.federation.outgoing import is_url, origin_of
+from server.federation.outgoing import is_url, origin_of_url
 from server.identity.models import ISSUER_LENGTH, Account
 from server.text.lines import character_problem, tidy_line
 
@@ -49,7 +49,9 @@ def find_provider(db: Session, provider_id: UUID, protocol: Protocol | None = No
     return provider
 
 
-def read_texts(form: Mapping[str, str], names: Mapping[str, int] = LENGTHS) -> tuple[dict[str, str], dict[str, str]]:
+def read_form_texts(
+    form: Mapping[str, str], names: Mapping[str, int] = LENGTHS
+) -> tuple[dict[str, str], dict[str, str]]:
     """Return the tidied lines of a form, of these names and longest lengths, and the problems of each."""
     texts = {name: tidy_line(form.get(name, "")) for name in names}
     problems = {
@@ -65,7 +67,7 @@ def address_problem(text: str, *, insecure: bool = False) -> str:
 
 def is_origin(text: str, *, insecure: bool = False) -> bool:
     """Whether a text is an origin, fit for a header: nothing in it ends a directive of a policy."""
-    return is_url(text, insecure=insecure) and origin_of(text) == text and not set(text) & set(";,'\"*")
+    return is_url(text, insecure=insecure) and origin_of_url(text) == text and not set(text) & set(";,'\"*")
 
 
 def add_provider(db: Session, provider: IdentityProvider, by: UUID | None, *, anchor: str) -> IdentityProvider:
@@ -73,7 +75,7 @@ def add_provider(db: Session, provider: IdentityProvider, by: UUID | None, *, an
 
     `anchor` names the setting by which its proofs are verified: equal for all registrations of an issuer.
     """
-    for other in repository.find_registrations(db, provider.issuer):
+    for other in repository.load_registrations(db, provider.issuer):
         if other.protocol != provider.protocol or other.settings.get(anchor) != provider.settings.get(anchor):
             raise Conflict(SAME_ISSUER.format(issuer=provider.issuer))
         if other.client_id == provider.client_id:
@@ -84,7 +86,7 @@ def add_provider(db: Session, provider: IdentityProvider, by: UUID | None, *, an
             db.add(provider)
     except IntegrityError:
         raise Conflict(ALREADY) from None
-    _record(db, by, AuditAction.platform_added, provider, after=_summary(provider))
+    _record(db, by, AuditAction.platform_added, provider, after=_settings_without_secrets(provider))
     return provider
 
 
@@ -92,15 +94,15 @@ def change_settings(
     db: Session, provider: IdentityProvider, by: UUID, settings: Mapping[str, Any], *, anchor: str, name: str = ""
 ) -> None:
     """Replace a provider's settings, and its name. Raises Conflict where another registration has other proofs."""
-    for other in repository.find_registrations(db, provider.issuer):
+    for other in repository.load_registrations(db, provider.issuer):
         if other.id != provider.id and other.settings.get(anchor) != settings.get(anchor):
             raise Conflict(SAME_ISSUER.format(issuer=provider.issuer))
-    before = _summary(provider)
+    before = _settings_without_secrets(provider)
     provider.settings, provider.name = dict(settings), name or provider.name
-    _record(db, by, AuditAction.platform_changed, provider, before=before, after=_summary(provider))
+    _record(db, by, AuditAction.platform_changed, provider, before=before, after=_settings_without_secrets(provider))
 
 
-def pause(db: Session, provider: IdentityProvider, by: UUID) -> None:
+def pause_provider(db: Session, provider: IdentityProvider, by: UUID) -> None:
     """Let nobody in by this provider from now on; sessions that it has opened end."""
     if provider.paused_at is None:
         provider.paused_at = utc_now()
@@ -108,25 +110,27 @@ def pause(db: Session, provider: IdentityProvider, by: UUID) -> None:
         _record(db, by, AuditAction.platform_paused, provider)
 
 
-def resume(db: Session, provider: IdentityProvider, by: UUID) -> None:
+def resume_provider(db: Session, provider: IdentityProvider, by: UUID) -> None:
     if provider.paused_at is not None:
         provider.paused_at = None
         _record(db, by, AuditAction.platform_resumed, provider)
 
 
-def remove(db: Session, provider: IdentityProvider, by: UUID | None) -> None:
+def remove_provider(db: Session, provider: IdentityProvider, by: UUID | None) -> None:
     """Remove a provider, its courses and the states of its marks; accounts and their work stay."""
-    _record(db, by, AuditAction.platform_removed, provider, before=_summary(provider))
+    _record(db, by, AuditAction.platform_removed, provider, before=_settings_without_secrets(provider))
     repository.delete_provider(db, provider)
 
 
 def require_active(provider: IdentityProvider) -> None:
-    """Raise Refused for a provider that an administrator has paused."""
+    """Raise FederationRefused for a provider that an administrator has paused."""
     if provider.paused_at is not None:
-        raise Refused("paused", f"L’entrée par « {provider.name} » est suspendue : adressez-vous à l’administrateur.")
+        raise FederationRefused(
+            "paused", f"L’entrée par « {provider.name} » est suspendue : adressez-vous à l’administrateur."
+        )
 
 
-def _summary(provider: IdentityProvider) -> dict[str, Any]:
+def _settings_without_secrets(provider: IdentityProvider) -> dict[str, Any]:
     plain = {key: value for key, value in provider.settings.items() if "secret" not in key}
     return {"name": provider.name, "issuer": provider.issuer, "client_id": provider.client_id, **plain}
 

@@ -16,12 +16,12 @@ from sqlalchemy.orm import Session
 from server.base.errors import InvalidFields
 from server.database import Database, utc_now
 from server.federation import entries, providers
-from server.federation.cas.entry import service_address
-from server.federation.cas.messages import MAX_ANSWER, parse_answer
+from server.federation.cas.entry import build_service_url
+from server.federation.cas.messages import MAX_ANSWER, parse_validation_answer
 from server.federation.cas.schemas import CLIENT_ID, CasSettings
 from server.federation.cas.sign_in import login_url, validation_url
 from server.federation.discovery import preferred_authentication
-from server.federation.errors import OutgoingError, Refused
+from server.federation.errors import FederationRefused, OutgoingError
 from server.federation.models import ADDRESS_LENGTH, ID_LENGTH, NAME_LENGTH, IdentityProvider, Protocol
 from server.federation.oidc.schemas import MAX_SECRET, OidcSettings, oidc_settings
 from server.federation.service import Federation
@@ -41,10 +41,10 @@ AUTHENTICATIONS = {
 TEST_TICKET = "ST-essai-balise"
 
 
-def read_addresses(form: Mapping[str, str], *, insecure: bool, client: bool) -> dict[str, str]:
+def read_server_fields(form: Mapping[str, str], *, insecure: bool, client: bool) -> dict[str, str]:
     """Return name, issuer, our own address and client id. Raises InvalidFields."""
     lengths = {"name": NAME_LENGTH, "issuer": ISSUER_LENGTH, "service": ADDRESS_LENGTH}
-    texts, problems = providers.read_texts(form, {**lengths, **({"client_id": ID_LENGTH} if client else {})})
+    texts, problems = providers.read_form_texts(form, {**lengths, **({"client_id": ID_LENGTH} if client else {})})
     for name in ("issuer", "service"):
         problem = "" if name in problems else providers.address_problem(texts[name], insecure=insecure)
         if problem or "?" in texts[name]:
@@ -57,7 +57,7 @@ def read_addresses(form: Mapping[str, str], *, insecure: bool, client: bool) -> 
 
 def parse_cas(form: Mapping[str, str], *, insecure: bool = False) -> tuple[dict[str, str], CasSettings]:
     """Raises InvalidFields."""
-    texts = read_addresses(form, insecure=insecure, client=False)
+    texts = read_server_fields(form, insecure=insecure, client=False)
     issuer = texts["issuer"].rstrip("/").removesuffix("/login")
     return {**texts, "issuer": issuer, "client_id": CLIENT_ID}, CasSettings(service=texts["service"])
 
@@ -66,7 +66,7 @@ def parse_oidc(
     form: Mapping[str, str], *, insecure: bool = False, secret: str = ""
 ) -> tuple[dict[str, str], OidcSettings]:
     """`secret` is that of before, which stays where none is typed. Raises InvalidFields."""
-    texts = read_addresses(form, insecure=insecure, client=True)
+    texts = read_server_fields(form, insecure=insecure, client=True)
     typed = tidy_line(form.get("client_secret", ""))
     if len(typed) > MAX_SECRET or not typed.isascii() or " " in typed:
         raise InvalidFields({"client_secret": SECRET})
@@ -109,14 +109,14 @@ def change_server(
     providers.change_settings(db, provider, by, document, anchor=ANCHOR, name=texts["name"])
 
 
-def check_cas(_database: Database, federation: Federation, provider: IdentityProvider, service: str) -> str:
+def check_cas_server(_database: Database, federation: Federation, provider: IdentityProvider, service: str) -> str:
     """Ask a CAS server about a ticket that it has not made. Raises OutgoingError."""
-    own = service_address(service, "essai")
+    own = build_service_url(service, "essai")
     url = validation_url(provider.issuer, TEST_TICKET, own)
     answer = federation.outgoing.request("GET", url, most=MAX_ANSWER, accept="application/xml, text/xml")
     try:
-        parse_answer(answer.content)
-    except Refused as refused:
+        parse_validation_answer(answer.content)
+    except FederationRefused as refused:
         if refused.code == "malformed":
             raise OutgoingError(
                 f"l’adresse {login_url(provider.issuer, '')[:100]} n’est pas celle d’un CAS 3"
@@ -124,7 +124,7 @@ def check_cas(_database: Database, federation: Federation, provider: IdentityPro
     return "Le serveur CAS répond. Faites maintenant un essai de connexion, depuis la règle."
 
 
-def check_oidc(_database: Database, federation: Federation, provider: IdentityProvider, _service: str) -> str:
+def check_oidc_server(_database: Database, federation: Federation, provider: IdentityProvider, _service: str) -> str:
     """Read the description of a server, and its keys. Raises OutgoingError."""
     metadata = federation.discovery.refresh(provider.issuer)
     keys = federation.keys.count(metadata.jwks_uri)
@@ -133,7 +133,7 @@ def check_oidc(_database: Database, federation: Federation, provider: IdentityPr
     return f"Le serveur se décrit, et {published} ; nous nous y présentons {AUTHENTICATIONS[method]}."
 
 
-def list_addresses(provider: IdentityProvider, keys_path: str) -> Mapping[str, str]:
+def list_own_addresses(provider: IdentityProvider, keys_path: str) -> Mapping[str, str]:
     """Return our own addresses, which the server's administrator types there."""
     back = entries.return_url(provider)
     door = back.removesuffix("/retour")

@@ -19,7 +19,7 @@ class _Cached(Generic[T]):
     at: float
 
 
-class RemoteDocuments(Generic[T]):
+class RemoteDocumentCache(Generic[T]):
     """Thread-safe cache. `fetch` returns the document of an address, or raises OutgoingError.
 
     A document that is `fresh_seconds` old is fetched again; where that fails, the earlier one stays. No address is

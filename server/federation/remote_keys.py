@@ -9,7 +9,7 @@ from typing import Any
 
 from server.federation.errors import OutgoingError
 from server.federation.outgoing import Outgoing
-from server.federation.remote_documents import RemoteDocuments
+from server.federation.remote_documents import RemoteDocumentCache
 
 MAX_DOCUMENT, MAX_KEYS, MAX_CACHED = 64 * 1024, 30, 200
 MIN_RSA_BITS, MAX_RSA_BITS = 2048, 8192
@@ -31,12 +31,12 @@ class KnownKey:
     algorithms: frozenset[str]
 
 
-class RemoteKeys:
+class RemoteKeyCache:
     """Thread-safe cache by address. Keys that are `FRESH_SECONDS` old are fetched again; where that fails, the earlier
     ones stay for a while. An unknown key has the document fetched again, every `RETRY_SECONDS` at most."""
 
     def __init__(self, outgoing: Outgoing, clock: Callable[[], float] = time.monotonic) -> None:
-        self._documents = RemoteDocuments(
+        self._documents = RemoteDocumentCache(
             lambda url: parse_keys(outgoing.get_json(url, most=MAX_DOCUMENT)),
             clock,
             fresh_seconds=FRESH_SECONDS,

@@ -30,7 +30,7 @@ def load_providers(db: Session) -> Sequence[IdentityProvider]:
     return db.execute(select(IdentityProvider).order_by(IdentityProvider.name, IdentityProvider.id)).scalars().all()
 
 
-def load_buttons(db: Session) -> Sequence[IdentityProvider]:
+def load_sign_in_providers(db: Session) -> Sequence[IdentityProvider]:
     """Load the providers by which somebody may sign in from our own page: a platform of LTI is entered from itself."""
     query = select(IdentityProvider).where(
         IdentityProvider.protocol != Protocol.lti, IdentityProvider.paused_at.is_(None)
@@ -42,13 +42,13 @@ def find_provider(db: Session, provider_id: UUID) -> IdentityProvider | None:
     return db.get(IdentityProvider, provider_id)
 
 
-def find_registrations(db: Session, issuer: str, client_id: str = "") -> Sequence[IdentityProvider]:
+def load_registrations(db: Session, issuer: str, client_id: str = "") -> Sequence[IdentityProvider]:
     """Load the registrations of an issuer, or the one of a client id."""
     query = select(IdentityProvider).where(IdentityProvider.issuer == issuer)
     return db.execute(query.where(IdentityProvider.client_id == client_id) if client_id else query).scalars().all()
 
 
-def count_accounts(db: Session) -> Mapping[str, int]:
+def count_identities_by_issuer(db: Session) -> Mapping[str, int]:
     """Count the identities of each issuer."""
     query = select(FederatedIdentity.issuer, func.count()).group_by(FederatedIdentity.issuer)
     return {row[0]: row[1] for row in db.execute(query)}
@@ -56,7 +56,7 @@ def count_accounts(db: Session) -> Mapping[str, int]:
 
 def delete_provider(db: Session, provider: IdentityProvider) -> None:
     """Delete a registration; the sessions that its issuer has opened end with the last one of the issuer."""
-    others = [row for row in find_registrations(db, provider.issuer) if row.id != provider.id]
+    others = [row for row in load_registrations(db, provider.issuer) if row.id != provider.id]
     if not others:
         end_issuer_sessions(db, provider.issuer)
     db.delete(provider)
@@ -94,7 +94,7 @@ def find_registration_link(db: Session, token_digest: str, now: datetime) -> Reg
     return db.execute(query).scalar_one_or_none()
 
 
-def use_registration_link(db: Session, token_digest: str, now: datetime) -> UUID | None:
+def consume_registration_link(db: Session, token_digest: str, now: datetime) -> UUID | None:
     """Delete a link, and return who made it, in one statement: of several uses at once one succeeds."""
     statement = delete(RegistrationLink).where(
         RegistrationLink.token_digest == token_digest, RegistrationLink.expires_at > now
@@ -102,7 +102,7 @@ def use_registration_link(db: Session, token_digest: str, now: datetime) -> UUID
     return db.execute(statement.returning(RegistrationLink.created_by)).scalar_one_or_none()
 
 
-def find_pending(db: Session, state_digest: str, now: datetime) -> PendingSignIn | None:
+def find_pending_sign_in(db: Session, state_digest: str, now: datetime) -> PendingSignIn | None:
     query = select(PendingSignIn).where(PendingSignIn.state_digest == state_digest, PendingSignIn.expires_at > now)
     return db.execute(query).scalar_one_or_none()
 
@@ -120,7 +120,7 @@ def set_nonce(
     return db.execute(statement).first() is not None
 
 
-def consume_pending(
+def consume_pending_sign_in(
     db: Session, provider_id: UUID, state_digest: str, nonce_digest: str, browser_digest: str, now: datetime
 ) -> tuple[str, Mapping[str, Any]] | None:
     """Delete a sign-in, and return its target and details: state, nonce and browser are consumed in one statement, so

@@ -64,7 +64,7 @@ def plan_roster(
     return RosterPlan(entering, len(present), missing)
 
 
-def seat_people(
+def enrol_planned_people(
     db: Session, provider: IdentityProvider, school_class: SchoolClass, plan: RosterPlan, by: Account
 ) -> int:
     """Give the planned seats, with an account for each person who has none; return how many.
@@ -76,6 +76,6 @@ def seat_people(
         for person in plan.entering:
             _, account = identities.find_or_create(db, external_person(provider, person))
             if account.disabled_at is None and not account.is_administrator:
-                contexts.seat_account(db, provider, school_class, account, person)
+                contexts.enrol_account(db, provider, school_class, account, person)
                 seated += 1
     return seated

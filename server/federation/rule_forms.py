@@ -12,8 +12,8 @@ from pydantic import ValidationError
 
 from server.base.errors import InvalidFields
 from server.federation.cas.entry import read_claims
-from server.federation.cas.messages import MAX_ANSWER, parse_answer
-from server.federation.errors import Refused
+from server.federation.cas.messages import MAX_ANSWER, parse_validation_answer
+from server.federation.errors import FederationRefused
 from server.federation.models import ID_LENGTH
 from server.federation.rules import MAX_CHOICES, Claims, Rule, apply_rule
 from server.federation.schemas import SignedPerson
@@ -78,20 +78,20 @@ def parse_claims(text: str) -> Claims:
         raise InvalidFields({"claims": NO_CLAIMS})
     if len(text) > MAX_CLAIMS:
         raise InvalidFields({"claims": UNREADABLE})
-    claims = _parse(text)
+    claims = _parse_claims_or_empty(text)
     if not claims:
         raise InvalidFields({"claims": UNREADABLE})
     return claims
 
 
-def _parse(text: str) -> Claims:
+def _parse_claims_or_empty(text: str) -> Claims:
     try:
         if text.startswith("<"):
-            return read_claims(parse_answer(text.encode()))
+            return read_claims(parse_validation_answer(text.encode()))
         if text.startswith("{"):
             document = json.loads(text)
             return document if isinstance(document, dict) else {}
-    except (Refused, ValueError, RecursionError):
+    except (FederationRefused, ValueError, RecursionError):
         return {}
     claims: dict[str, list[str]] = {}
     for line in filter(None, map(str.strip, text.splitlines())):
@@ -113,5 +113,5 @@ def try_rule(rule: Rule, claims: Claims) -> RuleTrial:
     subject = next((str(value[0] if isinstance(value, list) and value else value) for value in named if value), "")
     try:
         return RuleTrial(subject, apply_rule(rule, claims, subject))
-    except Refused as refused:
+    except FederationRefused as refused:
         return RuleTrial(subject, refusal=refused.detail)

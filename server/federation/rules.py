@@ -10,7 +10,7 @@ from typing import Annotated, Any
 
 from pydantic import BaseModel, ConfigDict, Field
 
-from server.federation.errors import Refused
+from server.federation.errors import FederationRefused
 from server.federation.models import ID_LENGTH, NAME_LENGTH
 from server.federation.schemas import ArrivedContext, CourseRole, SignedPerson
 from server.identity.identities import clean_name
@@ -62,7 +62,7 @@ ENT_RULE = Rule(
 OIDC_RULE = Rule(name="name", given_name="given_name", family_name="family_name")
 
 
-def read_values(claims: Claims, name: str) -> Sequence[str]:
+def read_claim_texts(claims: Claims, name: str) -> Sequence[str]:
     """Return the texts of a claim: of a list each, of a number its digits; what is neither is left out."""
     value: Any = claims.get(name)
     if value is None and "." in name:
@@ -70,10 +70,10 @@ def read_values(claims: Claims, name: str) -> Sequence[str]:
         for piece in name.split(".", MAX_DEPTH):
             value = value.get(piece) if isinstance(value, Mapping) else None
     rows = value if isinstance(value, list | tuple) else [value]
-    return [text for row in rows[:MAX_VALUES] if (text := _read_text(row))]
+    return [text for row in rows[:MAX_VALUES] if (text := _read_claim_value(row))]
 
 
-def _read_text(value: Any) -> str:
+def _read_claim_value(value: Any) -> str:
     if isinstance(value, int) and not isinstance(value, bool):
         value = str(value)
     if not isinstance(value, str) or len(value) > ID_LENGTH or character_problem(value):
@@ -82,11 +82,12 @@ def _read_text(value: Any) -> str:
 
 
 def apply_rule(rule: Rule, claims: Claims, subject: str, session: str = "") -> SignedPerson:
-    """Return the person whom these claims tell of. Raises Refused for a person to whom the rule gives no role."""
-    given, family = _read_name(claims, rule.given_name), _read_name(claims, rule.family_name)
+    """Return the person whom these claims tell of. Raises FederationRefused for a person to whom the rule gives no
+    role."""
+    given, family = _read_name_claim(claims, rule.given_name), _read_name_claim(claims, rule.family_name)
     return SignedPerson(
         subject=subject,
-        name=_read_name(claims, rule.name) or clean_name(f"{given} {family}"),
+        name=_read_name_claim(claims, rule.name) or clean_name(f"{given} {family}"),
         given_name=given,
         family_name=family,
         role=_find_role(rule, claims),
@@ -95,25 +96,25 @@ def apply_rule(rule: Rule, claims: Claims, subject: str, session: str = "") -> S
     )
 
 
-def _read_name(claims: Claims, name: str) -> str:
-    return clean_name(next(iter(read_values(claims, name)), "")) if name else ""
+def _read_name_claim(claims: Claims, name: str) -> str:
+    return clean_name(next(iter(read_claim_texts(claims, name)), "")) if name else ""
 
 
 def _find_role(rule: Rule, claims: Claims) -> CourseRole:
-    values = {value.casefold() for value in read_values(claims, rule.role)} if rule.role else set()
+    values = {value.casefold() for value in read_claim_texts(claims, rule.role)} if rule.role else set()
     if values & {choice.casefold() for choice in rule.students}:
         return CourseRole.student
     if values & {choice.casefold() for choice in rule.teachers}:
         return CourseRole.teacher
     if rule.students:
-        raise Refused("role", NO_ROLE)
+        raise FederationRefused("role", NO_ROLE)
     return CourseRole.student
 
 
 def _find_classes(rule: Rule, claims: Claims) -> Sequence[ArrivedContext]:
     """Return each class once. Its whole value names it: classes of two schools may have the same short name."""
     found: dict[str, str] = {}
-    for value in (value for name in rule.classes for value in read_values(claims, name)):
+    for value in (value for name in rule.classes for value in read_claim_texts(claims, name)):
         if not value.startswith(rule.class_prefix):
             continue
         title = value.removeprefix(rule.class_prefix)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from server.base.settings import Settings
 from server.federation.discovery import Discovery
 from server.federation.outgoing import Outgoing, OutgoingThreads, parse_networks
-from server.federation.remote_keys import RemoteKeys
+from server.federation.remote_keys import RemoteKeyCache
 
 
 class Federation:
@@ -15,7 +15,7 @@ class Federation:
         private = parse_networks(settings.platform_networks)
         self.outgoing = outgoing or Outgoing(private, insecure=settings.platform_http)
         self.threads = OutgoingThreads()
-        self.keys = RemoteKeys(self.outgoing)
+        self.keys = RemoteKeyCache(self.outgoing)
         self.discovery = Discovery(self.outgoing)
 
     @property

@@ -36,7 +36,7 @@ def _new_pem() -> str:
     return pem
 
 
-def _ensure_key(db: Session, pem: str, now: datetime) -> None:
+def _store_key_if_needed(db: Session, pem: str, now: datetime) -> None:
     """Add this key where the newest is old, and delete those that nobody needs. Works in a writing transaction."""
     repository.lock_signing_keys(db)
     keys = repository.load_signing_keys(db)
@@ -50,7 +50,7 @@ def _ensure_key(db: Session, pem: str, now: datetime) -> None:
             db.delete(key)
 
 
-def current_key(keys: Sequence[SigningKey], now: datetime) -> SigningKey:
+def choose_signing_key(keys: Sequence[SigningKey], now: datetime) -> SigningKey:
     """Return the newest key that has been published for long enough, else the oldest; `keys` are newest first."""
     return next((key for key in keys if now - key.created_at >= LEAD_TIME), keys[-1])
 
@@ -62,7 +62,7 @@ def load_keys(database: Database, now: datetime) -> Sequence[SigningKey]:
     if _needs_new_key(keys, now):
         pem = _new_pem()
         with database.write() as db:
-            _ensure_key(db, pem, now)
+            _store_key_if_needed(db, pem, now)
         with database.read() as db:
             keys = repository.load_signing_keys(db)
     return keys
@@ -70,19 +70,19 @@ def load_keys(database: Database, now: datetime) -> Sequence[SigningKey]:
 
 def published_keys(database: Database) -> Mapping[str, Any]:
     """Return the document (JWKS) of our public keys."""
-    return {"keys": [_public(key) for key in load_keys(database, utc_now())]}
+    return {"keys": [_public_jwk(key) for key in load_keys(database, utc_now())]}
 
 
 @lru_cache(maxsize=4)
-def _import(private_pem: str) -> RSAKey:
+def _import_private_key(private_pem: str) -> RSAKey:
     """Return the key of a text, whose numbers are checked: 28 ms of the processor, at an address open to anybody."""
     from joserfc.jwk import RSAKey
 
     return RSAKey.import_key(private_pem)
 
 
-def _public(key: SigningKey) -> Mapping[str, Any]:
-    document = dict(_import(key.private_pem).as_dict(private=False))
+def _public_jwk(key: SigningKey) -> Mapping[str, Any]:
+    document = dict(_import_private_key(key.private_pem).as_dict(private=False))
     return {**document, "kid": str(key.id), "alg": ALGORITHM, "use": "sig"}
 
 
@@ -91,9 +91,9 @@ def sign_claims(database: Database, claims: Mapping[str, Any], seconds: int = TO
     from joserfc import jwt
 
     moment = utc_now()
-    key = current_key(load_keys(database, moment), moment)
+    key = choose_signing_key(load_keys(database, moment), moment)
     now = int(time.time())
     header = {"alg": ALGORITHM, "kid": str(key.id), "typ": "JWT"}
     whole = {"iat": now - CLOCK_SECONDS, "exp": now + seconds, **claims}
-    token: str = jwt.encode(header, whole, _import(key.private_pem))
+    token: str = jwt.encode(header, whole, _import_private_key(key.private_pem))
     return token

@@ -42,7 +42,7 @@ def load_waiting_students(db: Session, context_id: UUID) -> Sequence[tuple[Waiti
     return [(row[0], row[1]) for row in db.execute(query)]
 
 
-def forget_waiting_students(db: Session, context_id: UUID, account_id: UUID | None = None) -> None:
+def delete_waiting_students(db: Session, context_id: UUID, account_id: UUID | None = None) -> None:
     """Forget those who waited, or one of them."""
     statement = delete(WaitingStudent).where(WaitingStudent.context_id == context_id)
     if account_id is not None:
@@ -50,7 +50,7 @@ def forget_waiting_students(db: Session, context_id: UUID, account_id: UUID | No
     db.execute(statement)
 
 
-def forget_other_contexts(db: Session, provider_id: UUID, account_id: UUID, contexts: Collection[UUID]) -> None:
+def forget_left_contexts(db: Session, provider_id: UUID, account_id: UUID, contexts: Collection[UUID]) -> None:
     """Forget that an account comes from, or teaches, contexts of a provider that no longer tells so."""
     gone = select(ProviderContext.id).where(
         ProviderContext.provider_id == provider_id, ProviderContext.id.not_in(list(contexts))

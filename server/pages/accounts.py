@@ -9,7 +9,7 @@ from starlette.concurrency import run_in_threadpool
 from server.base.http import MAX_ADDRESS, client_address, device_token, local_path, session_token
 from server.base.validation import TruncateTo
 from server.database.dependencies import Db
-from server.federation.repository import load_buttons
+from server.federation.repository import load_sign_in_providers
 from server.identity import links, secrets, service
 from server.identity.dependencies import AccountServiceOf, OptionalAccount, clear_session_cookie, set_session_cookie
 from server.identity.models import Account
@@ -98,7 +98,13 @@ async def sign_up_by_invitation(
 @router.get("/connexion")
 def show_login_form(request: Request, account: OptionalAccount, db: Db, suite: NextAddress = "/") -> HTMLResponse:
     return account_form(
-        request, "connexion.html", account, after=local_path(suite), action="/", resend="", schools=load_buttons(db)
+        request,
+        "connexion.html",
+        account,
+        after=local_path(suite),
+        action="/",
+        resend="",
+        schools=load_sign_in_providers(db),
     )
 
 
@@ -106,7 +112,7 @@ def _render_refused_login(
     request: Request, accounts: AccountService, account: Account | None, refused: RefusedForm, **context: str
 ) -> HTMLResponse:
     with accounts.database.read() as db:
-        schools = load_buttons(db)
+        schools = load_sign_in_providers(db)
         return account_form(request, "connexion.html", account, refused, schools=schools, **context)
 
 

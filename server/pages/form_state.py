@@ -49,7 +49,7 @@ def running_tests_key(holds: FeedbackHolds) -> str:
 
 
 def require_same_tests(db: Session, account: Account, exercise: Exercise, form: FormData) -> None:
-    """Raise SituationChanged for a form drawn while other tests ran, or none."""
+    """Raise RunningTestsChanged for a form drawn while other tests ran, or none."""
     holds = feedback.load_holds_at(db, account.id, exercise.id, arrival_time())
     key = running_tests_key(holds)
     if form.get(TESTS_FIELD, key) == key or holds.refusal:  # whoever may not send at all is told so

@@ -38,11 +38,11 @@ class RetentionRow:
         return tuple(map(variable_name, self.settings))
 
 
-def _format_days(count: float) -> str:
+def _days_text(count: float) -> str:
     return f"{count:.0f}\u00a0jour" + ("s" if count >= 2 else "")
 
 
-def _format_hours(count: float) -> str:
+def _hours_text(count: float) -> str:
     return f"{count:.0f}\u00a0heure" + ("s" if count >= 2 else "")
 
 
@@ -50,15 +50,15 @@ def _describe_account_retention(settings: Settings) -> str:
     rules = []
     if settings.left_days:
         whose = "élève venu d’une liste ou du système d’un établissement"
-        rules.append(f"{_format_days(settings.left_days)} après sa dernière classe ({whose})")
+        rules.append(f"{_days_text(settings.left_days)} après sa dernière classe ({whose})")
     if settings.silent_days:
-        rules.append(f"{_format_days(settings.silent_days)} sans que personne s’en serve (élève)")
+        rules.append(f"{_days_text(settings.silent_days)} sans que personne s’en serve (élève)")
     return " ; ".join([*rules, "jusqu’à ce que son titulaire le supprime"])
 
 
 def _describe_guest_retention(settings: Settings) -> str:
-    after = f"fin de sa session ({_format_days(settings.session_days)}), puis {_format_days(GUEST_GRACE.days)}"
-    idle = f" ; sans aucun travail, {_format_days(settings.guest_days)}" if settings.guest_days else ""
+    after = f"fin de sa session ({_days_text(settings.session_days)}), puis {_days_text(GUEST_GRACE.days)}"
+    idle = f" ; sans aucun travail, {_days_text(settings.guest_days)}" if settings.guest_days else ""
     return after + idle
 
 
@@ -114,21 +114,21 @@ _ROWS: tuple[Callable[[Settings], RetentionRow], ...] = (
     ),
     lambda settings: RetentionRow(
         "Sessions",
-        _format_days(settings.session_days),
+        _days_text(settings.session_days),
         f"à la déconnexion, ou {HOURLY}",
         ("session_days",),
         ("browser_session",),
     ),
     lambda _: RetentionRow(
         "Navigateurs où un compte s’est connecté : empreinte d’un numéro tiré au hasard",
-        f"{_format_days(DEVICE_DAYS)} après la dernière connexion, et vingt au plus par compte",
+        f"{_days_text(DEVICE_DAYS)} après la dernière connexion, et vingt au plus par compte",
         f"le lien vers un nouveau mot de passe, ou {HOURLY}",
         (),
         ("known_device",),
     ),
     lambda settings: RetentionRow(
         "Jetons",
-        f"{_format_days(settings.api_token_days)}, et jamais plus que le mot de passe avec lequel on les a créés",
+        f"{_days_text(settings.api_token_days)}, et jamais plus que le mot de passe avec lequel on les a créés",
         f"leur titulaire, un changement de mot de passe ou de rôle, ou {HOURLY}",
         ("api_token_days",),
         ("api_token",),
@@ -142,16 +142,15 @@ _ROWS: tuple[Callable[[Settings], RetentionRow], ...] = (
     ),
     lambda _: RetentionRow(
         "Courriels de « Après la séance » : adresse donnée par l’enseignant, suite de chaque envoi",
-        f"jusqu’à l’arrêt ; sans confirmation, {_format_days(UNCONFIRMED_DAYS)} ; "
-        f"un envoi, {_format_days(DELIVERY_DAYS)}",
+        f"jusqu’à l’arrêt ; sans confirmation, {_days_text(UNCONFIRMED_DAYS)} ; un envoi, {_days_text(DELIVERY_DAYS)}",
         f"l’enseignant, par la page ou par le lien d’un courriel, ou {AT_ONCE}",
         ("smtp_host",),
         ("mail_subscription", "mail_delivery"),
     ),
     lambda settings: RetentionRow(
         "Liens vers un mot de passe",
-        f"{_format_hours(settings.password_link_hours)} ; le premier, sur une fiche de connexion, avec son code tant "
-        f"qu’il n’a pas servi, {_format_days(settings.first_password_days)} depuis que l’enseignant l’a affiché",
+        f"{_hours_text(settings.password_link_hours)} ; le premier, sur une fiche de connexion, avec son code tant "
+        f"qu’il n’a pas servi, {_days_text(settings.first_password_days)} depuis que l’enseignant l’a affiché",
         f"à leur usage, avec le rôle ou le droit pour lequel ils ont été faits, ou {HOURLY}",
         ("password_link_hours", "first_password_days"),
         ("password_link",),
@@ -215,7 +214,7 @@ _ROWS: tuple[Callable[[Settings], RetentionRow], ...] = (
     ),
     lambda settings: RetentionRow(
         "Demandes d’effacement : le compte, qui l’a demandé, quand",
-        f"jusqu’à la publication des contrôles où il a composé, et {_format_days(settings.erasure_days)} au plus",
+        f"jusqu’à la publication des contrôles où il a composé, et {_days_text(settings.erasure_days)} au plus",
         f"avec le compte, à l’annulation, ou {HOURLY}",
         ("erasure_days",),
         ("erasure_request",),
@@ -246,7 +245,7 @@ _ROWS: tuple[Callable[[Settings], RetentionRow], ...] = (
     ),
     lambda _: RetentionRow(
         "Devoirs supprimés, qui se rétablissent, avec leurs aménagements et leurs copies",
-        _format_days(RESTORABLE.days),
+        _days_text(RESTORABLE.days),
         HOURLY,
         (),
     ),
@@ -296,7 +295,7 @@ _ROWS: tuple[Callable[[Settings], RetentionRow], ...] = (
     ),
     lambda _: RetentionRow(
         "Compteurs de demandes, par compte ou par adresse",
-        f"{_format_days(BUCKET_RETENTION.days)} après la dernière, et une heure au plus",
+        f"{_days_text(BUCKET_RETENTION.days)} après la dernière, et une heure au plus",
         HOURLY,
         (),
         ("allowance",),

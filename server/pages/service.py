@@ -268,14 +268,14 @@ def _build_submission_view(
         fragment=f"{href}/verdict{'?deja=true' if again else ''}",
         again=again,
         marks=marks.build_question_marks(exercise, submission, verdict, seed),
-        progress=_compare_with_previous_verdict(reader, exercise, attempt, verdict),
+        progress=_build_progress(reader, exercise, attempt, verdict),
         asks=talk.may_ask_question(reader, exercise, submission.account_id),
         regraded=regraded.load_regraded_view(reader.db, attempt.grading.id, exercise.kind)
         if attempt.grading and not attempt.feedback.diagnosis
         else None,
     )
     if verdict is None or attempt.grading is None:
-        return replace(work, early=_build_early_verdict_view(reader, exercise, attempt, place.state))
+        return replace(work, early=_early_verdict(reader, exercise, attempt, place.state))
     view = verdicts.verdict_view(
         verdict,
         f"{href}/figures",
@@ -291,22 +291,18 @@ def _build_submission_view(
         work,
         verdict=view,
         searched=is_search_pending,
-        recalled=_find_recalled_mistake(reader, exercise, attempt, verdict),
+        recalled=_recalled_mistake(reader, exercise, attempt, verdict),
     )
 
 
-def _find_recalled_mistake(
-    reader: Reader, exercise: Exercise, attempt: Attempt, verdict: Verdict
-) -> RecalledMistake | None:
+def _recalled_mistake(reader: Reader, exercise: Exercise, attempt: Attempt, verdict: Verdict) -> RecalledMistake | None:
     named = verdict.diagnosis
     if named is None or named.source == TEACHER:
         return None
     return notebook.find_recalled_mistake(reader, exercise, attempt.submission, named.id)
 
 
-def _build_early_verdict_view(
-    reader: Reader, exercise: Exercise, attempt: Attempt, state: SubmissionState
-) -> VerdictView | None:
+def _early_verdict(reader: Reader, exercise: Exercise, attempt: Attempt, state: SubmissionState) -> VerdictView | None:
     """Return the checks of an attempt whose mistake is still sought; None where nothing may be shown yet."""
     if attempt.held or state is not SubmissionState.running:
         return None
@@ -325,9 +321,7 @@ def _find_check_world(exercise: Exercise, verdict: Verdict) -> verdicts.World:
     return grader.kit(stream(verdict.seed, "kit")), exercise.solution
 
 
-def _compare_with_previous_verdict(
-    reader: Reader, exercise: Exercise, attempt: Attempt, verdict: Verdict | None
-) -> Mended | None:
+def _build_progress(reader: Reader, exercise: Exercise, attempt: Attempt, verdict: Verdict | None) -> Mended | None:
     """What code mended since the attempt before; answers without code are marked one by one in their places."""
     before = None
     if verdict is not None and exercise.answers is None:

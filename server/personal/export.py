@@ -143,7 +143,7 @@ def _account(db: Session, account: Account) -> dict[str, Any]:
         ],
         "classes_of_the_school": [
             {"class": title, "seen_at": format_time(waiting.seen_at)}
-            for waiting, title in personal_rows.load_awaited_classes(db, account.id)
+            for waiting, title in personal_rows.load_awaited_contexts(db, account.id)
         ],
         "marks_sent_to_platforms": [
             {"assignment": title, "points": mark.sent_points, "sent_at": format_time(mark.sent_at)}

@@ -50,5 +50,5 @@ def adopt_guest_data(db: Session, guest_id: UUID, account_id: UUID) -> None:
     polls.move_answers(db, guest_id, account_id)
     recall.move(db, guest_id, account_id)
     lessons.move_visits(db, guest_id, account_id)
-    personal_rows.move(db, guest_id, account_id)
+    personal_rows.move_account_rows(db, guest_id, account_id)
     audit.move_events(db, guest_id, account_id)

@@ -12,7 +12,7 @@ from sqlalchemy import select
 from server.base.http import SESSION_COOKIE
 from server.database import Database
 from server.federation import pending, providers
-from server.federation.errors import Refused
+from server.federation.errors import FederationRefused
 from server.federation.models import IdentityProvider, PendingSignIn, Protocol
 from server.identity.models import Account, BrowserSession, FederatedIdentity, Role
 from tests.support.classes import person
@@ -233,13 +233,13 @@ def test_no_administrator_enters_by_a_school(site: Site) -> None:
 def test_a_state_enters_once_however_many_come_at_once(database: Database) -> None:
     provider = add_server(database, Protocol.oidc)
     with database.write() as db:
-        begun, _ = pending.begin_here(db, provider.id, "/", {"verifier": "v"})
+        begun, _ = pending.begin_own_sign_in(db, provider.id, "/", {"verifier": "v"})
 
     def take(_: int) -> bool:
         try:
             with database.write() as db:
                 pending.consume_own_sign_in(db, provider.id, begun.state, begun.browser)
-        except Refused:
+        except FederationRefused:
             return False
         return True
 

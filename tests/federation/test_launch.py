@@ -16,11 +16,11 @@ from sqlalchemy import func, select, update
 from server.base.http import FRAMED_COOKIE, SESSION_COOKIE
 from server.classes.models import ClassRole, Membership, SchoolClass, Status
 from server.federation import providers
-from server.federation.errors import Refused
+from server.federation.errors import FederationRefused
 from server.federation.lti.launch import verify_launch
 from server.federation.models import IdentityProvider, ProviderActivity, ProviderContext
 from server.federation.outgoing import Outgoing
-from server.federation.remote_keys import RemoteKeys
+from server.federation.remote_keys import RemoteKeyCache
 from server.identity.models import Account, BrowserSession, FederatedIdentity, Role
 from tests.support.platforms import (
     ASSISTANT,
@@ -234,13 +234,13 @@ class Door:
     """Verifies launches of a platform, as the service does as they arrive."""
 
     def __init__(self, platform: Platform) -> None:
-        self.platform, self.keys = platform, RemoteKeys(Outgoing(exchange=platform.exchange))
+        self.platform, self.keys = platform, RemoteKeyCache(Outgoing(exchange=platform.exchange))
         self.provider = IdentityProvider(issuer=platform.issuer, client_id=CLIENT, protocol="lti", name="Moodle")
 
     def enters(self, token: str) -> bool:
         try:
             verify_launch(self.provider, self.platform.settings, token, self.keys, SERVICE)
-        except Refused:
+        except FederationRefused:
             return False
         return True
 
@@ -299,7 +299,7 @@ def test_a_launch_is_of_its_browser_and_its_platform_and_serves_once(case: str, 
         if case == "paused":
             row.paused_at = row.created_at
         if case == "removed":
-            providers.remove(db, row, None)
+            providers.remove_provider(db, row, None)
     before = len(accounts(site)), sessions(site)
     answer = comes.arrive(asked["state"], "" if case == "no token" else token)
     assert answer.status_code == 403

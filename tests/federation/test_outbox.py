@@ -22,7 +22,14 @@ from server.federation.errors import OutgoingError
 from server.federation.lti import registration
 from server.federation.models import DeliveryState, LineItem, MarkDelivery, ProviderContext, SigningKey
 from server.federation.outbox import GONE
-from server.federation.outbox_task import MAX_FAILURES, NO_SERVICE, THREADS, MarksRun, OutboxThread, SchoolMarksTask
+from server.federation.outbox_task import (
+    MAX_FAILURES,
+    NO_SERVICE,
+    THREADS,
+    CourseMarksWork,
+    OutboxThread,
+    SchoolMarksTask,
+)
 from server.federation.outgoing import Outgoing
 from server.identity.models import Account, FederatedIdentity, Role
 from server.marks.models import Override, StateDecision
@@ -106,7 +113,7 @@ class Stage:
         with self.database.read() as db:
             context = db.get(ProviderContext, self.context.id)
         assert context is not None
-        return self.task.run(MarksRun(context, self.provider))
+        return self.task.run(CourseMarksWork(context, self.provider))
 
     def run_until_nothing_waits(self, rounds: int = 500) -> int:
         for number in range(rounds):
@@ -310,7 +317,7 @@ def test_who_is_not_in_the_course_is_refused_and_may_be_sent_again(stage: Stage)
     stage.run()
     assert stage.states()[DeliveryState.refused] == 1
     with stage.database.write() as db:
-        assert outbox_repository.send_again(db, [refused.line_item_id], refused.account_id, stage.now) == 1
+        assert outbox_repository.requeue_deliveries(db, [refused.line_item_id], refused.account_id, stage.now) == 1
     stage.run()
     assert stage.book.marks == stage.expected()
 

@@ -9,8 +9,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 from pydantic import ValidationError
 
-from server.federation.errors import Refused
-from server.federation.rules import ENT_RULE, MAX_CLASSES, Rule, apply_rule, read_values
+from server.federation.errors import FederationRefused
+from server.federation.rules import ENT_RULE, MAX_CLASSES, Rule, apply_rule, read_claim_texts
 from server.federation.schemas import CourseRole
 
 PUPIL = {
@@ -53,7 +53,7 @@ def test_a_pupil_of_an_ent_comes_with_name_role_and_classes() -> None:
 def test_values_give_a_role_or_none(rule: dict[str, Any], values: list[Any], role: CourseRole | None) -> None:
     whole = Rule.model_validate({"role": "affiliation", **rule})
     if role is None:
-        with pytest.raises(Refused, match="ni à votre profil"):
+        with pytest.raises(FederationRefused, match="ni à votre profil"):
             apply_rule(whole, {"affiliation": values}, "u")
     else:
         assert apply_rule(whole, {"affiliation": values}, "u").role is role
@@ -61,10 +61,10 @@ def test_values_give_a_role_or_none(rule: dict[str, Any], values: list[Any], rol
 
 def test_a_dotted_name_leads_into_an_object_unless_a_claim_has_it() -> None:
     claims = {"realm_access": {"roles": ["prof"]}, "https://a.fr/roles": "x", "a": [1], "deep": {"b": {"c": "d"}}}
-    assert read_values(claims, "realm_access.roles") == ["prof"]
-    assert read_values(claims, "https://a.fr/roles") == ["x"]
-    assert read_values(claims, "deep.b.c") == ["d"]
-    assert not any(read_values(claims, name) for name in ("a.b", "deep.b", "realm_access", "none", ".", ""))
+    assert read_claim_texts(claims, "realm_access.roles") == ["prof"]
+    assert read_claim_texts(claims, "https://a.fr/roles") == ["x"]
+    assert read_claim_texts(claims, "deep.b.c") == ["d"]
+    assert not any(read_claim_texts(claims, name) for name in ("a.b", "deep.b", "realm_access", "none", ".", ""))
 
 
 def test_classes_have_a_prefix_and_a_bound() -> None:
@@ -87,7 +87,7 @@ def test_any_claims_give_a_student_or_a_refusal(claims: dict[str, Any], inner: A
     rule = Rule(name="a.name", role="role", teachers=("staff-only-4711",), students=("s",), classes=("groups", "a.b"))
     try:
         person = apply_rule(rule, {**claims, "a": inner}, "u")
-    except Refused:
+    except FederationRefused:
         return
     assert person.role is CourseRole.student
 

@@ -20,7 +20,7 @@ from sqlalchemy.orm import Session
 from server.base.errors import Overloaded
 from server.database import Database, utc_now
 from server.federation import outgoing, pending, providers, repository, signing
-from server.federation.errors import OutgoingError, Refused
+from server.federation.errors import FederationRefused, OutgoingError
 from server.federation.lti import registration
 from server.federation.models import ActivityKind, IdentityProvider, PendingSignIn, Protocol, SigningKey
 from server.federation.outgoing import (
@@ -28,10 +28,10 @@ from server.federation.outgoing import (
     OutgoingThreads,
     check_url,
     is_allowed_address,
-    origin_of,
+    origin_of_url,
     parse_networks,
 )
-from server.federation.remote_keys import RemoteKeys, parse_keys
+from server.federation.remote_keys import RemoteKeyCache, parse_keys
 from server.federation.rule_forms import format_claims
 from tests.support.coroutines import run_apart
 from tests.support.tables import folded
@@ -85,9 +85,13 @@ def test_only_whole_https_addresses_are_asked(url: str) -> None:
 
 
 def test_an_origin_has_no_port_that_goes_without_saying() -> None:
-    assert origin_of("HTTPS://Moodle.example:443/x") == origin_of("https://moodle.example") == "https://moodle.example"
-    assert origin_of("https://moodle.example:80") != origin_of("https://moodle.example")
-    assert origin_of("https://[::1") == ""
+    assert (
+        origin_of_url("HTTPS://Moodle.example:443/x")
+        == origin_of_url("https://moodle.example")
+        == "https://moodle.example"
+    )
+    assert origin_of_url("https://moodle.example:80") != origin_of_url("https://moodle.example")
+    assert origin_of_url("https://[::1") == ""
 
 
 @contextmanager
@@ -196,7 +200,7 @@ class Lists(Outgoing):
 
 def test_a_new_key_is_fetched_seldom_and_an_earlier_list_survives_a_failure() -> None:
     lists, clock = Lists(), [1000.0]
-    keys = RemoteKeys(lists, lambda: clock[0])
+    keys = RemoteKeyCache(lists, lambda: clock[0])
     lists.keys = [rsa("a")]
     assert keys.find("u", "a") is keys.find("u", "a")
     assert lists.asked == 1
@@ -225,7 +229,7 @@ def test_who_comes_while_keys_are_fetched_waits_for_them() -> None:
             assert may_answer.wait(300)
             return lists.get_json(url, **options)
 
-    keys = RemoteKeys(Slow())
+    keys = RemoteKeyCache(Slow())
     with ThreadPoolExecutor(8) as threads:
         first = threads.submit(keys.find, "u", "a")
         assert is_asked.wait(300)
@@ -279,7 +283,7 @@ def test_what_no_database_stores_is_refused_or_made_readable(database: Database)
         (activity,) = repository.load_activity(db, [provider_id])
         assert activity.detail == "a??"
         for issuer, client in (("https://moodle.example/\0", ""), ("https://moodle.example", "\0")):
-            with pytest.raises(Refused):
+            with pytest.raises(FederationRefused):
                 registration.find_platform(db, issuer, client)
     assert format_claims({"name": "\ud800"}) == '{\n  "name": "?"\n}'
 
@@ -287,13 +291,13 @@ def test_what_no_database_stores_is_refused_or_made_readable(database: Database)
 def test_our_keys_are_published_before_they_sign_and_go_in_time(sqlite: Database) -> None:
     now = utc_now()
     (first,) = signing.load_keys(sqlite, now)
-    assert signing.current_key([first], now).id == first.id
+    assert signing.choose_signing_key([first], now).id == first.id
     old = now - signing.LIFETIME - timedelta(days=1)
     with sqlite.write() as db:
         db.merge(SigningKey(id=first.id, private_pem=first.private_pem, created_at=old))
     second, kept = signing.load_keys(sqlite, now)
-    assert (kept.id, signing.current_key([second, kept], now).id) == (first.id, first.id)
-    assert signing.current_key([second, kept], now + signing.LEAD_TIME).id == second.id
+    assert (kept.id, signing.choose_signing_key([second, kept], now).id) == (first.id, first.id)
+    assert signing.choose_signing_key([second, kept], now + signing.LEAD_TIME).id == second.id
     assert {key["kid"] for key in signing.published_keys(sqlite)["keys"]} == {str(first.id), str(second.id)}
     assert not any({"d", "p", "q"} & key.keys() for key in signing.published_keys(sqlite)["keys"])
     later = now + 3 * signing.LIFETIME
@@ -313,8 +317,8 @@ def begun(database: Database) -> tuple[UUID, pending.BegunSignIn, str]:
         )
         db.add(provider)
         db.flush()
-        state = pending.begin(db, provider.id, "/", {})
-        nonce = pending.draw_nonce(db, pending.find(db, state.state), {})
+        state = pending.begin_sign_in(db, provider.id, "/", {})
+        nonce = pending.replace_nonce(db, pending.find_pending_sign_in(db, state.state), {})
     return provider.id, state, nonce
 
 
@@ -324,8 +328,8 @@ def test_a_state_serves_once_however_many_come_at_once(database: Database) -> No
     def use(_: int) -> bool:
         try:
             with database.write() as db:
-                pending.consume(db, pending.find(db, state.state), nonce)
-        except Refused:
+                pending.consume_sign_in(db, pending.find_pending_sign_in(db, state.state), nonce)
+        except FederationRefused:
             return False
         return True
 
@@ -340,12 +344,12 @@ def test_a_state_serves_its_own_browser_in_time(case: str, sqlite: Database) -> 
         if case == "too late":
             db.execute(update(PendingSignIn).values(expires_at=utc_now() - timedelta(seconds=1)))
         if case == "removed meanwhile":
-            providers.remove(db, providers.find_provider(db, provider), None)
-    with sqlite.write() as db, pytest.raises(Refused):
+            providers.remove_provider(db, providers.find_provider(db, provider), None)
+    with sqlite.write() as db, pytest.raises(FederationRefused):
         use_up(db, state, nonce, case)
 
 
 def use_up(db: Session, state: pending.BegunSignIn, nonce: str, case: str) -> None:
-    row = pending.find(db, "x" if case == "other state" else state.state)
+    row = pending.find_pending_sign_in(db, "x" if case == "other state" else state.state)
     pending.require_browser(row, "other" if case == "other browser" else state.browser)
-    pending.consume(db, row, {"other nonce": "x", "no nonce": None}.get(case, nonce))
+    pending.consume_sign_in(db, row, {"other nonce": "x", "no nonce": None}.get(case, nonce))

@@ -54,10 +54,10 @@ from server.desk.studio.forms import read_picked
 from server.desk.studio.views import render_statement
 from server.federation import registration as servers
 from server.federation import rule_forms
-from server.federation.cas.messages import is_service_ticket, parse_logout
+from server.federation.cas.messages import is_service_ticket, parse_logout_ticket
 from server.federation.lti import registration
 from server.federation.lti.launch import target_path
-from server.federation.lti.sign_in import Initiation
+from server.federation.lti.sign_in import LaunchInitiation
 from server.federation.rules import Rule
 from server.federation.tokens import read_header
 from server.hunts.service import MAX_TYPED_CHARACTERS
@@ -330,7 +330,7 @@ READERS: tuple[Reader, ...] = (
     Reader(
         "a launch's begin",
         lambda text: (
-            Initiation(text, text, text).query(),
+            LaunchInitiation(text, text, text).query(),
             _caught(lambda: target_path(f"https://a.fr/{text}", "https://a.fr")),
         ),
         BODY,
@@ -358,7 +358,7 @@ READERS: tuple[Reader, ...] = (
     Reader("a rule's form", _rule, BODY, ANYTHING, "raw:server.pages.school.rules.change_rule"),
     Reader(
         "the end of a session",
-        lambda text: (_caught(lambda: parse_logout(text)), _caught(lambda: read_header(text))),
+        lambda text: (_caught(lambda: parse_logout_ticket(text)), _caught(lambda: read_header(text))),
         BODY,
         ANYTHING,
         "form:logoutRequest form:logout_token",

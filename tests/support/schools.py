@@ -12,7 +12,7 @@ from server.database import Database
 from server.federation import registration
 from server.federation.discovery import Discovery
 from server.federation.models import IdentityProvider, Protocol
-from server.federation.remote_keys import RemoteKeys
+from server.federation.remote_keys import RemoteKeyCache
 from server.federation.rules import OIDC_RULE
 from server.federation.service import Federation
 from tests.support.client import TestClient
@@ -38,7 +38,7 @@ def add_server(database: Database, protocol: Protocol, *, opened: bool = True, *
 def stand_in(site: Site, system: Any) -> Any:
     """Have a system in memory answer in place of other machines."""
     federation = get_service(site.app, Federation)
-    federation.outgoing, federation.keys, federation.discovery = system, RemoteKeys(system), Discovery(system)
+    federation.outgoing, federation.keys, federation.discovery = system, RemoteKeyCache(system), Discovery(system)
     return system
 
 

@@ -19,8 +19,8 @@ from server.federation import repository, roster_plan
 from server.federation.arrivals import ROLE_WORDS
 from server.federation.dependencies import FederationOf
 from server.federation.errors import OutgoingError
-from server.federation.lti.access_tokens import AccessTokens
-from server.federation.lti.memberships import load_people
+from server.federation.lti.access_tokens import AccessTokenCache
+from server.federation.lti.memberships import fetch_people
 from server.federation.models import ActivityKind, IdentityProvider, ProviderContext
 from server.federation.roster_plan import RosterPlan
 from server.federation.schemas import SignedPerson
@@ -58,7 +58,7 @@ async def import_roster(
                 access = rights.require_right(db, account, Right.manage_roster, class_id)
                 plan = roster_plan.plan_roster(db, provider, access.school_class, people)
                 if plan.digest == attendu:
-                    roster_plan.seat_people(db, provider, access.school_class, plan, account)
+                    roster_plan.enrol_planned_people(db, provider, access.school_class, plan, account)
                     return redirect(f"/classes/{access.school_class.id}/eleves")
         with database.read() as db:
             access = rights.require_right(db, account, Right.manage_roster, class_id)
@@ -89,7 +89,7 @@ def _ask(
     """Return the people of a course, or the reason why the platform does not list them."""
     people, problem = list[SignedPerson](), ""
     try:
-        people = list(load_people(AccessTokens(database, federation.outgoing), provider, context))
+        people = list(fetch_people(AccessTokenCache(database, federation.outgoing), provider, context))
     except OutgoingError as error:
         problem = error.reason
     with database.write() as db:

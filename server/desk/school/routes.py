@@ -93,5 +93,5 @@ def _send_again(
     if item is None:
         raise NotFound(UNKNOWN_ASSIGNMENT)
     only = parse_uuid(student, "Cet élève n’existe pas.") if student else None
-    outbox_repository.send_again(db, [item.id], only, utc_now())
+    outbox_repository.requeue_deliveries(db, [item.id], only, utc_now())
     audit.record_event(db, school_class.id, by, AuditAction.marks_resent, student=only, about=context.title)

@@ -17,26 +17,26 @@ from server.federation.service import Federation
 USER = "user"
 
 
-def service_address(back: str, state: str) -> str:
-    return f"{back}?{urlencode({'etat': state})}"
+def build_service_url(return_url: str, state: str) -> str:
+    return f"{return_url}?{urlencode({'etat': state})}"
 
 
-def start(
-    _federation: Federation, provider: IdentityProvider, back: str, state: str, _details: Mapping[str, Any]
+def start_cas_sign_in(
+    _federation: Federation, provider: IdentityProvider, return_url: str, state: str, _details: Mapping[str, Any]
 ) -> str:
-    return login_url(provider.issuer, service_address(back, state))
+    return login_url(provider.issuer, build_service_url(return_url, state))
 
 
-def prove(
+def prove_cas_person(
     federation: Federation,
     _database: Database,
     provider: IdentityProvider,
-    back: str,
+    return_url: str,
     answer: BrowserAnswer,
     _details: Mapping[str, Any],
 ) -> ProvenPerson:
-    """Raises Refused or OutgoingError."""
-    service = service_address(back, answer.state)
+    """Raises FederationRefused or OutgoingError."""
+    service = build_service_url(return_url, answer.state)
     person = validate_ticket(federation.outgoing, provider.issuer, answer.ticket, service)
     return ProvenPerson(person.user, answer.ticket, read_claims(person))
 

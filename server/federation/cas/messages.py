@@ -10,7 +10,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
-from server.federation.errors import Refused
+from server.federation.errors import FederationRefused
 from server.identity.models import SUBJECT_LENGTH
 from server.text.lines import character_problem
 
@@ -47,22 +47,25 @@ def is_service_ticket(ticket: str) -> bool:
     return SERVICE_TICKET.fullmatch(ticket) is not None
 
 
-def parse_answer(content: bytes) -> CasPerson:
-    """Return the person of an answer to `serviceValidate`. Raises Refused for a failure, and for anything else."""
-    root = _parse(content, MAX_ANSWER)
+def parse_validation_answer(content: bytes) -> CasPerson:
+    """Return the person of an answer to `serviceValidate`. Raises FederationRefused for a failure, and for anything
+    else."""
+    root = _parse_safe_xml(content, MAX_ANSWER)
     children = list(root)
     if root.tag != f"{CAS}serviceResponse" or len(children) != 1:
-        raise Refused("malformed", MALFORMED)
+        raise FederationRefused("malformed", MALFORMED)
     (outcome,) = children
     if outcome.tag == f"{CAS}authenticationFailure":
         code = str(outcome.get("code", ""))
-        raise Refused(*FAILURES.get(code, ("cas", f"Le serveur CAS a refusé ({code[:40] or 'sans raison'}).")))
+        raise FederationRefused(
+            *FAILURES.get(code, ("cas", f"Le serveur CAS a refusé ({code[:40] or 'sans raison'})."))
+        )
     users = outcome.findall(f"{CAS}user")
     if outcome.tag != f"{CAS}authenticationSuccess" or len(users) != 1 or len(users[0]):
-        raise Refused("malformed", MALFORMED)
+        raise FederationRefused("malformed", MALFORMED)
     user = (users[0].text or "").strip()
     if not 0 < len(user) <= SUBJECT_LENGTH or character_problem(user) or "\n" in user or "\t" in user:
-        raise Refused("subject", MALFORMED)
+        raise FederationRefused("subject", MALFORMED)
     return CasPerson(user, _read_attributes(outcome.findall(f"{CAS}attributes")))
 
 
@@ -78,31 +81,31 @@ def _read_attributes(groups: Sequence[Element]) -> Mapping[str, Sequence[str]]:
     return values
 
 
-def parse_logout(text: str) -> str:
-    """Return the ticket whose session has ended. Raises Refused."""
-    root = _parse(text.encode("utf-8", errors="replace"), MAX_LOGOUT)
+def parse_logout_ticket(text: str) -> str:
+    """Return the ticket whose session has ended. Raises FederationRefused."""
+    root = _parse_safe_xml(text.encode("utf-8", errors="replace"), MAX_LOGOUT)
     tickets = root.findall(f"{SAML}SessionIndex")
     if root.tag != f"{SAML}LogoutRequest" or len(tickets) != 1 or len(tickets[0]):
-        raise Refused("malformed", MALFORMED)
+        raise FederationRefused("malformed", MALFORMED)
     ticket = (tickets[0].text or "").strip()
     if not is_service_ticket(ticket):
-        raise Refused("ticket", MALFORMED)
+        raise FederationRefused("ticket", MALFORMED)
     return ticket
 
 
-def _parse(content: bytes, most: int) -> Element:
+def _parse_safe_xml(content: bytes, max_bytes: int) -> Element:
     """Parse a document. It is read as UTF-8 whatever it declares, so that its declaration hides nothing."""
     from xml.etree.ElementTree import ParseError
 
     from defusedxml import ElementTree
     from defusedxml.common import DefusedXmlException
 
-    if len(content) > most:
-        raise Refused("malformed", MALFORMED)
+    if len(content) > max_bytes:
+        raise FederationRefused("malformed", MALFORMED)
     try:
         root: Any = ElementTree.fromstring(content.decode("utf-8").strip(), forbid_dtd=True)
     except (ParseError, DefusedXmlException, ValueError) as error:
-        raise Refused("malformed", MALFORMED) from error
+        raise FederationRefused("malformed", MALFORMED) from error
     if sum(1 for _ in root.iter()) > MAX_ELEMENTS:
-        raise Refused("malformed", MALFORMED)
+        raise FederationRefused("malformed", MALFORMED)
     return root  # type: ignore[no-any-return]

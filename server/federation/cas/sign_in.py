@@ -7,8 +7,14 @@ from __future__ import annotations
 
 from urllib.parse import urlencode
 
-from server.federation.cas.messages import MAX_ANSWER, USED_TICKET, CasPerson, is_service_ticket, parse_answer
-from server.federation.errors import Refused
+from server.federation.cas.messages import (
+    MAX_ANSWER,
+    USED_TICKET,
+    CasPerson,
+    is_service_ticket,
+    parse_validation_answer,
+)
+from server.federation.errors import FederationRefused
 from server.federation.outgoing import Outgoing
 
 
@@ -23,8 +29,10 @@ def validation_url(server: str, ticket: str, service: str) -> str:
 
 
 def validate_ticket(outgoing: Outgoing, server: str, ticket: str, service: str) -> CasPerson:
-    """Ask the server whose ticket this is: it answers once. Raises Refused or OutgoingError."""
+    """Ask the server whose ticket this is: it answers once. Raises FederationRefused or OutgoingError."""
     if not is_service_ticket(ticket):
-        raise Refused("ticket", USED_TICKET)
+        raise FederationRefused("ticket", USED_TICKET)
     url = validation_url(server, ticket, service)
-    return parse_answer(outgoing.request("GET", url, most=MAX_ANSWER, accept="application/xml, text/xml").content)
+    return parse_validation_answer(
+        outgoing.request("GET", url, most=MAX_ANSWER, accept="application/xml, text/xml").content
+    )

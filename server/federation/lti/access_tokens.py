@@ -25,7 +25,7 @@ MAX_TOKEN, MAX_SECONDS, MARGIN_SECONDS, MAX_CACHED = 8000, 3600, 30, 500
 NO_TOKEN = "la plateforme ne donne pas d’accès à ses services"
 
 
-class AccessTokens:
+class AccessTokenCache:
     """Thread-safe cache of access tokens, by registration and scopes."""
 
     def __init__(self, database: Database, outgoing: Outgoing, clock: Callable[[], float] = time.monotonic) -> None:

@@ -15,7 +15,7 @@ from sqlalchemy.orm import Session
 
 from server.database import Database
 from server.federation import pending, repository, signing
-from server.federation.errors import Refused
+from server.federation.errors import FederationRefused
 from server.federation.lti.grade_services import FULL_POINTS, TAG
 from server.federation.lti.launch import LinkingClaim
 from server.federation.models import IdentityProvider, ProviderContext
@@ -59,7 +59,7 @@ class ContentChoice:
         return str(self.details["return_url"])
 
 
-def begin_choice(
+def begin_content_choice(
     db: Session,
     provider: IdentityProvider,
     context: ProviderContext | None,
@@ -76,30 +76,30 @@ def begin_choice(
         "account": str(account.id),
         "context": None if context is None else str(context.id),
     }
-    begun, _ = pending.begin_here(db, provider.id, "/", details, lifetime=CHOICE_TIME)
+    begun, _ = pending.begin_own_sign_in(db, provider.id, "/", details, lifetime=CHOICE_TIME)
     return begun
 
 
-def find_choice(db: Session, state: str, account: Account, browser: str) -> ContentChoice:
-    """Return a choice that this account has begun in this browser. Raises Refused."""
-    begun = pending.find(db, state)
+def find_content_choice(db: Session, state: str, account: Account, browser: str) -> ContentChoice:
+    """Return a choice that this account has begun in this browser. Raises FederationRefused."""
+    begun = pending.find_pending_sign_in(db, state)
     pending.require_browser(begun, browser)
-    return _choice(db, begun.provider_id, begun.details, account)
+    return _read_content_choice(db, begun.provider_id, begun.details, account)
 
 
-def consume_choice(db: Session, state: str, account: Account, browser: str) -> ContentChoice:
-    """Use a choice up, and return it. Raises Refused."""
-    choice = find_choice(db, state, account, browser)
+def consume_content_choice(db: Session, state: str, account: Account, browser: str) -> ContentChoice:
+    """Use a choice up, and return it. Raises FederationRefused."""
+    choice = find_content_choice(db, state, account, browser)
     pending.consume_own_sign_in(db, choice.provider.id, state, browser)
     return choice
 
 
-def _choice(db: Session, provider_id: UUID, details: Mapping[str, Any], account: Account) -> ContentChoice:
+def _read_content_choice(db: Session, provider_id: UUID, details: Mapping[str, Any], account: Account) -> ContentChoice:
     provider = repository.find_provider(db, provider_id)
     if provider is None or "return_url" not in details:
-        raise Refused("state", pending.USED)
+        raise FederationRefused("state", pending.USED)
     if details["account"] != str(account.id):
-        raise Refused("account", OTHER_ACCOUNT)
+        raise FederationRefused("account", OTHER_ACCOUNT)
     context = details["context"]
     return ContentChoice(provider, repository.find_context(db, UUID(context)) if context else None, details)
 
@@ -118,8 +118,8 @@ def content_item(content: LinkableContent, service: str, *, with_line_item: bool
             "resourceId": str(content.assignment_id),
             "tag": TAG,
         }
-    available = _times(startDateTime=content.opens_at, endDateTime=content.closes_at)
-    submission = _times(endDateTime=content.due_at or content.closes_at)
+    available = _format_times(startDateTime=content.opens_at, endDateTime=content.closes_at)
+    submission = _format_times(endDateTime=content.due_at or content.closes_at)
     return {
         **item,
         **({"available": available} if available else {}),
@@ -127,11 +127,13 @@ def content_item(content: LinkableContent, service: str, *, with_line_item: bool
     }
 
 
-def _times(**moments: datetime | None) -> Mapping[str, str]:
+def _format_times(**moments: datetime | None) -> Mapping[str, str]:
     return {name: moment.isoformat(timespec="seconds") for name, moment in moments.items() if moment is not None}
 
 
-def sign_answer(database: Database, choice: ContentChoice, content: LinkableContent | None, service: str) -> str:
+def sign_linking_response(
+    database: Database, choice: ContentChoice, content: LinkableContent | None, service: str
+) -> str:
     """Return the signed message by which a content is added to the course; none of one that was cancelled."""
     items = [] if content is None else [content_item(content, service, with_line_item=choice.takes_line_item)]
     claims: dict[str, Any] = {

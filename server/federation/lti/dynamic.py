@@ -17,12 +17,12 @@ from server.audit.models import AuditAction
 from server.base.http import LTI_BEGIN_PATH, LTI_LAUNCH_PATH
 from server.database import utc_now
 from server.federation import repository
-from server.federation.errors import OutgoingError, Refused
+from server.federation.errors import FederationRefused, OutgoingError
 from server.federation.lti import registration
 from server.federation.lti.access_tokens import LINE_ITEM_SCOPE, ROSTER_SCOPE, SCORE_SCOPE
 from server.federation.lti.schemas import LtiSettings
 from server.federation.models import ADDRESS_LENGTH, ID_LENGTH, NAME_LENGTH, IdentityProvider, RegistrationLink
-from server.federation.outgoing import Outgoing, is_url, origin_of
+from server.federation.outgoing import Outgoing, is_url, origin_of_url
 from server.federation.providers import is_origin
 from server.identity.models import ISSUER_LENGTH, Account
 from server.identity.secrets import new_token, sha256_hex
@@ -66,7 +66,7 @@ class ToolRegistration(BaseModel):
         return (str(name),) if is_name else ()
 
 
-def create_link(db: Session, by: Account) -> str:
+def create_registration_link(db: Session, by: Account) -> str:
     """Return the token of a one-time address at which a platform registers itself."""
     token = new_token()
     db.add(RegistrationLink(token_digest=sha256_hex(token), created_by=by.id, expires_at=utc_now() + LINK_LIFETIME))
@@ -74,17 +74,17 @@ def create_link(db: Session, by: Account) -> str:
     return token
 
 
-def require_link(db: Session, token: str) -> None:
-    """Raise Refused for a link that has been used, or has ended."""
+def require_registration_link(db: Session, token: str) -> None:
+    """Raise FederationRefused for a link that has been used, or has ended."""
     if repository.find_registration_link(db, sha256_hex(token), utc_now()) is None:
-        raise Refused("registration link", USED_LINK)
+        raise FederationRefused("registration link", USED_LINK)
 
 
-def use_link(db: Session, token: str) -> UUID:
-    """Use a link up, and return who made it: of several uses at once one succeeds. Raises Refused."""
-    maker = repository.use_registration_link(db, sha256_hex(token), utc_now())
+def consume_registration_link(db: Session, token: str) -> UUID:
+    """Use a link up, and return who made it: of several uses at once one succeeds. Raises FederationRefused."""
+    maker = repository.consume_registration_link(db, sha256_hex(token), utc_now())
     if maker is None:
-        raise Refused("registration link", USED_LINK)
+        raise FederationRefused("registration link", USED_LINK)
     return maker
 
 
@@ -102,9 +102,11 @@ def read_configuration(outgoing: Outgoing, address: str) -> PlatformConfiguratio
         found.registration_endpoint,
     )
     insecure = outgoing.insecure
-    if not all(is_url(url, insecure=insecure) and is_origin(origin_of(url), insecure=insecure) for url in addresses):
+    if not all(
+        is_url(url, insecure=insecure) and is_origin(origin_of_url(url), insecure=insecure) for url in addresses
+    ):
         raise OutgoingError(UNREADABLE)
-    if {origin_of(found.issuer), origin_of(found.registration_endpoint)} != {origin_of(address)}:
+    if {origin_of_url(found.issuer), origin_of_url(found.registration_endpoint)} != {origin_of_url(address)}:
         raise OutgoingError(OTHER_SITE)
     return found
 
@@ -150,11 +152,11 @@ def register_tool(
         raise OutgoingError(UNREADABLE) from error
 
 
-def add_registered(
+def add_registered_platform(
     db: Session, configuration: PlatformConfiguration, tool: ToolRegistration, by: UUID
 ) -> IdentityProvider:
     """Add the platform that has registered itself. Raises Conflict."""
-    origins = (origin_of(configuration.issuer), origin_of(configuration.authorization_endpoint))
+    origins = (origin_of_url(configuration.issuer), origin_of_url(configuration.authorization_endpoint))
     settings = LtiSettings(
         authorization_url=configuration.authorization_endpoint,
         token_url=configuration.token_endpoint,

@@ -15,11 +15,11 @@ from urllib.parse import urlsplit
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, ValidationError
 
 from server.base.http import local_path
-from server.federation.errors import Refused
+from server.federation.errors import FederationRefused
 from server.federation.lti.schemas import LtiSettings
 from server.federation.models import IdentityProvider
-from server.federation.outgoing import is_same_site, origin_of
-from server.federation.remote_keys import RemoteKeys
+from server.federation.outgoing import has_origin_in, origin_of_url
+from server.federation.remote_keys import RemoteKeyCache
 from server.federation.schemas import ArrivedContext, CourseRole, SignedPerson
 from server.federation.tokens import require_audience, verify_token
 
@@ -131,22 +131,24 @@ def verify_launch(
     provider: IdentityProvider,
     settings: LtiSettings,
     token: str,
-    keys: RemoteKeys,
+    keys: RemoteKeyCache,
     service: str,
     clock: Callable[[], float] = time.time,
 ) -> Launch:
-    """Return the launch of a platform's token; `service` is our own address. Raises Refused."""
+    """Return the launch of a platform's token; `service` is our own address. Raises FederationRefused."""
     claims = verify_token(token, keys, settings.keys_url, algorithms=ALGORITHMS, clock=clock)
     if claims.get("iss") != provider.issuer:
-        raise Refused("issuer", "Ce lancement vient d’une autre plateforme.")
+        raise FederationRefused("issuer", "Ce lancement vient d’une autre plateforme.")
     require_audience(claims, provider.client_id)
     try:
         read = LaunchClaims.model_validate(dict(claims))
     except ValidationError as error:
         where = ".".join(str(part).rpartition("/")[2] for part in error.errors()[0]["loc"])
-        raise Refused("claims", UNREADABLE.format(why=f"« {where} » manque, ou n’est pas comme il faut")) from error
+        raise FederationRefused(
+            "claims", UNREADABLE.format(why=f"« {where} » manque, ou n’est pas comme il faut")
+        ) from error
     if read.deployment not in settings.deployments:
-        raise Refused(
+        raise FederationRefused(
             "deployment", f"Le déploiement « {read.deployment[:60]} » de cette plateforme n’est pas accepté ici."
         )
     return _build_launch(provider, settings, read, service)
@@ -156,28 +158,28 @@ def _build_launch(provider: IdentityProvider, settings: LtiSettings, read: Launc
     role, linking = course_role(read.roles), None
     if read.message_type == "LtiDeepLinkingRequest":
         if read.linking is None or "ltiResourceLink" not in read.linking.accept_types:
-            raise Refused("claims", UNREADABLE.format(why="le choix d’un contenu n’y est pas"))
-        if not is_of_platform(read.linking.deep_link_return_url, provider, settings):
-            raise Refused("address", UNREADABLE.format(why="l’adresse de retour est sur un autre site"))
+            raise FederationRefused("claims", UNREADABLE.format(why="le choix d’un contenu n’y est pas"))
+        if not is_platform_url(read.linking.deep_link_return_url, provider, settings):
+            raise FederationRefused("address", UNREADABLE.format(why="l’adresse de retour est sur un autre site"))
         if role is not CourseRole.teacher:
-            raise Refused("role", "Seul un enseignant du cours y ajoute un contenu.")
+            raise FederationRefused("role", "Seul un enseignant du cours y ajoute un contenu.")
         linking = read.linking
     elif read.resource_link is None:
-        raise Refused("claims", UNREADABLE.format(why="« resource_link » manque"))
+        raise FederationRefused("claims", UNREADABLE.format(why="« resource_link » manque"))
     person = SignedPerson(
         read.sub,
         read.name,
         read.given_name,
         read.family_name,
         role,
-        contexts=() if read.context is None else (_arrived(read.context, read, provider, settings),),
+        contexts=() if read.context is None else (_read_arrived_context(read.context, read, provider, settings),),
     )
     is_framed = read.presentation is not None and read.presentation.document_target == "iframe"
     target = target_path(read.target, service) if read.target else ""
     return Launch(person, read.nonce, read.deployment, target, is_framed, linking)
 
 
-def _arrived(
+def _read_arrived_context(
     context: ContextClaim, read: LaunchClaims, provider: IdentityProvider, settings: LtiSettings
 ) -> ArrivedContext:
     """Return the course, with the addresses of its services that are on the platform's hosts."""
@@ -185,7 +187,7 @@ def _arrived(
     endpoint = read.endpoint or EndpointClaim()
 
     def own(url: str) -> str:
-        return url if is_of_platform(url, provider, settings) else ""
+        return url if is_platform_url(url, provider, settings) else ""
 
     return ArrivedContext(
         context.id,
@@ -201,17 +203,17 @@ def _arrived(
 def platform_origins(provider: IdentityProvider, settings: LtiSettings) -> Sequence[str]:
     """Return the origins on which a platform's services may be."""
     urls = (provider.issuer, settings.authorization_url, settings.token_url, settings.keys_url)
-    return list(dict.fromkeys([*map(origin_of, urls), *settings.frames]))
+    return list(dict.fromkeys([*map(origin_of_url, urls), *settings.frames]))
 
 
-def is_of_platform(url: str, provider: IdentityProvider, settings: LtiSettings) -> bool:
-    return bool(url) and is_same_site(url, platform_origins(provider, settings))
+def is_platform_url(url: str, provider: IdentityProvider, settings: LtiSettings) -> bool:
+    return bool(url) and has_origin_in(url, platform_origins(provider, settings))
 
 
 def course_role(roles: Sequence[str]) -> CourseRole:
     """Return the role in the course: of several, the one with the fewest rights.
 
-    Roles of an institution give none. Raises Refused where there are roles of the platform's system alone.
+    Roles of an institution give none. Raises FederationRefused where there are roles of the platform's system alone.
     """
     names = frozenset(roles)
     if any(name in STUDENTS or name.startswith(STUDENT_KINDS) for name in names):
@@ -221,16 +223,17 @@ def course_role(roles: Sequence[str]) -> CourseRole:
     if names & TEACHERS:
         return CourseRole.teacher
     if names and all(name.startswith(SYSTEM) for name in names):
-        raise Refused("role", NO_COURSE_ROLE)
+        raise FederationRefused("role", NO_COURSE_ROLE)
     return CourseRole.none
 
 
 def target_path(target: str, service: str) -> str:
-    """Return our path to which a launch leads; `/` for the launch's own address, and for none. Raises Refused."""
+    """Return our path to which a launch leads; `/` for the launch's own address, and for none. Raises
+    FederationRefused."""
     if not target:
         return "/"
-    if origin_of(target) != origin_of(service):
-        raise Refused("target", UNREADABLE.format(why="la page demandée est sur un autre site"))
+    if origin_of_url(target) != origin_of_url(service):
+        raise FederationRefused("target", UNREADABLE.format(why="la page demandée est sur un autre site"))
     base, parts = urlsplit(service).path.rstrip("/"), urlsplit(target)
     if base and not parts.path.startswith(f"{base}/"):
         return "/"

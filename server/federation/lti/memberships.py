@@ -6,10 +6,10 @@ import re
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
-from server.federation.errors import OutgoingError, Refused
-from server.federation.lti.access_tokens import ROSTER_SCOPE, AccessTokens
-from server.federation.lti.grade_services import OTHER_SITE, next_page
-from server.federation.lti.launch import course_role, is_of_platform
+from server.federation.errors import FederationRefused, OutgoingError
+from server.federation.lti.access_tokens import ROSTER_SCOPE, AccessTokenCache
+from server.federation.lti.grade_services import OTHER_SITE, next_page_url
+from server.federation.lti.launch import course_role, is_platform_url
 from server.federation.lti.schemas import lti_settings
 from server.federation.models import IdentityProvider, ProviderContext
 from server.federation.outgoing import with_query
@@ -27,12 +27,14 @@ TOO_MANY = "la liste est trop longue"
 SUBJECT = re.compile(r"[\x21-\x7e]{1,255}")
 
 
-def load_people(tokens: AccessTokens, provider: IdentityProvider, context: ProviderContext) -> Sequence[SignedPerson]:
+def fetch_people(
+    tokens: AccessTokenCache, provider: IdentityProvider, context: ProviderContext
+) -> Sequence[SignedPerson]:
     """Return the active people of a course who have a role there, each once. Raises OutgoingError."""
     if not context.roster_url:
         raise OutgoingError(NO_SERVICE)
     people: dict[str, SignedPerson] = {}
-    for page in _pages(tokens, provider, context.roster_url):
+    for page in _fetch_pages(tokens, provider, context.roster_url):
         members = page.get("members")
         if not isinstance(members, list):
             raise OutgoingError(NO_LIST)
@@ -45,17 +47,17 @@ def load_people(tokens: AccessTokens, provider: IdentityProvider, context: Provi
     return list(people.values())
 
 
-def _pages(tokens: AccessTokens, provider: IdentityProvider, address: str) -> Iterator[Mapping[str, Any]]:
+def _fetch_pages(tokens: AccessTokenCache, provider: IdentityProvider, address: str) -> Iterator[Mapping[str, Any]]:
     settings, address = lti_settings(provider), with_query(address, {"limit": str(PAGE_SIZE)})
     for _ in range(MAX_PAGES):
-        if not is_of_platform(address, provider, settings):
+        if not is_platform_url(address, provider, settings):
             raise OutgoingError(OTHER_SITE)
         answer = tokens.request(provider, [ROSTER_SCOPE], "GET", address, accept=LIST_TYPE, most=MAX_PAGE_BYTES)
         page = answer.json()
         if not isinstance(page, dict):
             raise OutgoingError(NO_LIST)
         yield page
-        address = next_page(answer, address)
+        address = next_page_url(answer, address)
         if not address:
             return
     raise OutgoingError(TOO_MANY)
@@ -70,13 +72,15 @@ def read_person(member: Any) -> SignedPerson | None:
         return None
     try:
         role = course_role([name for name in roles if isinstance(name, str)])
-    except Refused:
+    except FederationRefused:
         return None
     if role is CourseRole.none:
         return None
-    return SignedPerson(subject, _text(member, "name"), _text(member, "given_name"), _text(member, "family_name"), role)
+    return SignedPerson(
+        subject, _read_name(member, "name"), _read_name(member, "given_name"), _read_name(member, "family_name"), role
+    )
 
 
-def _text(member: Mapping[str, Any], name: str) -> str:
+def _read_name(member: Mapping[str, Any], name: str) -> str:
     value = member.get(name)
     return clean_name(value) if isinstance(value, str) else ""

@@ -9,10 +9,10 @@ from sqlalchemy.orm import Session
 
 from server.base.errors import InvalidFields
 from server.federation import providers, repository
-from server.federation.errors import Refused
+from server.federation.errors import FederationRefused
 from server.federation.lti.schemas import MAX_DEPLOYMENTS, MAX_FRAMES, LtiSettings, lti_settings
 from server.federation.models import ADDRESS_LENGTH, ID_LENGTH, IdentityProvider, Protocol
-from server.federation.outgoing import origin_of
+from server.federation.outgoing import origin_of_url
 from server.text.lines import tidy_line
 
 ADDRESSES = ("authorization_url", "token_url", "keys_url")
@@ -24,15 +24,15 @@ DEPLOYMENTS = "Indiquez les numéros des déploiements, séparés par des espace
 
 def parse_form(form: Mapping[str, str], *, insecure: bool = False) -> tuple[dict[str, str], LtiSettings]:
     """Return name, issuer and client id, and the settings, as an administrator has typed them. Raises InvalidFields."""
-    texts, problems = providers.read_texts(form)
-    addresses, missing = providers.read_texts(form, dict.fromkeys(ADDRESSES, ADDRESS_LENGTH))
+    texts, problems = providers.read_form_texts(form)
+    addresses, missing = providers.read_form_texts(form, dict.fromkeys(ADDRESSES, ADDRESS_LENGTH))
     problems |= missing
     for key, text in {"issuer": texts["issuer"], **addresses}.items():
         problem = "" if key in problems else providers.address_problem(text, insecure=insecure)
         if problem:
             problems[key] = problem
     frames = form.get("frames", "").lower().split() or [
-        origin_of(text) for text in (texts["issuer"], addresses["authorization_url"])
+        origin_of_url(text) for text in (texts["issuer"], addresses["authorization_url"])
     ]
     if len(frames) > MAX_FRAMES or not all(providers.is_origin(frame, insecure=insecure) for frame in frames):
         problems.setdefault("frames", FRAMES)
@@ -84,11 +84,12 @@ def accept_deployment(db: Session, provider: IdentityProvider, deployment: str, 
 
 
 def find_platform(db: Session, issuer: str, client_id: str) -> IdentityProvider:
-    """Return the platform that begins a launch; the only one of its issuer where it names no client. Raises Refused."""
+    """Return the platform that begins a launch; the only one of its issuer where it names no client. Raises
+    FederationRefused."""
     is_readable = issuer.isprintable() and client_id.isprintable()
-    rows = repository.find_registrations(db, issuer, client_id) if is_readable else []
+    rows = repository.load_registrations(db, issuer, client_id) if is_readable else []
     found = [row for row in rows if row.protocol == Protocol.lti]
     if len(found) != 1:
-        raise Refused("issuer", NOT_REGISTERED)
+        raise FederationRefused("issuer", NOT_REGISTERED)
     providers.require_active(found[0])
     return found[0]

@@ -13,20 +13,20 @@ from sqlalchemy.orm import Session
 
 from server.base.http import LTI_LAUNCH_PATH
 from server.federation import pending, providers, repository
-from server.federation.errors import Refused
+from server.federation.errors import FederationRefused
 from server.federation.lti import registration
 from server.federation.lti.launch import Launch, target_path, verify_launch
 from server.federation.lti.schemas import LtiSettings, lti_settings
 from server.federation.models import IdentityProvider, PendingSignIn
 from server.federation.outgoing import with_query
-from server.federation.remote_keys import RemoteKeys
+from server.federation.remote_keys import RemoteKeyCache
 
 OTHER_DEPLOYMENT = "Ce lancement est d’un autre déploiement que celui qui l’a commencé : recommencez depuis le cours."
 HINTS = ("login_hint", "lti_message_hint", "lti_deployment_id")
 
 
 @dataclass(frozen=True)
-class Initiation:
+class LaunchInitiation:
     """The parameters by which a platform begins a launch (LTI Core 1.3, 5.1.1)."""
 
     iss: str = ""
@@ -49,26 +49,26 @@ class BegunLaunch:
     frames: str
 
 
-def begin(db: Session, initiation: Initiation, service: str) -> BegunLaunch:
-    """Begin a launch; `service` is our own address. Raises Refused."""
+def begin_launch(db: Session, initiation: LaunchInitiation, service: str) -> BegunLaunch:
+    """Begin a launch; `service` is our own address. Raises FederationRefused."""
     provider = registration.find_platform(db, initiation.iss, initiation.client_id)
     if not initiation.login_hint:
-        raise Refused("claims", "La plateforme ne dit pas de qui il s’agit (login_hint).")
+        raise FederationRefused("claims", "La plateforme ne dit pas de qui il s’agit (login_hint).")
     details = {name: getattr(initiation, name) for name in HINTS}
-    begun = pending.begin(db, provider.id, target_path(initiation.target_link_uri, service), details)
-    return BegunLaunch(begun, frames_of(lti_settings(provider)))
+    begun = pending.begin_sign_in(db, provider.id, target_path(initiation.target_link_uri, service), details)
+    return BegunLaunch(begun, format_frame_origins(lti_settings(provider)))
 
 
-def frames_of(settings: LtiSettings) -> str:
+def format_frame_origins(settings: LtiSettings) -> str:
     return " ".join(settings.frames)
 
 
-def find_begun(db: Session, state: str) -> tuple[PendingSignIn, IdentityProvider]:
-    """Return a launch that has begun, with its platform. Raises Refused."""
-    begun = pending.find(db, state)
+def find_begun_launch(db: Session, state: str) -> tuple[PendingSignIn, IdentityProvider]:
+    """Return a launch that has begun, with its platform. Raises FederationRefused."""
+    begun = pending.find_pending_sign_in(db, state)
     provider = repository.find_provider(db, begun.provider_id)
     if provider is None:
-        raise Refused("state", pending.USED)
+        raise FederationRefused("state", pending.USED)
     return begun, provider
 
 
@@ -83,24 +83,26 @@ def authorization_url(db: Session, begun: PendingSignIn, provider: IdentityProvi
         "redirect_uri": service + LTI_LAUNCH_PATH,
         "login_hint": str(begun.details.get("login_hint", "")),
         "state": state,
-        "nonce": pending.draw_nonce(db, begun, begun.details),
+        "nonce": pending.replace_nonce(db, begun, begun.details),
     }
     if begun.details.get("lti_message_hint"):
         query["lti_message_hint"] = str(begun.details["lti_message_hint"])
     return with_query(lti_settings(provider).authorization_url, query)
 
 
-def read_launch(begun: PendingSignIn, provider: IdentityProvider, token: str, keys: RemoteKeys, service: str) -> Launch:
-    """Return the launch of a token, verified but for its nonce. Raises Refused."""
+def read_launch(
+    begun: PendingSignIn, provider: IdentityProvider, token: str, keys: RemoteKeyCache, service: str
+) -> Launch:
+    """Return the launch of a token, verified but for its nonce. Raises FederationRefused."""
     providers.require_active(provider)
     launch = verify_launch(provider, lti_settings(provider), token, keys, service)
     announced = begun.details.get("lti_deployment_id")
     if announced and announced != launch.deployment:
-        raise Refused("deployment", OTHER_DEPLOYMENT)
+        raise FederationRefused("deployment", OTHER_DEPLOYMENT)
     return launch
 
 
-def resume_query(details: Mapping[str, object], provider: IdentityProvider, target: str) -> str:
+def restart_query(details: Mapping[str, object], provider: IdentityProvider, target: str) -> str:
     """Return the query by which a begun launch begins once more, in another tab."""
     hints = {name: str(details.get(name) or "") for name in HINTS}
-    return Initiation(iss=provider.issuer, client_id=provider.client_id, target_link_uri=target, **hints).query()
+    return LaunchInitiation(iss=provider.issuer, client_id=provider.client_id, target_link_uri=target, **hints).query()

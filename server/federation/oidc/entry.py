@@ -9,8 +9,8 @@ from server.database import Database
 from server.federation import signing
 from server.federation.models import IdentityProvider
 from server.federation.oidc.schemas import oidc_settings
-from server.federation.oidc.sign_in import Client, authorization_url, fetch_claims, require_answer
-from server.federation.oidc.tokens import EndedSession, verify_logout_token
+from server.federation.oidc.sign_in import OidcClient, authorization_url, fetch_claims, require_own_code
+from server.federation.oidc.tokens import LogoutClaims, verify_logout_token
 from server.federation.proofs import BrowserAnswer, ProvenPerson
 from server.federation.service import Federation
 from server.identity.secrets import new_token
@@ -18,27 +18,31 @@ from server.identity.secrets import new_token
 ASSERTION_SECONDS = 60
 
 
-def _client(provider: IdentityProvider, back: str) -> Client:
-    return Client(provider.issuer, provider.client_id, oidc_settings(provider), back)
+def _build_client(provider: IdentityProvider, return_url: str) -> OidcClient:
+    return OidcClient(provider.issuer, provider.client_id, oidc_settings(provider), return_url)
 
 
-def start(federation: Federation, provider: IdentityProvider, back: str, state: str, details: Mapping[str, Any]) -> str:
+def start_oidc_sign_in(
+    federation: Federation, provider: IdentityProvider, return_url: str, state: str, details: Mapping[str, Any]
+) -> str:
     """Raises OutgoingError."""
     metadata = federation.discovery.find(provider.issuer)
-    return authorization_url(metadata, _client(provider, back), state, details["nonce"], details["verifier"])
+    return authorization_url(
+        metadata, _build_client(provider, return_url), state, details["nonce"], details["verifier"]
+    )
 
 
-def prove(
+def prove_oidc_person(
     federation: Federation,
     database: Database,
     provider: IdentityProvider,
-    back: str,
+    return_url: str,
     answer: BrowserAnswer,
     details: Mapping[str, Any],
 ) -> ProvenPerson:
-    """Raises Refused or OutgoingError."""
+    """Raises FederationRefused or OutgoingError."""
     metadata = federation.discovery.find(provider.issuer)
-    require_answer(metadata, answer)
+    require_own_code(metadata, answer)
 
     def prove_ourselves(audience: str) -> str:
         own = {"iss": provider.client_id, "sub": provider.client_id, "aud": audience, "jti": new_token()}
@@ -48,7 +52,7 @@ def prove(
         federation.outgoing,
         federation.keys,
         metadata,
-        _client(provider, back),
+        _build_client(provider, return_url),
         answer.code,
         nonce=details["nonce"],
         verifier=details["verifier"],
@@ -57,8 +61,8 @@ def prove(
     return ProvenPerson(claims["sub"], claims.get("sid", ""), claims)
 
 
-def read_logout(federation: Federation, provider: IdentityProvider, token: str) -> EndedSession:
-    """Return what a server says has ended. Raises Refused or OutgoingError."""
+def read_logout(federation: Federation, provider: IdentityProvider, token: str) -> LogoutClaims:
+    """Return what a server says has ended. Raises FederationRefused or OutgoingError."""
     metadata = federation.discovery.find(provider.issuer)
     return verify_logout_token(
         token, federation.keys, metadata.jwks_uri, issuer=provider.issuer, client_id=provider.client_id

@@ -10,12 +10,12 @@ from typing import Any
 from urllib.parse import quote_plus, urlencode
 
 from server.federation.discovery import Metadata, preferred_authentication
-from server.federation.errors import OutgoingError, Refused
+from server.federation.errors import FederationRefused, OutgoingError
 from server.federation.oidc.schemas import OidcSettings
 from server.federation.oidc.tokens import OTHER_ISSUER, merge_userinfo, verify_id_token
 from server.federation.outgoing import Outgoing, with_query
 from server.federation.proofs import BrowserAnswer
-from server.federation.remote_keys import RemoteKeys
+from server.federation.remote_keys import RemoteKeyCache
 
 MAX_CODE, MAX_ACCESS_TOKEN = 4000, 16_000  # characters
 ASSERTION = "urn:ietf:params:oauth:client-assertion-type:jwt-bearer"
@@ -27,7 +27,7 @@ Assertion = Callable[[str], str]
 
 
 @dataclass(frozen=True)
-class Client:
+class OidcClient:
     """We, as a server of this issuer knows us."""
 
     issuer: str
@@ -41,7 +41,7 @@ def code_challenge(verifier: str) -> str:
     return base64.urlsafe_b64encode(hashlib.sha256(verifier.encode()).digest()).rstrip(b"=").decode()
 
 
-def authorization_url(metadata: Metadata, client: Client, state: str, nonce: str, verifier: str) -> str:
+def authorization_url(metadata: Metadata, client: OidcClient, state: str, nonce: str, verifier: str) -> str:
     """Return the server's address to which a browser goes to sign in."""
     query = {
         "response_type": "code",
@@ -56,33 +56,33 @@ def authorization_url(metadata: Metadata, client: Client, state: str, nonce: str
     return with_query(metadata.authorization_endpoint, query)
 
 
-def require_answer(metadata: Metadata, answer: BrowserAnswer) -> None:
-    """Raise Refused for the answer of another server, and for one without a code."""
+def require_own_code(metadata: Metadata, answer: BrowserAnswer) -> None:
+    """Raise FederationRefused for the answer of another server, and for one without a code."""
     if answer.issuer != metadata.issuer and (answer.issuer or metadata.answers_with_issuer):
-        raise Refused("issuer", OTHER_ISSUER)
+        raise FederationRefused("issuer", OTHER_ISSUER)
     if answer.error:
         reason = answer.error[:40] if answer.error.isascii() and answer.error.isprintable() else "refusée"
-        raise Refused("cancelled", CANCELLED.format(reason=reason))
+        raise FederationRefused("cancelled", CANCELLED.format(reason=reason))
     if not 0 < len(answer.code) <= MAX_CODE:
-        raise Refused("code", NO_TOKEN)
+        raise FederationRefused("code", NO_TOKEN)
 
 
 def fetch_claims(
     outgoing: Outgoing,
-    keys: RemoteKeys,
+    keys: RemoteKeyCache,
     metadata: Metadata,
-    client: Client,
+    client: OidcClient,
     code: str,
     *,
     nonce: str,
     verifier: str,
     assertion: Assertion,
 ) -> Mapping[str, Any]:
-    """Exchange a code for the claims of a person. Raises Refused or OutgoingError."""
-    document = _exchange(outgoing, metadata, client, code, verifier, assertion)
+    """Exchange a code for the claims of a person. Raises FederationRefused or OutgoingError."""
+    document = _exchange_code_for_tokens(outgoing, metadata, client, code, verifier, assertion)
     token, access_token = document.get("id_token"), document.get("access_token")
     if not isinstance(token, str) or not isinstance(access_token, str) or len(access_token) > MAX_ACCESS_TOKEN:
-        raise Refused("token", NO_TOKEN)
+        raise FederationRefused("token", NO_TOKEN)
     claims = verify_id_token(
         token,
         keys,
@@ -95,13 +95,13 @@ def fetch_claims(
     if not metadata.userinfo_endpoint:
         return claims
     if not access_token.isascii() or not access_token.isprintable():
-        raise Refused("token", NO_TOKEN)
+        raise FederationRefused("token", NO_TOKEN)
     headers = {"Authorization": f"Bearer {access_token}"}
     return merge_userinfo(claims, outgoing.get_json(metadata.userinfo_endpoint, headers=headers))
 
 
-def _exchange(
-    outgoing: Outgoing, metadata: Metadata, client: Client, code: str, verifier: str, assertion: Assertion
+def _exchange_code_for_tokens(
+    outgoing: Outgoing, metadata: Metadata, client: OidcClient, code: str, verifier: str, assertion: Assertion
 ) -> Mapping[str, Any]:
     form = {
         "grant_type": "authorization_code",
@@ -125,9 +125,9 @@ def _exchange(
         answer = outgoing.request("POST", metadata.token_endpoint, headers=headers, content=urlencode(form).encode())
     except OutgoingError as error:
         if error.status in {400, 401}:
-            raise Refused("code", CANCELLED.format(reason=f"code refusé, réponse {error.status}")) from error
+            raise FederationRefused("code", CANCELLED.format(reason=f"code refusé, réponse {error.status}")) from error
         raise
     document = answer.json()
     if not isinstance(document, dict):
-        raise Refused("token", NO_TOKEN)
+        raise FederationRefused("token", NO_TOKEN)
     return document

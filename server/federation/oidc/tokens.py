@@ -11,9 +11,9 @@ from dataclasses import dataclass
 from hmac import compare_digest
 from typing import Any
 
-from server.federation.errors import Refused
+from server.federation.errors import FederationRefused
 from server.federation.models import ID_LENGTH
-from server.federation.remote_keys import RemoteKeys
+from server.federation.remote_keys import RemoteKeyCache
 from server.federation.tokens import MALFORMED, require_audience, verify_token
 from server.identity.models import SUBJECT_LENGTH
 from server.text.lines import character_problem
@@ -28,7 +28,7 @@ OTHER_PERSON = "Le système de votre établissement a nommé deux personnes diff
 
 
 @dataclass(frozen=True)
-class EndedSession:
+class LogoutClaims:
     """A session that has ended, of this name (`session`), or all of a person (`subject`).
 
     `issued_at` is in seconds since the epoch.
@@ -41,7 +41,7 @@ class EndedSession:
 
 def verify_id_token(
     token: str,
-    keys: RemoteKeys,
+    keys: RemoteKeyCache,
     keys_url: str,
     *,
     issuer: str,
@@ -50,79 +50,86 @@ def verify_id_token(
     access_token: str = "",
     clock: Callable[[], float] = time.time,
 ) -> Mapping[str, Any]:
-    """Return the claims of a person who has signed in now, for us, in answer to our request. Raises Refused."""
+    """Return the claims of a person who has signed in now, for us, in answer to our request. Raises
+    FederationRefused."""
     claims = verify_token(token, keys, keys_url, algorithms=ALGORITHMS, clock=clock)
-    _require_ours(claims, issuer, client_id)
+    _require_issuer_and_audience(claims, issuer, client_id)
     _require_subject(claims)
     told = claims.get("nonce")
     if not isinstance(told, str) or not nonce or not compare_digest(told.encode(), nonce.encode()):
-        raise Refused("nonce", OTHER_SIGN_IN)
-    if "at_hash" in claims and claims["at_hash"] != _left_half(access_token):
-        raise Refused("at_hash", MALFORMED)
-    if "sid" in claims and not _is_name(claims["sid"], ID_LENGTH):
-        raise Refused("sid", MALFORMED)
-    if LOGOUT_EVENT in _events(claims):
-        raise Refused("events", MALFORMED)
+        raise FederationRefused("nonce", OTHER_SIGN_IN)
+    if "at_hash" in claims and claims["at_hash"] != _access_token_hash(access_token):
+        raise FederationRefused("at_hash", MALFORMED)
+    if "sid" in claims and not _is_clean_name(claims["sid"], ID_LENGTH):
+        raise FederationRefused("sid", MALFORMED)
+    if LOGOUT_EVENT in _read_events(claims):
+        raise FederationRefused("events", MALFORMED)
     return claims
 
 
 def merge_userinfo(claims: Mapping[str, Any], document: Any) -> Mapping[str, Any]:
-    """Return the claims of a token with those of its userinfo that it lacks. Raises Refused for another person's."""
+    """Return the claims of a token with those of its userinfo that it lacks. Raises FederationRefused for another
+    person's."""
     if not isinstance(document, dict) or document.get("sub") != claims["sub"]:
-        raise Refused("userinfo", OTHER_PERSON)
+        raise FederationRefused("userinfo", OTHER_PERSON)
     return {**document, **claims}
 
 
 def verify_logout_token(
     token: str,
-    keys: RemoteKeys,
+    keys: RemoteKeyCache,
     keys_url: str,
     *,
     issuer: str,
     client_id: str,
     clock: Callable[[], float] = time.time,
-) -> EndedSession:
-    """Return what has ended. Raises Refused, also for the token of a sign-in."""
+) -> LogoutClaims:
+    """Return what has ended. Raises FederationRefused, also for the token of a sign-in."""
     claims = verify_token(token, keys, keys_url, algorithms=ALGORITHMS, clock=clock, types=LOGOUT_TYPES)
-    _require_ours(claims, issuer, client_id)
-    if "nonce" in claims or not isinstance(_events(claims).get(LOGOUT_EVENT), dict):
-        raise Refused("events", MALFORMED)
-    if not _is_name(claims.get("jti"), ID_LENGTH):
-        raise Refused("jti", MALFORMED)
+    _require_issuer_and_audience(claims, issuer, client_id)
+    if "nonce" in claims or not isinstance(_read_events(claims).get(LOGOUT_EVENT), dict):
+        raise FederationRefused("events", MALFORMED)
+    if not _is_clean_name(claims.get("jti"), ID_LENGTH):
+        raise FederationRefused("jti", MALFORMED)
     if "sid" not in claims and "sub" not in claims:
-        raise Refused("subject", MALFORMED)
+        raise FederationRefused("subject", MALFORMED)
     if "sub" in claims:
         _require_subject(claims)
-    if "sid" in claims and not _is_name(claims["sid"], ID_LENGTH):
-        raise Refused("sid", MALFORMED)
-    return EndedSession(claims.get("sid", ""), claims.get("sub", ""), float(claims["iat"]))
+    if "sid" in claims and not _is_clean_name(claims["sid"], ID_LENGTH):
+        raise FederationRefused("sid", MALFORMED)
+    return LogoutClaims(claims.get("sid", ""), claims.get("sub", ""), float(claims["iat"]))
 
 
-def _require_ours(claims: Mapping[str, Any], issuer: str, client_id: str) -> None:
+def _require_issuer_and_audience(claims: Mapping[str, Any], issuer: str, client_id: str) -> None:
     if claims.get("iss") != issuer:
-        raise Refused("issuer", OTHER_ISSUER)
+        raise FederationRefused("issuer", OTHER_ISSUER)
     require_audience(claims, client_id)
 
 
 def _require_subject(claims: Mapping[str, Any]) -> None:
-    if not _is_name(claims.get("sub"), SUBJECT_LENGTH):
-        raise Refused("subject", MALFORMED)
+    if not _is_clean_name(claims.get("sub"), SUBJECT_LENGTH):
+        raise FederationRefused("subject", MALFORMED)
 
 
-def _is_name(value: Any, longest: int) -> bool:
-    return isinstance(value, str) and 0 < len(value) <= longest and value.strip() == value and not _is_odd(value)
+def _is_clean_name(value: Any, longest: int) -> bool:
+    return (
+        isinstance(value, str)
+        and 0 < len(value) <= longest
+        and value.strip() == value
+        and not _has_odd_character(value)
+    )
 
 
-def _is_odd(value: str) -> bool:
+def _has_odd_character(value: str) -> bool:
     return bool(character_problem(value)) or "\n" in value or "\t" in value
 
 
-def _events(claims: Mapping[str, Any]) -> Mapping[str, Any]:
+def _read_events(claims: Mapping[str, Any]) -> Mapping[str, Any]:
     events = claims.get("events")
     return events if isinstance(events, dict) else {}
 
 
-def _left_half(access_token: str) -> str:
+def _access_token_hash(access_token: str) -> str:
     """Return the hash of an access token that stands beside it: that of algorithms with SHA-256."""
     digest = hashlib.sha256(access_token.encode()).digest()
     return base64.urlsafe_b64encode(digest[:16]).rstrip(b"=").decode()

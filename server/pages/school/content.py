@@ -21,9 +21,9 @@ from server.federation import outbox_repository, repository
 from server.federation.lti import deep_linking
 from server.federation.lti.deep_linking import ContentChoice, LinkableContent
 from server.federation.lti.schemas import lti_settings
-from server.federation.lti.sign_in import frames_of
+from server.federation.lti.sign_in import format_frame_origins
 from server.federation.models import ActivityKind
-from server.federation.outgoing import origin_of
+from server.federation.outgoing import origin_of_url
 from server.identity.dependencies import SignedIn
 from server.identity.models import Account
 from server.pages.school.cookies import read_state_cookie
@@ -83,7 +83,7 @@ def show_linkable_contents(
     request: Request, account: SignedIn, database: DatabaseOf, course: CourseOf, etat: State = ""
 ) -> HTMLResponse:
     with database.read() as db:
-        choice = deep_linking.find_choice(db, etat, account, read_state_cookie(request, etat))
+        choice = deep_linking.find_content_choice(db, etat, account, read_state_cookie(request, etat))
         return _render_choice_page(request, db, course, account, choice, etat)
 
 
@@ -122,7 +122,7 @@ def choose_content(
     """Take the choice to the platform, by a form that its browser sends there."""
     browser = read_state_cookie(request, etat)
     with database.read() as db:
-        choice = deep_linking.find_choice(db, etat, account, browser)
+        choice = deep_linking.find_content_choice(db, etat, account, browser)
         groups = load_linkable_content_groups(db, course, choice, account)
         content = next((group.contents[contenu] for group in groups if contenu in group.contents), None)
         if content is None and action != "annuler":
@@ -130,14 +130,14 @@ def choose_content(
     if action == "annuler":
         content = None
     with database.write() as db:
-        choice = deep_linking.consume_choice(db, etat, account, browser)
+        choice = deep_linking.consume_content_choice(db, etat, account, browser)
         if content is not None and content.assignment_id is not None and choice.context is not None:
             outbox_repository.add_line_item(db, choice.context.id, content.assignment_id, utc_now())
         title = "" if content is None else content.title
         repository.record_activity(db, choice.provider.id, ActivityKind.content, utc_now(), title)
-    token = deep_linking.sign_answer(database, choice, content, service_url(request))
-    frames = getattr(request.state, FRAMES_STATE, "") and frames_of(lti_settings(choice.provider))
-    policy = content_security_policy(frames, origin_of(choice.return_url))
+    token = deep_linking.sign_linking_response(database, choice, content, service_url(request))
+    frames = getattr(request.state, FRAMES_STATE, "") and format_frame_origins(lti_settings(choice.provider))
+    policy = content_security_policy(frames, origin_of_url(choice.return_url))
     return render_page(
         request,
         "platforms/content_return.html",

@@ -64,7 +64,7 @@ def _render_course_page(
     name: str = "",
 ) -> HTMLResponse:
     with database.read() as db:
-        context = contexts.find_own_context(db, context_id, account)
+        context = contexts.find_taught_context(db, context_id, account)
         provider = federation.find_provider(db, context.provider_id)
         return render_page(
             request,
@@ -102,7 +102,7 @@ def link_course_to_class(
     after = local_path(suite)
     try:
         with database.write() as db:
-            context = contexts.find_own_context(db, context_id, account)
+            context = contexts.find_taught_context(db, context_id, account)
             if action == "lier":
                 class_id = contexts.link_class(db, context, account, parse_uuid(classe, UNKNOWN_CLASS)).id
             elif action == "creer":

@@ -18,10 +18,10 @@ from server.base.validation import TruncateTo
 from server.database import Database
 from server.database.dependencies import DatabaseOf
 from server.federation import arrivals, entries, pending, providers
-from server.federation.cas.messages import parse_logout
+from server.federation.cas.messages import parse_logout_ticket
 from server.federation.dependencies import FederationOf
 from server.federation.entries import ENTRY_PATH, LOGOUT_PATH, RETURN_PATH, TRIAL
-from server.federation.errors import OutgoingError, Refused
+from server.federation.errors import FederationRefused, OutgoingError
 from server.federation.extra import MISSING, is_installed
 from server.federation.models import ActivityKind, IdentityProvider, Protocol
 from server.federation.oidc.entry import read_logout
@@ -56,7 +56,7 @@ AWAY_SECONDS = 10
 
 
 def find_active_provider(database: Database, provider_id: UUID, *, paused: bool = False) -> IdentityProvider:
-    """Return a system by which one signs in here. Raises NotFound, or Refused where it is paused."""
+    """Return a system by which one signs in here. Raises NotFound, or FederationRefused where it is paused."""
     if not is_installed():
         raise NotFound(MISSING)
     with database.read() as db:
@@ -70,11 +70,11 @@ def find_active_provider(database: Database, provider_id: UUID, *, paused: bool 
 async def ask_provider(
     database: Database, federation: Federation, provider: IdentityProvider, kind: ActivityKind, work: Callable[[], T]
 ) -> T:
-    """Return the result of `work`, which asks a system; its failures are written to the activity. Raises Refused or
-    Unavailable."""
+    """Return the result of `work`, which asks a system; its failures are written to the activity. Raises
+    FederationRefused or Unavailable."""
     try:
         return await federation.threads.run(provider.id, work)
-    except Refused as refused:
+    except FederationRefused as refused:
         await run_in_threadpool(entries.record_failure, database, provider.id, kind, refused.code)
         raise
     except OutgoingError as error:
@@ -108,7 +108,7 @@ async def begin_provider_sign_in(
     *,
     trial_by: UUID | None = None,
 ) -> Response:
-    """Begin a sign-in, or an administrator's trial of one. Raises Refused or Unavailable."""
+    """Begin a sign-in, or an administrator's trial of one. Raises FederationRefused or Unavailable."""
 
     def begin() -> tuple[pending.BegunSignIn, str]:
         return entries.begin_sign_in(database, federation, provider, target, trial_by=trial_by)
@@ -185,7 +185,7 @@ async def complete_provider_sign_in(
     provider, target, details = await run_in_threadpool(take)
 
     def prove() -> ProvenPerson:
-        return entries.prove(database, federation, provider, answer, details)
+        return entries.prove_person(database, federation, provider, answer, details)
 
     proof = await ask_provider(database, federation, provider, ActivityKind.sign_in, prove)
     if TRIAL in details:
@@ -208,7 +208,7 @@ def _open_provider_session(
     visitor: Account | None,
     target: str,
 ) -> tuple[OpenedSession, str]:
-    """Return the session, and the page to go to. Raises Refused or Forbidden."""
+    """Return the session, and the page to go to. Raises FederationRefused or Forbidden."""
     try:
         with database.write() as db:
             provider = providers.find_provider(db, provider_id)
@@ -216,7 +216,7 @@ def _open_provider_session(
             person = apply_rule(entries.find_entry(provider).rule(provider), proof.claims, proof.subject, proof.session)
             arrival = arrivals.open_session(db, accounts, provider, person, visitor)
             page = choose_landing_page(db, arrival, person.role, local_path(target), visitor)
-    except Refused as refused:
+    except FederationRefused as refused:
         entries.record_failure(database, provider_id, ActivityKind.sign_in, refused.code)
         raise
     return arrival.opened, page
@@ -229,8 +229,8 @@ async def end_session_by_cas_ticket(database: DatabaseOf, provider_id: UUID, log
     def end() -> None:
         provider = find_active_provider(database, provider_id, paused=True)
         if provider.protocol != Protocol.cas:
-            raise Refused("protocol", entries.NOT_HERE)
-        ticket = parse_logout(logoutRequest)
+            raise FederationRefused("protocol", entries.NOT_HERE)
+        ticket = parse_logout_ticket(logoutRequest)
         with database.write() as db:
             arrivals.end_sessions(db, provider, ticket)
 
@@ -245,7 +245,7 @@ async def end_session_by_logout_token(
     """The back-channel logout of OpenID Connect (1.0, 2.8)."""
     provider = await run_in_threadpool(find_active_provider, database, provider_id, paused=True)
     if provider.protocol != Protocol.oidc:
-        raise Refused("protocol", entries.NOT_HERE)
+        raise FederationRefused("protocol", entries.NOT_HERE)
 
     def end() -> None:
         ended = read_logout(federation, provider, logout_token)
@@ -257,7 +257,7 @@ async def end_session_by_logout_token(
 
     try:
         await federation.threads.run(provider.id, end)
-    except Refused as refused:
+    except FederationRefused as refused:
         log.info("a logout token was refused: %s", refused.code)
         document = {"error": "invalid_request", "error_description": refused.code}
         return JSONResponse(document, status_code=400, headers=NO_STORE)

@@ -47,4 +47,4 @@ def _may_have_another_account(
         return True
     if context is None or context.class_id is None:
         return False
-    return contexts.may_be_another_member(db, context.class_id, arrival.opened.account.id)
+    return contexts.may_duplicate_listed_member(db, context.class_id, arrival.opened.account.id)

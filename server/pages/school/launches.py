@@ -22,11 +22,11 @@ from server.database.dependencies import DatabaseOf
 from server.federation import arrivals, outbox, pending
 from server.federation.dependencies import FederationOf
 from server.federation.entries import record_failure
-from server.federation.errors import Refused
+from server.federation.errors import FederationRefused
 from server.federation.lti import deep_linking, sign_in
 from server.federation.lti.launch import Launch
 from server.federation.lti.schemas import lti_settings
-from server.federation.lti.sign_in import Initiation
+from server.federation.lti.sign_in import LaunchInitiation
 from server.federation.models import ActivityKind, IdentityProvider, PendingSignIn
 from server.identity.dependencies import AccountServiceOf, OptionalAccount, set_session_cookie
 from server.identity.models import Account
@@ -55,8 +55,8 @@ def _read_initiation_query(
     client_id: Hint = "",
     lti_message_hint: Hint = "",
     lti_deployment_id: Hint = "",
-) -> Initiation:
-    return Initiation(iss, login_hint, target_link_uri, client_id, lti_message_hint, lti_deployment_id)
+) -> LaunchInitiation:
+    return LaunchInitiation(iss, login_hint, target_link_uri, client_id, lti_message_hint, lti_deployment_id)
 
 
 def _read_initiation_form(
@@ -66,11 +66,11 @@ def _read_initiation_form(
     client_id: Field = "",
     lti_message_hint: Field = "",
     lti_deployment_id: Field = "",
-) -> Initiation:
+) -> LaunchInitiation:
     fields = (iss, login_hint, target_link_uri, client_id, lti_message_hint, lti_deployment_id)
     if any(len(field) > 2000 for field in fields):
-        raise Refused("claims", "Le début du lancement est trop long.")
-    return Initiation(*fields)
+        raise FederationRefused("claims", "Le début du lancement est trop long.")
+    return LaunchInitiation(*fields)
 
 
 @router.get(LTI_BEGIN_PATH)
@@ -78,7 +78,7 @@ def begin_launch_by_query(
     request: Request,
     database: DatabaseOf,
     settings: SettingsOf,
-    initiation: Annotated[Initiation, Depends(_read_initiation_query)],
+    initiation: Annotated[LaunchInitiation, Depends(_read_initiation_query)],
 ) -> Response:
     return _begin_launch(request, database, settings, initiation)
 
@@ -88,15 +88,15 @@ def begin_launch_by_form(
     request: Request,
     database: DatabaseOf,
     settings: SettingsOf,
-    initiation: Annotated[Initiation, Depends(_read_initiation_form)],
+    initiation: Annotated[LaunchInitiation, Depends(_read_initiation_form)],
 ) -> Response:
     return _begin_launch(request, database, settings, initiation)
 
 
-def _begin_launch(request: Request, database: Database, settings: SettingsOf, initiation: Initiation) -> Response:
+def _begin_launch(request: Request, database: Database, settings: SettingsOf, initiation: LaunchInitiation) -> Response:
     with database.write() as db:
         limits.take_token(db, f"lti:{client_address(request)}", settings.guest_bucket, TOO_MANY)
-        launch = sign_in.begin(db, initiation, service_url(request))
+        launch = sign_in.begin_launch(db, initiation, service_url(request))
     response = redirect(f"{CHECK_PATH}?{urlencode({'state': launch.begun.state})}")
     set_state_cookie(response, launch.begun)
     return response
@@ -106,13 +106,13 @@ def _begin_launch(request: Request, database: Database, settings: SettingsOf, in
 def continue_launch(request: Request, database: DatabaseOf, state: State = "") -> Response:
     """Send a browser that keeps cookies to its platform; another one gets a button that opens a tab."""
     with database.write() as db:
-        begun, provider = sign_in.find_begun(db, state)
-        setattr(request.state, FRAMES_STATE, sign_in.frames_of(lti_settings(provider)))
+        begun, provider = sign_in.find_begun_launch(db, state)
+        setattr(request.state, FRAMES_STATE, sign_in.format_frame_origins(lti_settings(provider)))
         browser = read_state_cookie(request, state)
         if browser:
             pending.require_browser(begun, browser)
             return redirect(sign_in.authorization_url(db, begun, provider, state, service_url(request)))
-        query = sign_in.resume_query(begun.details, provider, service_url(request) + begun.target)
+        query = sign_in.restart_query(begun.details, provider, service_url(request) + begun.target)
     return _render_no_cookies_page(request, provider, f"{LTI_BEGIN_PATH}?{query}")
 
 
@@ -145,12 +145,12 @@ async def complete_launch(
     service = service_url(request)
     try:
         if not id_token:
-            raise Refused("platform", NO_TOKEN.format(error=error[:60] or "sans dire pourquoi"))
+            raise FederationRefused("platform", NO_TOKEN.format(error=error[:60] or "sans dire pourquoi"))
         launch = await federation.threads.run(
             provider.id, lambda: sign_in.read_launch(begun, provider, id_token, federation.keys, service)
         )
         response = await run_in_threadpool(_open_launch_session, request, database, accounts, visitor, state, launch)
-    except Refused as refused:
+    except FederationRefused as refused:
         await run_in_threadpool(record_failure, database, provider.id, ActivityKind.sign_in, refused.detail)
         raise
     clear_state_cookie(response, state)
@@ -158,10 +158,10 @@ async def complete_launch(
 
 
 def _find_expected_launch(request: Request, database: Database, state: str) -> tuple[PendingSignIn, IdentityProvider]:
-    """Return a launch that this browser has begun, with its platform. Raises Refused."""
+    """Return a launch that this browser has begun, with its platform. Raises FederationRefused."""
     with database.read() as db:
-        begun, provider = sign_in.find_begun(db, state)
-        setattr(request.state, FRAMES_STATE, sign_in.frames_of(lti_settings(provider)))
+        begun, provider = sign_in.find_begun_launch(db, state)
+        setattr(request.state, FRAMES_STATE, sign_in.format_frame_origins(lti_settings(provider)))
         pending.require_browser(begun, read_state_cookie(request, state))
     return begun, provider
 
@@ -174,16 +174,16 @@ def _open_launch_session(
     state: str,
     launch: Launch,
 ) -> Response:
-    """Use the launch up, and open its session, in one transaction. Raises Refused or Forbidden."""
+    """Use the launch up, and open its session, in one transaction. Raises FederationRefused or Forbidden."""
     destination = request.headers.get("sec-fetch-dest", "")
     is_framed = destination in FRAMES or (not destination and launch.is_framed)
     with database.write() as db:
-        begun, provider = sign_in.find_begun(db, state)
-        target, _ = pending.consume(db, begun, launch.nonce)
-        frames = sign_in.frames_of(lti_settings(provider)) if is_framed else ""
+        begun, provider = sign_in.find_begun_launch(db, state)
+        target, _ = pending.consume_sign_in(db, begun, launch.nonce)
+        frames = sign_in.format_frame_origins(lti_settings(provider)) if is_framed else ""
         arrival = arrivals.open_session(db, accounts, provider, launch.person, visitor, frames=frames)
         for context, arrived in zip(arrival.contexts, launch.person.contexts, strict=True):
-            outbox.adopt_line_item(db, context, launch.target, arrived.line_item_url, utc_now())
+            outbox.adopt_launch_line_item(db, context, launch.target, arrived.line_item_url, utc_now())
         choosing = _begin_content_choice(db, provider, arrival, launch)
         if choosing is None:
             page = landing.choose_landing_page(db, arrival, launch.person.role, launch.target or target, visitor)
@@ -203,4 +203,6 @@ def _begin_content_choice(
     if launch.linking is None:
         return None
     context = arrival.contexts[0] if arrival.contexts else None
-    return deep_linking.begin_choice(db, provider, context, arrival.opened.account, launch.linking, launch.deployment)
+    return deep_linking.begin_content_choice(
+        db, provider, context, arrival.opened.account, launch.linking, launch.deployment
+    )

@@ -70,7 +70,7 @@ SERVER_PART = "platforms/server_part.html"
 
 
 def _list_addresses(_request: Request, provider: IdentityProvider) -> Mapping[str, str]:
-    return servers.list_addresses(provider, KEYS_PATH)
+    return servers.list_own_addresses(provider, KEYS_PATH)
 
 
 PROTOCOLS: Mapping[str, ProtocolPageParts] = {
@@ -81,8 +81,10 @@ PROTOCOLS: Mapping[str, ProtocolPageParts] = {
         check_platform,
         lambda request, _: list_own_addresses(request),
     ),
-    Protocol.cas: ProtocolPageParts("CAS", SERVER_PART, cas_settings, servers.check_cas, _list_addresses),
-    Protocol.oidc: ProtocolPageParts("OpenID Connect", SERVER_PART, oidc_settings, servers.check_oidc, _list_addresses),
+    Protocol.cas: ProtocolPageParts("CAS", SERVER_PART, cas_settings, servers.check_cas_server, _list_addresses),
+    Protocol.oidc: ProtocolPageParts(
+        "OpenID Connect", SERVER_PART, oidc_settings, servers.check_oidc_server, _list_addresses
+    ),
 }
 
 
@@ -103,7 +105,7 @@ def show_platforms(request: Request, account: OptionalAccount, database: Databas
             "platforms/list.html",
             account,
             platforms=rows,
-            accounts=repository.count_accounts(db),
+            accounts=repository.count_identities_by_issuer(db),
             latest=_load_latest_activity(db, rows),
             labels=ACTIVITY_LABELS,
             protocols=PROTOCOLS,
@@ -182,11 +184,11 @@ def _apply_action(database: Database, account: Account, provider_id: UUID, actio
     with database.write() as db:
         provider = providers.find_provider(db, provider_id)
         if action == "suspendre":
-            providers.pause(db, provider, account.id)
+            providers.pause_provider(db, provider, account.id)
         elif action == "reprendre":
-            providers.resume(db, provider, account.id)
+            providers.resume_provider(db, provider, account.id)
         elif action == "retirer":
-            providers.remove(db, provider, account.id)
+            providers.remove_provider(db, provider, account.id)
             page = LIST_PATH
         elif action == "deploiement" and provider.protocol == Protocol.lti:
             registration.accept_deployment(db, provider, deployment, account.id)

@@ -14,10 +14,10 @@ from server.database import utc_now
 from server.database.dependencies import DatabaseOf
 from server.federation import providers, repository
 from server.federation.dependencies import FederationOf
-from server.federation.errors import OutgoingError, Refused
+from server.federation.errors import FederationRefused, OutgoingError
 from server.federation.lti import dynamic
 from server.federation.models import ActivityKind
-from server.federation.outgoing import origin_of
+from server.federation.outgoing import origin_of_url
 from server.identity.dependencies import SignedIn
 from server.pages.school.keys import KEYS_PATH
 from server.pages.school.platforms import LIST_PATH
@@ -42,7 +42,7 @@ def create_registration_link(request: Request, account: SignedIn, database: Data
     """Show a new one-time address, once."""
     providers.require_administrator(account)
     with database.write() as db:
-        token = dynamic.create_link(db, account)
+        token = dynamic.create_registration_link(db, account)
     address = service_url(request) + REGISTRATION_PATH.format(token=token)
     return render_page(request, "platforms/link.html", account, address=address, headers={"Cache-Control": "no-store"})
 
@@ -59,14 +59,14 @@ async def begin_registration(
     """Show which platform wants to register itself."""
     await run_in_threadpool(_require_registration_link, database, token)
     if not openid_configuration:
-        raise Refused("registration", NOT_A_PLATFORM)
+        raise FederationRefused("registration", NOT_A_PLATFORM)
     try:
         found = await federation.threads.run(
             REGISTRATION_PATH, lambda: dynamic.read_configuration(federation.outgoing, openid_configuration)
         )
     except OutgoingError as error:
-        raise Refused("registration", f"L’inscription est impossible : {error.reason}.") from error
-    setattr(request.state, FRAMES_STATE, origin_of(found.issuer))
+        raise FederationRefused("registration", f"L’inscription est impossible : {error.reason}.") from error
+    setattr(request.state, FRAMES_STATE, origin_of_url(found.issuer))
     return await run_in_threadpool(
         render_page,
         request,
@@ -81,7 +81,7 @@ async def begin_registration(
 
 def _require_registration_link(database: DatabaseOf, token: str) -> None:
     with database.read() as db:
-        dynamic.require_link(db, token)
+        dynamic.require_registration_link(db, token)
 
 
 @router.post(REGISTRATION_PATH)
@@ -98,12 +98,12 @@ async def register_platform(
 
     def work() -> tuple[str, bool]:
         with database.write() as db:
-            maker = dynamic.use_link(db, token)
+            maker = dynamic.consume_registration_link(db, token)
         found = dynamic.read_configuration(federation.outgoing, openid_configuration[:2000])
         given = registration_token[:MAX_TOKEN]
         tool = dynamic.register_tool(federation.outgoing, found, given, service, service + KEYS_PATH)
         with database.write() as db:
-            provider = dynamic.add_registered(db, found, tool, maker)
+            provider = dynamic.add_registered_platform(db, found, tool, maker)
             repository.record_activity(db, provider.id, ActivityKind.registration, utc_now())
         return found.issuer, bool(tool.deployments)
 
@@ -111,8 +111,8 @@ async def register_platform(
         issuer, is_complete = await federation.threads.run(REGISTRATION_PATH, work)
     except OutgoingError as error:
         reason = f"L’inscription a échoué : {error.reason}. Faites une autre adresse, et recommencez."
-        raise Refused("registration", reason) from error
-    setattr(request.state, FRAMES_STATE, origin_of(issuer))
+        raise FederationRefused("registration", reason) from error
+    setattr(request.state, FRAMES_STATE, origin_of_url(issuer))
     return await run_in_threadpool(
         render_page, request, "platforms/registered.html", None, issuer=issuer, is_complete=is_complete
     )

@@ -115,5 +115,5 @@ def change_rule(
         settings = {**provider.settings, "rule": rule.model_dump(mode="json")}
         providers.change_settings(db, provider, account.id, settings, anchor="service")
         if values["action"] == "ouvrir":
-            providers.resume(db, provider, account.id)
+            providers.resume_provider(db, provider, account.id)
     return redirect(PLATFORM_PATH.format(provider_id=provider_id))

@@ -26,10 +26,10 @@ from server.course import Course
 from server.database import Database, utc_now
 from server.federation.errors import OutgoingError
 from server.federation.lti import registration
-from server.federation.lti.access_tokens import AccessTokens
+from server.federation.lti.access_tokens import AccessTokenCache
 from server.federation.lti.grade_services import GradeServices, Score
 from server.federation.models import IdentityProvider, LineItem, MarkDelivery, ProviderContext
-from server.federation.outbox_task import MarksRun, SchoolMarksTask
+from server.federation.outbox_task import CourseMarksWork, SchoolMarksTask
 from server.federation.outgoing import Outgoing, parse_networks
 from server.identity.models import FederatedIdentity
 from server.marks.models import Override
@@ -142,14 +142,14 @@ class OpenEdx:
             ))  # fmt: skip
 
     def send(self, course: Course) -> None:
-        SchoolMarksTask(self.database, course, self.outgoing).run(MarksRun(self.context, self.provider))
+        SchoolMarksTask(self.database, course, self.outgoing).run(CourseMarksWork(self.context, self.provider))
 
     def score(self, **changes: Any) -> None:
         """Send a score as our services do. Raises OutgoingError."""
         with self.database.read() as db:
             (item,) = db.execute(select(LineItem)).scalars()
         assert item.url
-        services = GradeServices(AccessTokens(self.database, self.outgoing), self.provider)
+        services = GradeServices(AccessTokenCache(self.database, self.outgoing), self.provider)
         services.post_score(item.url, Score(**{"subject": "s9", "points": 10.0, "at": utc_now(), **changes}))
 
 

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import pytest
 
-from server.federation.cas.messages import parse_answer, parse_logout
-from server.federation.errors import Refused
+from server.federation.cas.messages import parse_logout_ticket, parse_validation_answer
+from server.federation.errors import FederationRefused
 
 ENT = """<cas:serviceResponse xmlns:cas="http://www.yale.edu/tp/cas"><cas:authenticationSuccess>
 <cas:user>uid-4711</cas:user><cas:attributes>
@@ -23,7 +23,7 @@ ROOT, SUCCESS, USER = "cas:serviceResponse", "cas:authenticationSuccess", "<cas:
 
 
 def test_a_person_comes_with_attributes_of_one_value_or_several() -> None:
-    person = parse_answer(ENT.encode())
+    person = parse_validation_answer(ENT.encode())
     assert person.user == "uid-4711"
     assert dict(person.attributes) == {
         "ENTPersonNom": ["Lovelace"],
@@ -31,7 +31,7 @@ def test_a_person_comes_with_attributes_of_one_value_or_several() -> None:
         "ENTEleveClasses": ["ENTStructureSIREN=1,ou=structures$2NDE5", "ENTStructureSIREN=1,ou=structures$MATHS EXP"],
         "old": ["style"],
     }
-    assert parse_answer(f'\n<?xml version="1.0" encoding="UTF-8"?>\n{ENT}'.encode()) == person
+    assert parse_validation_answer(f'\n<?xml version="1.0" encoding="UTF-8"?>\n{ENT}'.encode()) == person
 
 
 REFUSED_ANSWERS = {
@@ -65,24 +65,24 @@ REFUSED_ANSWERS = {
 
 @pytest.mark.parametrize("content", REFUSED_ANSWERS.values(), ids=REFUSED_ANSWERS.keys())
 def test_an_answer_that_is_none_is_refused(content: bytes) -> None:
-    with pytest.raises(Refused):
-        parse_answer(content)
+    with pytest.raises(FederationRefused):
+        parse_validation_answer(content)
 
 
 def test_a_failure_says_which() -> None:
     for code, expected in {"INVALID_TICKET": "ticket", "INVALID_SERVICE": "service", "INTERNAL_ERROR": "cas"}.items():
         failure = f'<cas:authenticationFailure code="{code}">no</cas:authenticationFailure>'
-        with pytest.raises(Refused) as refused:
-            parse_answer(f'<{ROOT} xmlns:cas="http://www.yale.edu/tp/cas">{failure}</{ROOT}>'.encode())
+        with pytest.raises(FederationRefused) as refused:
+            parse_validation_answer(f'<{ROOT} xmlns:cas="http://www.yale.edu/tp/cas">{failure}</{ROOT}>'.encode())
         assert refused.value.code == expected
 
 
 def test_a_comment_hides_no_part_of_a_user() -> None:
-    assert parse_answer(ENT.replace("uid-4711", "admin<!-- x -->-suite").encode()).user == "admin-suite"
+    assert parse_validation_answer(ENT.replace("uid-4711", "admin<!-- x -->-suite").encode()).user == "admin-suite"
 
 
 def test_a_logout_names_one_ticket() -> None:
-    assert parse_logout(LOGOUT.format(ticket=" ST-1-abc ")) == "ST-1-abc"
+    assert parse_logout_ticket(LOGOUT.format(ticket=" ST-1-abc ")) == "ST-1-abc"
     wrong = (
         "",
         "ST-1-abc",
@@ -97,5 +97,5 @@ def test_a_logout_names_one_ticket() -> None:
         LOGOUT.format(ticket="ST-1" + "<!-- -->" * 2000),
     )
     for text in wrong:
-        with pytest.raises(Refused):
-            parse_logout(text)
+        with pytest.raises(FederationRefused):
+            parse_logout_ticket(text)

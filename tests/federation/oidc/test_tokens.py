@@ -10,22 +10,22 @@ import pytest
 from joserfc.jwk import RSAKey
 
 from server.federation.discovery import RETRY_SECONDS, Discovery, parse_metadata, preferred_authentication
-from server.federation.errors import OutgoingError, Refused
+from server.federation.errors import FederationRefused, OutgoingError
 from server.federation.oidc.schemas import OidcSettings
 from server.federation.oidc.sign_in import (
-    Client,
+    OidcClient,
     authorization_url,
     code_challenge,
     fetch_claims,
-    require_answer,
+    require_own_code,
 )
 from server.federation.oidc.tokens import verify_id_token, verify_logout_token
 from server.federation.proofs import BrowserAnswer
-from server.federation.remote_keys import RemoteKeys
+from server.federation.remote_keys import RemoteKeyCache
 from tests.support.issuer import CLIENT, ISSUER, KEYS_URL, FakeIssuer, curve_key, sign, signing_key
 
 NOW = int(time.time())
-KEYS = RemoteKeys(FakeIssuer())  # type: ignore[arg-type]
+KEYS = RemoteKeyCache(FakeIssuer())  # type: ignore[arg-type]
 ODD: tuple[Any, ...] = ("", " ", "autre", 0, 7, -1, 1e30, True, [], {}, ["autre"], {"a": 1}, [None], "a\nb", "x" * 5000)
 REMOVED = object()
 
@@ -41,7 +41,7 @@ def end(token: str) -> Any:
 def is_refused(check: Callable[[str], Any], token: str) -> bool:
     try:
         check(token)
-    except Refused:
+    except FederationRefused:
         return True
     return False
 
@@ -76,7 +76,7 @@ FORGED: dict[str, Callable[[], str]] = {
 @pytest.mark.parametrize("forge", FORGED.values(), ids=FORGED.keys())
 def test_a_forged_token_is_refused(forge: Callable[[], str]) -> None:
     token = forge()
-    with pytest.raises(Refused):
+    with pytest.raises(FederationRefused):
         verify(token)
 
 
@@ -84,7 +84,7 @@ def test_a_signature_covers_each_character() -> None:
     token = sign(FakeIssuer().claims())
     head, body, signature = token.split(".")
     for forged in (f"{head}.{body}.", f"{head}.{body}.{signature[:-4]}AAAA", f"{head}.{body[:-3]}AAA.{signature}"):
-        with pytest.raises(Refused):
+        with pytest.raises(FederationRefused):
             verify(forged)
 
 
@@ -121,7 +121,7 @@ def test_no_mutation_of_a_claim_enters(name: str) -> None:
 
 
 def test_several_audiences_need_an_authorised_party() -> None:
-    with pytest.raises(Refused):
+    with pytest.raises(FederationRefused):
         verify(sign(FakeIssuer().claims(aud=[CLIENT, "x"], azp=None)))
 
 
@@ -147,9 +147,9 @@ def test_a_logout_token_is_no_sign_in_nor_the_reverse() -> None:
     )
     for change in wrong:
         assert is_refused(end, issuer.logout_token(**change)), f"{change} ended a session"
-    with pytest.raises(Refused):
+    with pytest.raises(FederationRefused):
         end(sign(issuer.claims()))
-    with pytest.raises(Refused):
+    with pytest.raises(FederationRefused):
         verify(issuer.logout_token())
 
 
@@ -195,29 +195,29 @@ def test_a_description_is_fetched_seldom_and_outlives_a_server_that_is_away() ->
 
 def test_the_browser_goes_with_a_challenge_and_comes_from_the_issuer() -> None:
     metadata = parse_metadata(FakeIssuer().metadata, ISSUER)
-    client = Client(ISSUER, CLIENT, OidcSettings(service="https://balise.example"), "https://balise.example/retour")
+    client = OidcClient(ISSUER, CLIENT, OidcSettings(service="https://balise.example"), "https://balise.example/retour")
     url = authorization_url(metadata, client, "st", "no", "dBjftJeZ4CVP-mB92K27uhbUJU1p1r_wW1gFWFOEjXk")
     assert "code_challenge=E9Melhoa2OwvFrEMTJguCHaoeK1t8URWbuGJSstw-cM&code_challenge_method=S256" in url  # RFC 7636, B
     assert "scope=openid+profile&state=st&nonce=no" in url
-    require_answer(metadata, BrowserAnswer(code="c", issuer=ISSUER))
+    require_own_code(metadata, BrowserAnswer(code="c", issuer=ISSUER))
     for wrong in (
         BrowserAnswer(code="c"),
         BrowserAnswer(code="c", issuer="https://other.example"),
         BrowserAnswer(issuer=ISSUER),
         BrowserAnswer(code="c", issuer=ISSUER, error="x"),
     ):
-        with pytest.raises(Refused):
-            require_answer(metadata, wrong)
+        with pytest.raises(FederationRefused):
+            require_own_code(metadata, wrong)
     silent = metadata.model_copy(update={"answers_with_issuer": False})
-    require_answer(silent, BrowserAnswer(code="c"))
-    with pytest.raises(Refused):
-        require_answer(silent, BrowserAnswer(code="c", issuer="https://other.example"))
+    require_own_code(silent, BrowserAnswer(code="c"))
+    with pytest.raises(FederationRefused):
+        require_own_code(silent, BrowserAnswer(code="c", issuer="https://other.example"))
 
 
 def exchange(issuer: FakeIssuer, settings: OidcSettings, **metadata: Any) -> Mapping[str, Any]:
     described = parse_metadata({**issuer.metadata, **metadata}, ISSUER)
-    client = Client(ISSUER, CLIENT, settings, "https://balise.example/retour")
-    keys = RemoteKeys(issuer)  # type: ignore[arg-type]
+    client = OidcClient(ISSUER, CLIENT, settings, "https://balise.example/retour")
+    keys = RemoteKeyCache(issuer)  # type: ignore[arg-type]
     code = issuer.new_code("n")
     return fetch_claims(
         issuer,  # type: ignore[arg-type]
@@ -264,5 +264,5 @@ def test_userinfo_is_of_the_same_person_and_overrides_no_claim() -> None:
     assert (claims["name"], claims["groups"], claims["iss"]) == ("Ada Lovelace", ["a"], ISSUER)
     for document in ({"sub": "u2"}, {}, None, [], {"sub": ["u1"]}):
         issuer.userinfo = document  # type: ignore[assignment]
-        with pytest.raises(Refused):
+        with pytest.raises(FederationRefused):
             exchange(issuer, OidcSettings(service="https://balise.example"), **where)
