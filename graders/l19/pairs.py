@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from graders.core.code.probes import AnswerRule, ProbeAnswer, ProbeResults, as_array, measuring
+from graders.core.code.probes import AnswerRule, ProbeAnswer, ProbeResults, measurement_rule, to_finite_array
 from graders.core.compare import words as render
 from graders.core.compare.comparison import TOLERANCE, Mismatch, close, unreadable, worst_difference
 from graders.core.compare.told_apart import instead
@@ -128,7 +128,7 @@ class ReadPair:
 
 def part(shown: Sequence[ProbeAnswer], which: int) -> list[Floats] | None:
     """The first or the second value of every answer, None where one is no pair of finite numbers."""
-    found = [as_array(one[which]) if isinstance(one, list) and len(one) == 2 else None for one in shown]
+    found = [to_finite_array(one[which]) if isinstance(one, list) and len(one) == 2 else None for one in shown]
     return [one for one in found if one is not None] if all(one is not None for one in found) else None
 
 
@@ -143,7 +143,7 @@ def agree(ones: Sequence[Floats], others: Sequence[Floats]) -> list[bool]:
 def only(which: int, name: str, places: Sequence[int] | None = None) -> AnswerRule:
     """The name for answers whose other value is always right, and this one wrong in all of these places."""
 
-    @measuring
+    @measurement_rule
     def rule(shown: ProbeResults) -> str | None:
         got, right = part(shown.got, which), part(shown.right, which)
         beside, its = part(shown.got, 1 - which), part(shown.right, 1 - which)

@@ -18,11 +18,11 @@ from sqlalchemy.orm import Session
 
 from graders.core.code.behaviour import Behaviour, BehaviourObserver
 from graders.core.code.grading import CodeGrader
-from graders.core.code.mending import time_limit
+from graders.core.code.mending import start_time_limit
 from graders.core.code.places import FoundPlace, find_place
 from graders.core.code.stored_answers import (
     deserialize_answers,
-    projection,
+    project_to_number,
     same_answers,
     serialize_answers,
     structure_hash,
@@ -167,7 +167,7 @@ class FingerprintTask:
         try:
             verdict, source = Verdict.from_json(request.verdict), request.source.decode()
             programs = self._start(search_limits(exercise.policy), library)
-            spent = time_limit(SEARCH_SECONDS, SEARCH_PROCESSOR_SECONDS, programs)
+            spent = start_time_limit(SEARCH_SECONDS, SEARCH_PROCESSOR_SECONDS, programs)
             return self._find(exercise.grader, source, verdict, programs, spent)
         except UnicodeDecodeError:
             return None
@@ -218,7 +218,7 @@ def observed_behaviour(request: FingerprintRequest, behaviour: Behaviour) -> Obs
 def find_or_create_group(db: Session, observed: ObservedBehaviour) -> str:
     """Return the oldest group whose programs give these answers, up to the tolerance, or a new one."""
     repository.lock_groups(db)
-    key = (observed.exercise, observed.version, structure_hash(observed.answers), projection(observed.answers))
+    key = (observed.exercise, observed.version, structure_hash(observed.answers), project_to_number(observed.answers))
     for group_id, answers in repository.iter_similar_groups(db, *key):
         if same_answers(deserialize_answers(answers), observed.answers):
             return group_id

@@ -9,7 +9,7 @@ from uuid import UUID
 
 from sqlalchemy.orm import Session
 
-from graders.core.code.places import is_worth_searching, join_place
+from graders.core.code.places import add_place_to_diagnosis, is_worth_searching
 from graders.core.contract.bounds import limit_size
 from graders.core.contract.findings import Judgement
 from graders.core.contract.verdict import TEACHER, Diagnosis, Verdict
@@ -62,7 +62,7 @@ def load_verdict_and_search(db: Session, attempt: Attempt) -> tuple[Verdict | No
         diagnosis = None if name is None else _diagnosis(*name)
     is_observed, place = place_queries.load_observation(db, grading.id)
     if place is not None:
-        diagnosis = join_place(diagnosis, Diagnosis.from_json(place))
+        diagnosis = add_place_to_diagnosis(diagnosis, Diagnosis.from_json(place))
     is_recent = utc_now() - grading.finished_at < SEARCH_PATIENCE
     is_search_pending = is_recent and not is_observed and is_worth_searching(verdict)
     if diagnosis is not verdict.diagnosis:

@@ -111,7 +111,7 @@ class MutationSubject:
 
     def _first_failed(self, grader: SandboxGrader, source: str, seed: int) -> str | None:
         programs = grader.programs(self.exercise.id, self.policy)
-        return self.code.first_failed(source.encode(), programs, seed=seed, checks=self.checks)
+        return self.code.first_failed_check(source.encode(), programs, seed=seed, checks=self.checks)
 
 
 def run(course: Course, selected: Sequence[Exercise]) -> int:

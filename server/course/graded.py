@@ -117,7 +117,8 @@ def _exercise_facts(sources: ExerciseSources, path: Path, card: ExerciseFile, gr
 def _promises(grader: CodeGrader) -> dict[str, tuple[tuple[str, str], ...]]:
     """Return what the contracts of the functions promise, in French."""
     return {
-        contract.function: tuple((line.label, line.text) for line in contract.lines()) for contract in grader.contracts
+        contract.function: tuple((line.label, line.text) for line in contract.promise_lines())
+        for contract in grader.contracts
     }
 
 

@@ -12,8 +12,8 @@ from dataclasses import replace
 from uuid import UUID
 
 from graders.core.code.grading import CodeGrader
-from graders.core.code.mending import time_limit
-from graders.core.code.places import find_place, join_place
+from graders.core.code.mending import start_time_limit
+from graders.core.code.places import add_place_to_diagnosis, find_place
 from graders.core.contract.findings import Judgement
 from graders.core.contract.outcomes import Outcome
 from graders.core.contract.program import Answer, Block, KitSettings, PlannedCalls, Reply, StudentFault
@@ -233,9 +233,9 @@ class SandboxGrader:
         if not isinstance(exercise.grader, CodeGrader):
             return verdict.diagnosis
         programs = self.programs(exercise_id, search_limits(exercise.policy), own)
-        spent = time_limit(SEARCH_SECONDS, seconds, programs)
+        spent = start_time_limit(SEARCH_SECONDS, seconds, programs)
         found = find_place(exercise.grader, source.decode("utf-8", "replace"), verdict, programs, spent)
-        return verdict.diagnosis if found is None else join_place(verdict.diagnosis, found.diagnosis)
+        return verdict.diagnosis if found is None else add_place_to_diagnosis(verdict.diagnosis, found.diagnosis)
 
     def grade(
         self,

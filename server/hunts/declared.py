@@ -8,7 +8,7 @@ from contextlib import closing
 from dataclasses import dataclass
 from typing import Any
 
-from graders.core.code.hunts import InputFault, OutsideStatement
+from graders.core.code.hunts import InputFault, InputOutsideStatement
 from graders.core.contract.program import Programs, StudentFault
 from graders.core.declared.declaration import read_declaration
 from graders.core.declared.grading import DeclaredGrader
@@ -98,7 +98,7 @@ class DeclaredHuntRunner:
             shown = try_hunt(known.hunt, self._programs(known.hunt), case)
         except InputFault as fault:
             return HuntTrialOutcome(refusal=fault.message, argument=fault.argument)
-        except (OutsideStatement, StudentFault):
+        except (InputOutsideStatement, StudentFault):
             return HuntTrialOutcome(refusal=OUTSIDE)
         typed = sum(len(text.replace(" ", "")) for text in trial.typed.values())
         small = typed <= sum(len(text.replace(" ", "")) for text in known.witness)

@@ -15,12 +15,12 @@ from graders.core.advice.trying import TIMED, review_program
 from graders.core.code.exercise import CodeDefinition
 from graders.core.code.hunts import (
     Hunt,
-    HuntGround,
+    HuntPrograms,
     InputFault,
-    OutsideStatement,
+    InputOutsideStatement,
     find_witness,
     list_hunts,
-    size_of,
+    measure_input,
 )
 from graders.core.code.wrong_lines import find_wrong_lines
 from graders.core.compare.words import fraction_of_pi, text
@@ -148,7 +148,7 @@ class HuntRunner:
         changed = None if hunt is None else find_wrong_lines(definition, hunt, trial.seed, public)
         if hunt is None or changed is None:
             return HuntTrialOutcome(refusal=GONE)
-        lines = hunt.program(trial.seed, public).splitlines()
+        lines = hunt.wrong_program_source(trial.seed, public).splitlines()
         if not 0 <= trial.line <= len(lines):
             return HuntTrialOutcome(refusal="Choisissez une ligne du programme.")
         wrong = "\n".join(lines[number - 1].strip() for number in changed.mending)
@@ -192,9 +192,9 @@ class HuntRunner:
                     yield ComparedAnswer(misconception=other.misconception.id, words=words)
 
     @contextmanager
-    def _programs(self, name: HuntName, hunt: Hunt) -> Iterator[tuple[HuntGround, Program]]:
+    def _programs(self, name: HuntName, hunt: Hunt) -> Iterator[tuple[HuntPrograms, Program]]:
         """Open the right programs and the wrong one, and close them."""
-        ground = HuntGround(_definition(name.exercise), SandboxPrograms(self._sandbox, POLICY))
+        ground = HuntPrograms(_definition(name.exercise), SandboxPrograms(self._sandbox, POLICY))
         try:
             wrong = ground.open(hunt.source)
             try:
@@ -215,7 +215,7 @@ class HuntRunner:
         try:
             with self._programs(trial.hunt, hunt) as (ground, wrong):
                 answer = ground.try_input(hunt, wrong, args)
-        except (OutsideStatement, StudentFault):
+        except (InputOutsideStatement, StudentFault):
             return HuntTrialOutcome(refusal=OUTSIDE)
         return HuntTrialOutcome(
             is_right=answer.shows,
@@ -260,7 +260,7 @@ def _as_read(typed: np.ndarray) -> Value:
 
 
 def _describe(index: int, name: HuntName, known: KnownHunt, seed: int) -> OfferedHunt:
-    hunt, size, definition = known.hunt, size_of(known.witness), _definition(name.exercise)
+    hunt, size, definition = known.hunt, measure_input(known.witness), _definition(name.exercise)
     public = sorted(definition.judged_functions)
     changed = find_wrong_lines(definition, hunt, seed, public)
     optional = {argument for argument, _ in hunt.contract.defaults}
@@ -269,7 +269,7 @@ def _describe(index: int, name: HuntName, known: KnownHunt, seed: int) -> Offere
         index=index,
         hunt=name,
         title=hunt.misconception.title,
-        program=hunt.program(seed, public),
+        program=hunt.wrong_program_source(seed, public),
         arguments=tuple(
             Argument(name=argument, words=form.words, witness=witness.get(argument, ""), optional=argument in optional)
             for argument, form in hunt.contract.takes.items()
@@ -283,7 +283,7 @@ def _describe(index: int, name: HuntName, known: KnownHunt, seed: int) -> Offere
 
 
 def _is_small(args: Arguments, witness: Arguments) -> bool:
-    mine, known = size_of(args), size_of(witness)
+    mine, known = measure_input(args), measure_input(witness)
     return mine.nonzero <= known.nonzero and mine.numbers <= known.numbers
 
 

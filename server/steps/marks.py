@@ -71,7 +71,7 @@ def _lines_that_repair(
     after = 0
 
     def passes(text: str) -> bool:
-        return grader.first_failed(text.encode(), programs, seed=seed, checks=checks) is None
+        return grader.first_failed_check(text.encode(), programs, seed=seed, checks=checks) is None
 
     for index, repair in enumerate(candidates):
         if (index == 0 and passes(text)) or after > MAX_FURTHER_REPAIRS:

@@ -12,7 +12,15 @@ import pytest
 from graders.core.code import hunts
 from graders.core.code.exercise import CodeDefinition
 from graders.core.code.hunt_faults import find_hunt_faults
-from graders.core.code.hunts import Hunt, HuntGround, InputFault, OutsideStatement, find_witness, list_hunts, size_of
+from graders.core.code.hunts import (
+    Hunt,
+    HuntPrograms,
+    InputFault,
+    InputOutsideStatement,
+    find_witness,
+    list_hunts,
+    measure_input,
+)
 from graders.core.code.wrong_lines import find_wrong_lines
 from graders.core.contract.local import LOCAL
 from graders.core.contract.values import Value
@@ -35,25 +43,25 @@ def hunt_of(exercise: str, misconception: str) -> Hunt:
 )
 def test_a_witness_is_small_and_shows_the_mistake(exercise: str, misconception: str) -> None:
     hunt = hunt_of(exercise, misconception)
-    ground = HuntGround(definition(exercise), LOCAL)
-    wrong = ground.open(hunt.program(7))
+    ground = HuntPrograms(definition(exercise), LOCAL)
+    wrong = ground.open(hunt.wrong_program_source(7))
     witness = find_witness(hunt, ground, wrong)
     assert witness is not None
-    assert size_of(witness).numbers <= hunts.MAX_NEEDED
+    assert measure_input(witness).numbers <= hunts.MAX_NEEDED
     assert ground.try_input(hunt, wrong, witness).shows
 
 
 def test_an_input_on_which_all_agree_shows_nothing() -> None:
     hunt = hunt_of("l20/poses", "rotation_oubliee")
-    ground = HuntGround(definition("l20/poses"), LOCAL)
+    ground = HuntPrograms(definition("l20/poses"), LOCAL)
     still = hunt.read_input({"a": [0, 0, 0], "b": [1, 2, 0.5]})
     assert not ground.try_input(hunt, ground.open(hunt.source), still).shows
 
 
 def test_what_the_statement_does_not_promise_calls_nobody_wrong() -> None:
     hunt = hunt_of("l19/gain", "gain_inverse")
-    ground = HuntGround(definition("l19/gain"), LOCAL)
-    with pytest.raises(OutsideStatement):
+    ground = HuntPrograms(definition("l19/gain"), LOCAL)
+    with pytest.raises(InputOutsideStatement):
         ground.try_input(hunt, ground.open(hunt.source), hunt.read_input({"v": 0, "r": 0}))
 
 
@@ -101,11 +109,11 @@ def test_long_and_untypable_exercises_have_none() -> None:
 def test_the_wrong_line_is_that_by_which_a_right_program_of_the_same_form_differs() -> None:
     poses = definition("l20/poses")
     hunt = hunt_of("l20/poses", "translation_de_a_oubliee")
-    ground = HuntGround(poses, LOCAL)
+    ground = HuntPrograms(poses, LOCAL)
     witness = find_witness(hunt, ground, ground.open(hunt.source))
     assert witness is not None
     for seed in range(4):
-        program = hunt.program(seed, ["composer"])
+        program = hunt.wrong_program_source(seed, ["composer"])
         changed = find_wrong_lines(poses, hunt, seed, ["composer"])
         assert changed is not None
         [(number, right)] = changed.mending.items()

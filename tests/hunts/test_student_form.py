@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from graders.core.code.hunts import list_hunts
-from graders.core.code.student_form import student_form
+from graders.core.code.student_form import rewrite_as_student_form
 from graders.core.contract.local import LOCAL
 from graders.core.contract.program import KitSettings
 from graders.discovery import load_definition
@@ -50,7 +50,7 @@ def repondre(valeurs, echelle=2.0):
 
 @pytest.mark.parametrize("seed", range(6))
 def test_another_form_answers_alike(seed: int) -> None:
-    form = student_form(TRICKY, "repondre", seed)
+    form = rewrite_as_student_form(TRICKY, "repondre", seed)
     ast.parse(form)
     assert "inutile" not in form
     assert "À ne pas montrer" not in form
@@ -61,15 +61,15 @@ def test_another_form_answers_alike(seed: int) -> None:
 
 
 def test_a_form_depends_on_the_seed_alone() -> None:
-    forms = {student_form(TRICKY, "repondre", seed) for seed in range(8)}
+    forms = {rewrite_as_student_form(TRICKY, "repondre", seed) for seed in range(8)}
     assert len(forms) > 2
-    assert student_form(TRICKY, "repondre", 3) == student_form(TRICKY, "repondre", 3)
+    assert rewrite_as_student_form(TRICKY, "repondre", 3) == rewrite_as_student_form(TRICKY, "repondre", 3)
 
 
 def test_public_functions_keep_their_names() -> None:
     definition = load_definition("l20/poses")
     hunt = next(hunt for hunt in list_hunts(definition) if hunt.misconception.id == "relatif_a_l_envers")  # type: ignore[arg-type]
-    form = hunt.program(5, ("composer", "inverse", "relatif"))
+    form = hunt.wrong_program_source(5, ("composer", "inverse", "relatif"))
     defined = {node.name for node in ast.parse(form).body if isinstance(node, ast.FunctionDef)}
     assert {"relatif", "composer", "inverse"} <= defined
     np.testing.assert_allclose(

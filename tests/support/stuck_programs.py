@@ -52,5 +52,5 @@ def _variants(model: Model, name: str) -> list[str]:
     """Return the model with a mistake, then with one more: what a student tries elsewhere meanwhile."""
     edits = [edit for edit in model.edits if edit.id == name]
     (mutant, *_) = model.mutants(edits, 1)
-    others = (other.text for other in model.with_one_more(mutant, model.edits))
+    others = (other.text for other in model.add_one_mistake(mutant, model.edits))
     return [mutant.text, *islice(others, MOST_VARIANTS)]

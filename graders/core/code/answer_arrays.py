@@ -43,7 +43,7 @@ class AnswerSequence:
     def _begin_offsets(self) -> NDArray[np.int64]:
         return np.cumsum([0, *(array.size for array in self.arrays[:-1] if array is not None)])
 
-    def agreement(self, other: AnswerSequence) -> list[bool]:
+    def compare_answers(self, other: AnswerSequence) -> list[bool]:
         """Return whether each answer agrees with the other sequence's answer at its index."""
         count = min(len(self.arrays), len(other.arrays))
         if not count or self._array_shapes is None or self._array_shapes != other._array_shapes:

@@ -30,10 +30,10 @@ def match_nodes(pattern: ast.AST, node: ast.AST, names: Names, fixed_names: froz
             yield names
         return
     if isinstance(pattern, ast.expr) and isinstance(node, ast.expr):
-        pattern_terms, node_terms = signed_terms(pattern), signed_terms(node)
+        pattern_terms, node_terms = split_signed_terms(pattern), split_signed_terms(node)
         if len(pattern_terms) > 1 and len(pattern_terms) == len(node_terms) <= MAX_PERMUTED_TERMS:
             for order in itertools.permutations(node_terms):
-                yield from match_terms(pattern_terms, order, names, fixed_names)
+                yield from match_signed_terms(pattern_terms, order, names, fixed_names)
             return
         if _is_product(pattern) and _is_product(node):
             assert isinstance(pattern, ast.BinOp)
@@ -49,12 +49,12 @@ def match_nodes(pattern: ast.AST, node: ast.AST, names: Names, fixed_names: froz
 
 
 def _match_fields(pattern: ast.AST, node: ast.AST, names: Names, fixed_names: frozenset[str]) -> Iterator[Names]:
-    pairs = paired_children(pattern, node)
+    pairs = pair_children(pattern, node)
     if pairs is not None:
         yield from _match_node_pairs(pairs, names, fixed_names)
 
 
-def paired_children(first: ast.AST, other: ast.AST) -> Sequence[tuple[ast.AST, ast.AST]] | None:
+def pair_children(first: ast.AST, other: ast.AST) -> Sequence[tuple[ast.AST, ast.AST]] | None:
     """Return the children of two nodes of one type in pairs; None where their number or a plain field differs."""
     pairs: list[tuple[ast.AST, ast.AST]] = []
     for (field, ours), (_, theirs) in zip(ast.iter_fields(first), ast.iter_fields(other), strict=True):
@@ -82,7 +82,7 @@ def _match_node_pairs(
         yield from _match_node_pairs(others, matched, fixed_names)
 
 
-def match_terms(
+def match_signed_terms(
     pattern_terms: Sequence[Term], node_terms: Sequence[Term], names: Names, fixed_names: frozenset[str]
 ) -> Iterator[Names]:
     """Yield each substitution under which two lists of signed terms match in this order."""
@@ -91,17 +91,17 @@ def match_terms(
         yield from _match_node_pairs(pairs, names, fixed_names)
 
 
-def signed_terms(node: ast.expr, *, plus: bool = True) -> list[Term]:
+def split_signed_terms(node: ast.expr, *, plus: bool = True) -> list[Term]:
     """Split a sum into its signed terms."""
     if isinstance(node, ast.BinOp) and isinstance(node.op, ast.Add | ast.Sub):
         turned = plus == isinstance(node.op, ast.Add)
-        return [*signed_terms(node.left, plus=plus), *signed_terms(node.right, plus=turned)]
+        return [*split_signed_terms(node.left, plus=plus), *split_signed_terms(node.right, plus=turned)]
     if isinstance(node, ast.UnaryOp) and isinstance(node.op, ast.USub):
-        return signed_terms(node.operand, plus=not plus)
+        return split_signed_terms(node.operand, plus=not plus)
     return [(plus, node)]
 
 
-def join_terms(terms: Sequence[Term]) -> ast.expr:
+def join_signed_terms(terms: Sequence[Term]) -> ast.expr:
     written = "".join(f"{'+' if plus else '-'}({ast.unparse(term)})" for plus, term in terms)
     return parse_expression(written).body
 

@@ -24,7 +24,7 @@ def concatenate_blocks(blocks: Iterable[Sequence[Answer]]) -> Sequence[Answer]:
     return _concatenate_arrays(block_list) or [answer for block in block_list for answer in block]
 
 
-def take_plain_answers(blocks: Iterator[Sequence[Answer]]) -> Sequence[Answer]:
+def take_leading_plain_answers(blocks: Iterator[Sequence[Answer]]) -> Sequence[Answer]:
     """Return the answers up to the first block with one that is not plain, that block included."""
     plain: list[Sequence[Answer]] = []
     for answers in blocks:

@@ -23,17 +23,17 @@ from graders.core.code.bench import Bench
 from graders.core.code.call_series import (
     STOPPED,
     CallSeries,
-    call_series,
-    modified_arguments,
-    read_answers,
+    modified_argument_names,
+    read_compared_parts,
+    run_call_series,
     stored_answers,
 )
 from graders.core.code.checks import Rejection, Untouched
 from graders.core.code.grading import CodeGrader
-from graders.core.code.probes import read_answer
+from graders.core.code.probes import read_compared_part
 from graders.core.code.recording import CallRecorder
 from graders.core.code.runner import Runner
-from graders.core.code.stored_answers import StoredAnswer, same_answer, to_stored, truncate_answers
+from graders.core.code.stored_answers import StoredAnswer, same_answer, to_stored_answer, truncate_answers
 from graders.core.compare.words import tidy, to_jsonable
 from graders.core.contract.local import LocalProgram
 from graders.core.contract.outcomes import Outcome
@@ -120,7 +120,7 @@ class BehaviourObserver:
         self._free: dict[CallSeries, bool] = {}
 
     @cached_property
-    def series(self) -> tuple[CallSeries, ...]:
+    def all_series(self) -> tuple[CallSeries, ...]:
         """All series of calls, grouped by kit."""
         all_series = [*self._iter_probe_series(), *self._iter_recorded_series()]
         kits = list({id(series.kit): series.kit for series in all_series}.values()) or [self._kit_settings]
@@ -140,7 +140,7 @@ class BehaviourObserver:
         """Yield the calls that the checks make of the solution, for functions without probes."""
         prober = self._grader.prober
         missing = [
-            function for function in self._grader.functions if prober is None or function not in prober.functions
+            function for function in self._grader.functions if prober is None or function not in prober.probed_functions
         ]
         if not missing:
             return
@@ -158,7 +158,7 @@ class BehaviourObserver:
         for check in self._grader.checks:
             if isinstance(check, Untouched):
                 for function, args in check.inputs(stream(self._seed, check.id)).items():
-                    yield CallSeries(function, (args,), kit, keeping=check.names[function])
+                    yield CallSeries(function, (args,), kit, preserved_arguments=check.names[function])
 
     def observe(self, source: bytes, programs: Programs) -> Behaviour:
         """Return the behaviour of a file's program. It is launched twice; unstable answers do not count."""
@@ -167,7 +167,7 @@ class BehaviourObserver:
             return Behaviour((), is_loadable=False)
         stopped = frozenset(
             series.function
-            for series, result in zip(self.series, first, strict=True)
+            for series, result in zip(self.all_series, first, strict=True)
             if _has_fatal_fault(result.answers)
         )
         second = self._answer_all_series(source, programs, stopped)
@@ -181,7 +181,7 @@ class BehaviourObserver:
     ) -> list[_SeriesAnswers] | None:
         """Launch the program and answer every series, without the functions `without`; None if it does not load."""
         results = []
-        for _, group in itertools.groupby(self.series, key=lambda series: id(series.kit)):
+        for _, group in itertools.groupby(self.all_series, key=lambda series: id(series.kit)):
             group_series = list(group)
             with closing(Runner(programs, source, group_series[0].kit)) as runner:
                 try:
@@ -189,7 +189,7 @@ class BehaviourObserver:
                 except StudentFault:
                     return None
                 for series in group_series:
-                    answers = [] if series.function in without else list(call_series(runner, series))
+                    answers = [] if series.function in without else list(run_call_series(runner, series))
                     results.append(_SeriesAnswers(answers, stored_answers(series, answers)))
         return results
 
@@ -199,7 +199,7 @@ class BehaviourObserver:
         answers: list[StoredAnswer] = []
         wrong: list[int] = []
         wrong_answers: list[_WrongAnswer] = []
-        for series, result, repeated in zip(self.series, first, second, strict=True):
+        for series, result, repeated in zip(self.all_series, first, second, strict=True):
             steady = (
                 result.shown if series.function in stopped else _mark_unstable_answers(result.shown, repeated.shown)
             )
@@ -226,13 +226,18 @@ class BehaviourObserver:
 
     def _right_answers(self, series: CallSeries, answers: Sequence[Answer]) -> Sequence[StoredAnswer]:
         """Return the right answers, in the style of this program where the exercise knows several."""
-        if series.keeping:
-            return [to_stored("")]
+        if series.preserved_arguments:
+            return [to_stored_answer("")]
         prober = self._grader.prober
         if series.probes is not None and prober is not None:
-            padded = [*read_answers(series, answers), *[STOPPED] * len(series.calls)][: len(series.calls)]
-            return [to_stored(right_answer) for right_answer in prober.nearest_right_answers(series.probes, padded)]
-        return [to_stored(read_answer(args, self._solution_answer(series, args), series.read)) for args in series.calls]
+            padded = [*read_compared_parts(series, answers), *[STOPPED] * len(series.calls)][: len(series.calls)]
+            return [
+                to_stored_answer(right_answer) for right_answer in prober.nearest_right_answers(series.probes, padded)
+            ]
+        return [
+            to_stored_answer(read_compared_part(args, self._solution_answer(series, args), series.read))
+            for args in series.calls
+        ]
 
     def _solution_answer(self, series: CallSeries, args: Arguments) -> Answer:
         """Return the solution's answer to one call, from a fresh launch."""
@@ -253,8 +258,8 @@ class BehaviourObserver:
         series, answer, args = chosen[0].series, chosen[0].answer, chosen[0].args
         names = _parameter_names(self._grader.solution, series.function, len(args))
         inputs = {name: to_jsonable(value) for name, value in zip(names, args, strict=True)}
-        if isinstance(answer, Reply) and series.keeping:
-            at = series.keeping.index(modified_arguments(series, answer)[0])
+        if isinstance(answer, Reply) and series.preserved_arguments:
+            at = series.preserved_arguments.index(modified_argument_names(series, answer)[0])
             return Example(series.function, inputs, to_jsonable(args[at]), to_jsonable((answer.arguments or ())[at]))
         solved = None if self._has_several_right_answers(series) else self._solution_answer(series, args)
         expected = tidy(to_jsonable(solved.value)) if isinstance(solved, Reply) else None
@@ -264,9 +269,11 @@ class BehaviourObserver:
     def _has_several_right_answers(self, series: CallSeries) -> bool:
         """Whether several answers are right, so that the solution itself may differ from the model."""
         if series not in self._free:
-            answers = [] if series.keeping else [self._solution_answer(series, args) for args in series.calls]
+            answers = (
+                [] if series.preserved_arguments else [self._solution_answer(series, args) for args in series.calls]
+            )
             stored = stored_answers(series, answers)
-            self._free[series] = not series.keeping and bool(
+            self._free[series] = not series.preserved_arguments and bool(
                 self._wrong_answer_indices(series, _SeriesAnswers(answers, stored), stored)
             )
         return self._free[series]

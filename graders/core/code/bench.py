@@ -82,7 +82,7 @@ class Bench:
     def _iter_planned(self) -> Iterator[Turn]:
         """Yield the planned calls in order: function, arguments, iterator of answers."""
         for batch in self.planned_calls:
-            answers = self.runner.answers(batch)
+            answers = self.runner.iter_answers(batch)
             yield from ((batch.function, args, answers) for args in batch.calls)
 
     def prefetch(self, batch: PlannedCalls) -> Sequence[Answer]:
@@ -100,12 +100,12 @@ class Bench:
         """Yield the answers in blocks, as they arrive."""
         if self.program is None:
             return self.runner.answer_blocks(batch)
-        return ((answer,) for _, answer in self.answers(batch))
+        return ((answer,) for _, answer in self.iter_answers(batch))
 
-    def answers(self, batch: PlannedCalls) -> Iterator[tuple[Arguments, Answer]]:
+    def iter_answers(self, batch: PlannedCalls) -> Iterator[tuple[Arguments, Answer]]:
         """Yield the arguments and the answer of each call, planned or not."""
         if self.program is None:
-            answers = self.runner.answers(batch)
+            answers = self.runner.iter_answers(batch)
         elif self._first_answers is not None and any(batch is planned for planned in self.planned_calls):
             answers = self.runner.watch_answers(
                 self.program, batch.function, (answer for _, answer in self._first_answers)
@@ -155,7 +155,7 @@ class Bench:
 
         self.runner.observe(make_observations)
 
-    def film(self, data: FigureData) -> None:
+    def record_film(self, data: FigureData) -> None:
         """Keep a film of the program's run in this check, passed or failed, for its author to watch.
 
         `data` are plain values and arrays, of few digits (some 60 KB as JSON; all the films of a grading share
@@ -167,7 +167,7 @@ class Bench:
             self.runner.films[self.check] = data
 
     @contextmanager
-    def on(self, kit: KitSettings, first: PlannedCalls | None = None) -> Iterator[Bench]:
+    def run_with_kit(self, kit: KitSettings, first: PlannedCalls | None = None) -> Iterator[Bench]:
         """Yield the same bench with the program started on another map; the batch `first` travels with its file."""
         ahead = [first] if first is not None and self.runner.is_callable(first.function) else []
         self.side_kit = kit

@@ -13,10 +13,10 @@ def find_callers(source: bytes, names: Collection[str]) -> frozenset[str]:
     return _transitive_callers(_names_read_by_function(source), names)
 
 
-def find_shared_helpers(source: bytes, functions: Collection[str], asked: Collection[str]) -> list[str]:
-    """Return the functions of a program, none `asked` by the exercise, that several of these functions call."""
+def find_shared_helpers(source: bytes, functions: Collection[str], requested: Collection[str]) -> list[str]:
+    """Return the functions of a program, none `requested` by the exercise, that several of these functions call."""
     read = _names_read_by_function(source)
-    helpers = [name for name in read if name not in asked]
+    helpers = [name for name in read if name not in requested]
     return [name for name in helpers if len(_transitive_callers(read, [name]).intersection(functions)) > 1]
 
 

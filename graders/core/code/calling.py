@@ -19,7 +19,7 @@ _WRONG_CALL = re.compile(
 _BEGINS_WITH_LINE = re.compile(r"Ligne \d")
 
 
-def tell_signatures(findings: Sequence[Finding], solution: str) -> list[Finding]:
+def add_signatures_to_messages(findings: Sequence[Finding], solution: str) -> list[Finding]:
     """Return the findings, where a function that does not take the graders' arguments is told its signature.
 
     A wrong call within the student's own file, which has a line, is left as it is.
@@ -28,7 +28,7 @@ def tell_signatures(findings: Sequence[Finding], solution: str) -> list[Finding]
     return [_add_signature_to_message(finding, signatures) for finding in findings]
 
 
-def tell_once(findings: Sequence[Finding]) -> list[Finding]:
+def shorten_repeated_reasons(findings: Sequence[Finding]) -> list[Finding]:
     """Return the findings, where a reason that an earlier check told is told in short, and refers to that check.
 
     The reason is the sign of a finding (an exception at a line, a function that is missing), else its message.

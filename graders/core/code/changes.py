@@ -27,22 +27,26 @@ _LIKELY = (*alterations.RULES, *reversals.LIKELY)
 class ProgramChange:
     """A changed program and the first changed line of the original.
 
-    In `counted` its loops count their turns. `operator` says what kind of thing was changed, `mistake` is the id of the
-    undone mistake of the catalogue, if any, which may change `further` lines. An `unlikely` change is the kind of one
-    that may make up for a mistake of another line.
+    In `text_with_counters` its loops count their turns. `operator` says what kind of thing was changed, `mistake` is
+    the id of the undone mistake of the catalogue, if any, which may change `further_lines`. A change that
+    `is_unlikely` is of a kind that may make up for a mistake of another line.
     """
 
     text: str
-    counted: str
+    text_with_counters: str
     line: int
     operator: str
     mistake: str = ""
-    further: tuple[int, ...] = ()
-    unlikely: bool = False
+    further_lines: tuple[int, ...] = ()
+    is_unlikely: bool = False
 
 
 def find_changes(
-    source: str, functions: Sequence[str], model: Model | None, spent: Callable[[], bool], apart: Collection[str] = ()
+    source: str,
+    functions: Sequence[str],
+    model: Model | None,
+    is_time_spent: Callable[[], bool],
+    excluded: Collection[str] = (),
 ) -> list[ProgramChange]:
     """Return the changes of a program that may mend these functions, the likeliest first; none of one too long.
 
@@ -53,12 +57,12 @@ def find_changes(
     text = ProgramText.read(source)
     if text is None:
         return []
-    nodes = sorted(_iter_reachable_nodes(text, functions, apart), key=lambda node: getattr(node, "lineno", 0))
+    nodes = sorted(_iter_reachable_nodes(text, functions, excluded), key=lambda node: getattr(node, "lineno", 0))
     lines = {getattr(node, "lineno", 0) for node in nodes}
     undone = (
         change
-        for change in _iter_mistake_repairs(source, functions, model, spent)
-        if lines.issuperset((change.line, *change.further))
+        for change in _iter_mistake_repairs(source, functions, model, is_time_spent)
+        if lines.issuperset((change.line, *change.further_lines))
     )
     changes: dict[str, ProgramChange] = {}
     for change in itertools.islice(itertools.chain(undone, _iter_rule_changes(text, nodes)), MAX_CHANGES):
@@ -73,11 +77,11 @@ def _iter_mistake_repairs(
         repairs = find_repairs(model, mistake, functions, source, spent) if model else iter(())
         for repair in itertools.islice(repairs, MAX_REPAIRS):
             first, *others = repair.lines
-            yield ProgramChange(repair.text, count_turns(repair.text), first, "", mistake, tuple(others))
+            yield ProgramChange(repair.text, add_loop_counters(repair.text), first, "", mistake, tuple(others))
 
 
 def _iter_rule_changes(text: ProgramText, nodes: Sequence[ast.AST]) -> Iterator[ProgramChange]:
-    counters = turn_counters(text)
+    counters = locate_loop_counters(text)
     for rules in (_LIKELY, reversals.UNLIKELY):
         for node in nodes:
             for rule in rules:
@@ -85,7 +89,7 @@ def _iter_rule_changes(text: ProgramText, nodes: Sequence[ast.AST]) -> Iterator[
                     line = text.raw.count(b"\n", 0, change.start) + 1
                     counted = _apply_with_counters(text, change, counters)
                     yield ProgramChange(
-                        text.apply(change), counted, line, change.operator, unlikely=rules is reversals.UNLIKELY
+                        text.apply(change), counted, line, change.operator, is_unlikely=rules is reversals.UNLIKELY
                     )
 
 
@@ -105,7 +109,7 @@ def _iter_reachable_nodes(text: ProgramText, functions: Sequence[str], apart: Co
     yield from (node for node in text.nodes() if node not in left_out)
 
 
-def turn_counters(text: ProgramText) -> list[tuple[int, bytes]]:
+def locate_loop_counters(text: ProgramText) -> list[tuple[int, bytes]]:
     """Return where the loops of a program count their turns: byte offsets and texts, in order."""
     counters = []
     for node in ast.walk(text.tree):
@@ -120,7 +124,7 @@ def turn_counters(text: ProgramText) -> list[tuple[int, bytes]]:
     return sorted(counters)
 
 
-def noted_line(source: str, line: int) -> tuple[str, list[str]] | None:
+def insert_variable_recorder(source: str, line: int) -> tuple[str, list[str]] | None:
     """Return a program that notes its variables where a line begins, and the variables that the line reads or sets.
 
     None where no simple statement begins there.
@@ -143,22 +147,22 @@ def noted_line(source: str, line: int) -> tuple[str, list[str]] | None:
     read = sorted((node for node in ast.walk(statement) if isinstance(node, ast.Name)), key=text.span)
     names = [node.id for node in read]
     known = [name for name in dict.fromkeys(names) if name in text.variables(statement)]
-    return with_insertions(text, counters), known
+    return insert_with_loop_counters(text, counters), known
 
 
-def with_insertions(text: ProgramText, added: Sequence[tuple[int, bytes]]) -> str:
+def insert_with_loop_counters(text: ProgramText, added: Sequence[tuple[int, bytes]]) -> str:
     """Return a program whose loops count their turns, with further texts at these byte offsets."""
     return _apply_with_counters(
-        text, Change(0, 0, "", ""), sorted([*turn_counters(text), *added], key=lambda pair: pair[0])
+        text, Change(0, 0, "", ""), sorted([*locate_loop_counters(text), *added], key=lambda pair: pair[0])
     )
 
 
-def count_turns(source: str) -> str:
+def add_loop_counters(source: str) -> str:
     """Return a program whose loops count their turns; as it is where it does not parse."""
     text = ProgramText.read(source)
     if text is None:
         return source
-    return _apply_with_counters(text, Change(0, 0, "", ""), turn_counters(text))
+    return _apply_with_counters(text, Change(0, 0, "", ""), locate_loop_counters(text))
 
 
 def _apply_with_counters(text: ProgramText, change: Change, counters: Sequence[tuple[int, bytes]]) -> str:

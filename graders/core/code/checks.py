@@ -15,9 +15,9 @@ from typing import Any, ClassVar, NoReturn
 
 import numpy as np
 
-from graders.core.code.batch_judging import judge_batch, take_plain_answers
+from graders.core.code.batch_judging import judge_batch, take_leading_plain_answers
 from graders.core.code.bench import Bench
-from graders.core.code.drawable import drawable_as
+from graders.core.code.drawable import to_drawable_like
 from graders.core.code.shared_results import SHARED, find_changed_result
 from graders.core.code.simplifying import fails_alike, shrink_and_reject
 from graders.core.compare import words as render
@@ -185,7 +185,7 @@ class Untouched(Check):
     def _replies_or_reject(self, bench: Bench, batch: PlannedCalls) -> Sequence[Reply]:
         """Return the replies to all calls. Raises Rejection for a fault."""
         replies = []
-        for args, answer in bench.answers(batch):
+        for args, answer in bench.iter_answers(batch):
             if isinstance(answer, StudentFault):
                 inputs = dict(zip(self.names[batch.function], args, strict=True))
                 raise fault_rejection(answer, inputs=inputs) from answer
@@ -256,7 +256,7 @@ class Cases(Check):
     def run(self, bench: Bench) -> None:
         batch = planned_calls_of(self, bench)[-1]
         blocks = bench.answer_blocks(batch)
-        plain = take_plain_answers(blocks) if self.rows else ()
+        plain = take_leading_plain_answers(blocks) if self.rows else ()
         at_once = judge_batch(batch, plain, self.expected, self.compare)
         if isinstance(plain, ArrayReplies) and at_once and None not in at_once:
             bench.observe_all(self.function, plain.values, at_once)
@@ -331,7 +331,7 @@ class Cases(Check):
 
     def figure_data(self, args: Arguments, expected: Value, got: Value) -> FigureData | None:
         """Return the data of the figure for one answer; None where there is nothing to draw."""
-        return None if self.figure is None else self.figure(args, expected, drawable_as(expected, got))
+        return None if self.figure is None else self.figure(args, expected, to_drawable_like(expected, got))
 
 
 def fault_rejection(

@@ -44,7 +44,7 @@ _END = object()
 Handler = Callable[[Sequence[Any], Any], Iterator[Any]]
 
 
-class Unfinished(Exception):
+class UnfinishedAnswer(Exception):
     """A bound was reached before the next answer.
 
     `reason` is French, for the author: "ne finit pas"; `uncertain` where the cause may be a lock of this process;
@@ -60,7 +60,7 @@ class Unfinished(Exception):
         self.position = 0
 
 
-class ConfinedError(Exception):
+class HelperProcessError(Exception):
     """A handler raised an exception in the helper; the message is its traceback."""
 
 
@@ -81,7 +81,7 @@ class ConfinedWork:
 
         Raises ConfinedError where the handler fails. The helper of a generator that is closed early is stopped.
         """
-        done, unfinished, tried = 0, dict[int, Unfinished](), set[int]()
+        done, unfinished, tried = 0, dict[int, UnfinishedAnswer](), set[int]()
         while done < len(items):
             if done in unfinished:
                 yield unfinished[done]
@@ -92,7 +92,7 @@ class ConfinedWork:
                 for answer in self._ask_helper((items[begin:end], context), telling=telling):
                     yield answer
                     done += 1
-            except Unfinished as error:
+            except UnfinishedAnswer as error:
                 culprit = max(done, begin + error.position)
                 if error.uncertain and culprit not in tried:
                     tried.add(culprit)
@@ -106,8 +106,8 @@ class ConfinedWork:
             while (answers := helper.receive()) is not None:
                 yield from answers
         except BaseException as error:
-            if isinstance(error, Unfinished):
-                error.position, error.last_report = helper.position(), helper.last_report() if telling else ""
+            if isinstance(error, UnfinishedAnswer):
+                error.position, error.last_report = helper.current_position(), helper.last_report() if telling else ""
             helper.stop()
             raise
         _release_helper(helper)
@@ -143,7 +143,7 @@ class _HelperProcess:
         inner.close()
         self._numbers = frozenset(works)
 
-    def knows(self, number: int) -> bool:
+    def has_work(self, number: int) -> bool:
         """Whether it was forked by this process after this work was made."""
         return self._owner == os.getpid() and number in self._numbers
 
@@ -151,13 +151,13 @@ class _HelperProcess:
         try:
             self._channel.send((number, telling, question))
         except OSError as error:
-            raise Unfinished(_KILLED, uncertain=True) from error
+            raise UnfinishedAnswer(_KILLED, uncertain=True) from error
 
     def last_report(self) -> str:
         """Return the last text that the handler reported."""
         return self._shared[8:].rstrip(b"\0").decode(errors="ignore")
 
-    def position(self) -> int:
+    def current_position(self) -> int:
         """Return the position of the item on which it works, in its question."""
         return int.from_bytes(self._shared[:8])
 
@@ -175,8 +175,8 @@ class _HelperProcess:
             case "end":
                 return None
             case "memory":
-                raise Unfinished(_TOO_MUCH_MEMORY)
-        raise ConfinedError(message.content)
+                raise UnfinishedAnswer(_TOO_MUCH_MEMORY)
+        raise HelperProcessError(message.content)
 
     def _wait_for_answers(self) -> None:
         """Return when there is something to read. Raises Unfinished where the helper uses no processor."""
@@ -186,14 +186,14 @@ class _HelperProcess:
             if now != used:
                 used, changed = now, time.monotonic()
             elif time.monotonic() - changed > ASLEEP_SECONDS and _is_asleep(self._pid):
-                raise Unfinished("attend sans rien calculer", uncertain=True)
+                raise UnfinishedAnswer("attend sans rien calculer", uncertain=True)
 
-    def _reap_and_explain_death(self) -> Unfinished:
+    def _reap_and_explain_death(self) -> UnfinishedAnswer:
         _, status = os.waitpid(self._pid, 0)
         self._pid = 0
         if os.WIFSIGNALED(status) and os.WTERMSIG(status) == signal.SIGPROF:
-            return Unfinished(f"ne finit pas (plus de {CPU_SECONDS:g} s de calcul)")
-        return Unfinished(_KILLED, uncertain=True)
+            return UnfinishedAnswer(f"ne finit pas (plus de {CPU_SECONDS:g} s de calcul)")
+        return UnfinishedAnswer(_KILLED, uncertain=True)
 
     def stop(self) -> None:
         """End the process, if it is a child of this one."""
@@ -214,7 +214,7 @@ _TOO_MUCH_MEMORY = f"prend trop de mémoire (plus de {MEMORY_BYTES // 2**20} Mio
 _REPORTS: list[mmap.mmap] = []
 
 
-def report(make_text: Callable[[], str]) -> None:
+def report_progress(make_text: Callable[[], str]) -> None:
     """Tell from a handler what it begins, where somebody asked for it."""
     for memory in _REPORTS:
         memory[8:] = make_text().encode()[:_REPORT_BYTES].ljust(_REPORT_BYTES, b"\0")
@@ -226,7 +226,7 @@ def _acquire_helper(number: int) -> _HelperProcess:
             helper = _IDLE.pop() if _IDLE else None
         if helper is None:
             return _HelperProcess()
-        if helper.knows(number):
+        if helper.has_work(number):
             return helper
         helper.stop()
 

@@ -55,7 +55,7 @@ class FunctionContract:
     defaults: tuple[tuple[str, str], ...] = ()
     untouched: bool = False
 
-    def lines(self) -> tuple[PromiseLine, ...]:
+    def promise_lines(self) -> tuple[PromiseLine, ...]:
         """Return what students are told of it."""
         return tuple(PromiseLine(label, text) for label, text in self._iter_labelled_lines() if text)
 
@@ -80,7 +80,7 @@ def _parameters_text(takes: Mapping[str, ValueForm]) -> str:
     return " ; ".join(f"{text_list(names)} : {words}" for words, names in groups.items())
 
 
-def complete_contracts(
+def add_defaults_and_tolerances(
     contracts: Sequence[FunctionContract], checks: Sequence[Check], solution: str
 ) -> tuple[FunctionContract, ...]:
     """Return the contracts with what the checks and the solution say already."""

@@ -11,7 +11,7 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
-from graders.core.code.seen_facts import FactKind, FunctionTrial, ReturnedValue, SeenFact, capital_subject, shown_value
+from graders.core.code.seen_facts import FactKind, FunctionTrial, ReturnedValue, SeenFact, sentence_subject, value_text
 from graders.core.compare.changed_arguments import variations
 from graders.core.compare.near_calls import near_calls
 from graders.core.compare.series import same
@@ -35,8 +35,8 @@ def find_contrast(trial: FunctionTrial, views: Sequence[ReturnedValue], run: Ask
     The failed call is asked again before and after the near ones: a program that draws, or remembers, shows nothing.
     """
     for view in views:
-        wrong = [k for k, is_wrong in enumerate(trial.series(view).wrong) if is_wrong]
-        for number in sorted(wrong, key=trial.size_of)[:MAX_FAILED]:
+        wrong = [k for k, is_wrong in enumerate(trial.make_series(view).wrong) if is_wrong]
+        for number in sorted(wrong, key=trial.count_argument_numbers)[:MAX_FAILED]:
             failed = trial.calls[number]
             near = list(near_calls(trial.names, failed))
             calls = [failed, *(each.call for each in near), failed]
@@ -90,11 +90,11 @@ def _are_equal_to_the_digit(view: ReturnedValue, got: Sequence[Floats] | None, r
 
 
 def _contrast_fact(trial: FunctionTrial, view: ReturnedValue, number: int, words: str, answer: Floats) -> SeenFact:
-    series = trial.series(view)
-    title = f"{capital_subject(view.words)} est faux pour un appel, et juste pour le même appel mais {words}"
+    series = trial.make_series(view)
+    title = f"{sentence_subject(view.words)} est faux pour un appel, et juste pour le même appel mais {words}"
     proof = (
-        f"Pour {trial.shown(trial.calls[number])}, on attend {shown_value(series.right[number])} et on obtient "
-        f"{shown_value(series.got[number])}. Pour le même appel mais {words}, on attend et on obtient "
-        f"{shown_value(answer)}."
+        f"Pour {trial.call_text(trial.calls[number])}, on attend {value_text(series.right[number])} et on obtient "
+        f"{value_text(series.got[number])}. Pour le même appel mais {words}, on attend et on obtient "
+        f"{value_text(answer)}."
     )
     return SeenFact(trial.function, title, proof, _QUESTION, FactKind.CONTRAST)

@@ -14,7 +14,7 @@ from functools import partial
 from types import MappingProxyType
 
 from graders.core.code.folder import Misconception
-from graders.core.code.recognised import Ground
+from graders.core.code.recognised import NamingGround
 from graders.core.code.reenacting import Reenactment
 from graders.core.code.runner import Observation
 from graders.core.compare.slips import SLIPS, Slip
@@ -64,16 +64,16 @@ def _are_rivals(misconception: Misconception, other: Misconception) -> bool:
     return misconception.id != other.id and bool(set(misconception.functions) & set(other.functions))
 
 
-def explain(
+def explain_observations(
     observations: Sequence[Observation], misconception: Misconception, reenactment: Reenactment
 ) -> Explanation | None:
     """Return how well a misconception explains the observations; None where it does not."""
     seen = reenactment.observe(partial(is_ruled_out, observations, misconception))
     pairs = _pair_observations(observations, seen)
     relevant = [p for p in pairs if p[0].function in misconception.functions and not (p[0].ok and p[1].ok)]
-    explained = sum(not mine.ok and agree(mine, other) for mine, other in pairs)
-    agreement = sum(agree(*p) for p in relevant) / len(relevant) if relevant else 0.0
-    if agreement < MIN_AGREEMENT or not any(not mine.ok and agree(mine, other) for mine, other in relevant):
+    explained = sum(not mine.ok and are_same_results(mine, other) for mine, other in pairs)
+    agreement = sum(are_same_results(*p) for p in relevant) / len(relevant) if relevant else 0.0
+    if agreement < MIN_AGREEMENT or not any(not mine.ok and are_same_results(mine, other) for mine, other in relevant):
         return None
     return Explanation(misconception, explained, agreement)
 
@@ -84,11 +84,11 @@ def is_ruled_out(
     """Whether the checks re-enacted so far already rule the misconception out."""
     judged = [o for o in observations if o.function in misconception.functions]
     pairs = _pair_observations(judged, seen)
-    differing = sum(not (mine.ok and other.ok) and not agree(mine, other) for mine, other in pairs)
+    differing = sum(not (mine.ok and other.ok) and not are_same_results(mine, other) for mine, other in pairs)
     return differing > (1.0 - MIN_AGREEMENT) * len(judged) + 1e-9
 
 
-def judged_alike(
+def have_same_wrong_results(
     observations: Sequence[Observation], seen: Sequence[Observation], function: str, tolerance: float
 ) -> bool:
     """Whether two programs gave the same results wherever one of them is wrong, nearly always, and one is."""
@@ -109,7 +109,7 @@ def _pair_observations(
     return [(o, theirs[o.check, o.index, o.function]) for o in mine if (o.check, o.index, o.function) in theirs]
 
 
-def agree(observation: Observation, other: Observation) -> bool:
+def are_same_results(observation: Observation, other: Observation) -> bool:
     """Whether two observations have the same value, or the same fault."""
     if observation.fault or other.fault:
         return observation.fault == other.fault
@@ -122,7 +122,7 @@ def combine_diagnoses(
     facts: Sequence[Slip] = (),
     *,
     hidden: Collection[str] = (),
-    grounds: Mapping[str, Ground] = MappingProxyType({}),
+    grounds: Mapping[str, NamingGround] = MappingProxyType({}),
     explains_all: bool = True,
 ) -> Diagnosis:
     """Return one diagnosis of several mistakes, slips and facts: the id of the first, the texts of all.
@@ -133,12 +133,14 @@ def combine_diagnoses(
     named: dict[str, Misconception | Slip] = {**SLIPS, **{mistake.id: mistake for mistake in misconceptions}}
     together: list[Misconception | Slip] = [*(named[mistake] for mistake in ids), *facts]
     is_alone = len(together) == 1 and explains_all
-    by_answers = [m.id for m in together if grounds.get(m.id) is Ground.ANSWERS and _ANSWERS_ARE not in m.explanation]
+    by_answers = [
+        m.id for m in together if grounds.get(m.id) is NamingGround.ANSWERS and _ANSWERS_ARE not in m.explanation
+    ]
     paragraphs: list[str] = []
     for mistake in together:
         explanation = mistake.explanation if is_alone else _explanation_true_beside_other_mistakes(mistake)
         ground = grounds.get(mistake.id)
-        is_hidden, is_likely = mistake.title in hidden, ground is Ground.RESEMBLANCE
+        is_hidden, is_likely = mistake.title in hidden, ground is NamingGround.RESEMBLANCE
         begin = f"Cette erreur {_HIDDEN}. " if is_hidden else ""
         if paragraphs:
             other = f"Autre erreur{f', qui {_HIDDEN}' if is_hidden else ''}{', peut-être' if is_likely else ''}"
@@ -149,7 +151,8 @@ def combine_diagnoses(
             begin += f"{_TOGETHER if len(by_answers) > 1 else _ALIKE} "
         paragraphs += [begin + explanation, mistake.question]
     titles = [
-        f"{LIKELY}{lowercase_title(m.title)}" if grounds.get(m.id) is Ground.RESEMBLANCE else m.title for m in together
+        f"{LIKELY}{lowercase_title(m.title)}" if grounds.get(m.id) is NamingGround.RESEMBLANCE else m.title
+        for m in together
     ]
     titles[1:] = [f"{title[:1].lower()}{title[1:]}" if title.startswith(LIKELY) else title for title in titles[1:]]
     title = AND_ALSO.join(titles)
@@ -169,7 +172,7 @@ def _explanation_true_beside_other_mistakes(mistake: Misconception | Slip) -> st
     return explanation
 
 
-def tell_remainder(
+def add_unexplained_checks(
     diagnosis: Diagnosis,
     checks: Sequence[CheckResult],
     doubtful: Collection[str] = (),
@@ -207,10 +210,10 @@ def tell_remainder(
 
 
 def _lost_points_text(checks: Iterable[CheckResult]) -> str:
-    return number_text(sum(check.max_points - check.points for check in checks))
+    return points_text(sum(check.max_points - check.points for check in checks))
 
 
-def number_text(points: float) -> str:
+def points_text(points: float) -> str:
     return f"{points:g}".replace(".", ",")
 
 
@@ -220,7 +223,7 @@ def lowercase_title(title: str) -> str:
     return title[:1].lower() + title[1:] if word[1:].islower() or word in ("L'angle", "L'inverse") else title
 
 
-def slip_diagnosis(slips: Sequence[tuple[Sequence[str], str | None]]) -> Diagnosis | None:
+def diagnose_slip(slips: Sequence[tuple[Sequence[str], str | None]]) -> Diagnosis | None:
     """Return the diagnosis of the slip seen in most of the failed checks, for when no misconception fits.
 
     `slips` holds the functions and the slip of each failed check, None where no slip explains it. Checks of several

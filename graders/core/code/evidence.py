@@ -12,7 +12,7 @@ from graders.core.code.probes import ProbeAnswer, ProbeFault, ProbeResults, same
 from graders.core.contract.values import Arguments
 
 
-def are_telling(shown: ProbeResults) -> bool:
+def has_informative_wrong_answer(shown: ProbeResults) -> bool:
     """Whether some wrong answer is a value of its own: no argument that was given, nor none at all."""
     return any(
         not isinstance(shown.got[k], str) and _differs_from_arguments(shown.got[k], shown.calls[k])
@@ -20,7 +20,7 @@ def are_telling(shown: ProbeResults) -> bool:
     )
 
 
-def say_nothing(shown: ProbeResults) -> bool:
+def are_all_uninformative(shown: ProbeResults) -> bool:
     """Whether no answer, right or wrong, is a value of its own, nor anything but zeros."""
     pairs = zip(shown.calls, shown.got, strict=False)
     return len(shown.got) > 1 and not any(
@@ -28,16 +28,16 @@ def say_nothing(shown: ProbeResults) -> bool:
     )
 
 
-def are_too_poor_for_two(shown: ProbeResults) -> bool:
+def are_too_poor_for_two_mistakes(shown: ProbeResults) -> bool:
     """Whether the wrong answers tell too little for two mistakes: exceptions, no value, or opinions.
 
     Of many pairs, some then answers alike.
     """
     wrong = [shown.got[k] for k in shown.wrong_indices()]
-    return all(isinstance(answer, ProbeFault | str | None) for answer in wrong) or are_opinions(shown)
+    return all(isinstance(answer, ProbeFault | str | None) for answer in wrong) or differ_in_single_flag(shown)
 
 
-def are_opinions(shown: ProbeResults) -> bool:
+def differ_in_single_flag(shown: ProbeResults) -> bool:
     """Whether each wrong answer is wrong in one place, which holds 0, 1 or −1: as a yes or a no."""
     for k in shown.wrong_indices():
         mine, wanted = list(_iter_leaves(shown.got[k])), list(_iter_leaves(shown.right[k]))
@@ -49,7 +49,7 @@ def are_opinions(shown: ProbeResults) -> bool:
     return True
 
 
-def shows(shown: ProbeResults, alone: Sequence[Sequence[ProbeAnswer]]) -> bool:
+def shows_mistake(shown: ProbeResults, alone: Sequence[Sequence[ProbeAnswer]]) -> bool:
     """Whether a program is wrong where one mistake `alone`, in some way of making it, gives wrong answers: in half of
     these probes or more. What two mistakes give together may hide both, and then neither is seen in the program."""
     wrong = set(shown.wrong_indices())
@@ -64,10 +64,10 @@ def shows(shown: ProbeResults, alone: Sequence[Sequence[ProbeAnswer]]) -> bool:
     return not alone
 
 
-def explain_themselves(shown: ProbeResults) -> bool:
+def are_self_explanatory(shown: ProbeResults) -> bool:
     """Whether all wrong answers are exceptions that say what is wrong."""
     wrong = [shown.got[k] for k in shown.wrong_indices()]
-    return bool(wrong) and all(isinstance(answer, ProbeFault) and answer.explains_itself for answer in wrong)
+    return bool(wrong) and all(isinstance(answer, ProbeFault) and answer.is_self_explanatory for answer in wrong)
 
 
 def _differs_from_arguments(answer: ProbeAnswer, call: Arguments) -> bool:

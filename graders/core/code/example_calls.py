@@ -9,7 +9,7 @@ import numpy as np
 from graders.core.contract.values import Arguments, Value
 
 
-def like_call(call: Arguments, shown: Arguments) -> Arguments | None:
+def convert_to_call_types(call: Arguments, shown: Arguments) -> Arguments | None:
     """Return the shown arguments in the types of those of a call; None where they have another form."""
     if len(shown) > len(call):
         return None

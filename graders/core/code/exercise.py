@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from graders.core.code.checks import Check
-from graders.core.code.contracts import FunctionContract, complete_contracts
+from graders.core.code.contracts import FunctionContract, add_defaults_and_tolerances
 from graders.core.code.explaining import KitMaker
 from graders.core.code.folder import (
     Misconception,
@@ -108,5 +108,5 @@ def code(
     prober = Prober(model, probes, whole) if model is not None else None
     return CodeDefinition(
         folder, tuple(checks), kit or seeded_kit(folder.parent.name), solution, misconceptions, prober, long, heavy,
-        complete_contracts(contracts, checks, solution),
+        add_defaults_and_tolerances(contracts, checks, solution),
     )  # fmt: skip

@@ -18,7 +18,7 @@ import numpy as np
 
 from graders.core.code.checks import Cases
 from graders.core.code.contrasts import find_contrast
-from graders.core.code.example_calls import like_call
+from graders.core.code.example_calls import convert_to_call_types
 from graders.core.code.grading import CodeGrader
 from graders.core.code.seen_facts import (
     FELT,
@@ -26,15 +26,15 @@ from graders.core.code.seen_facts import (
     FunctionTrial,
     ReturnedValue,
     SeenFact,
-    Variation,
     VariedAnswers,
-    are_coarse,
-    capital_subject,
-    columns_of,
-    felt_fact,
-    is_felt_wrongly,
-    related_fact,
-    replaced_fact,
+    VariedCall,
+    are_right_answers_whole,
+    find_relation,
+    has_wrong_influence,
+    influence_fact,
+    iter_columns,
+    replaced_argument_fact,
+    sentence_subject,
 )
 from graders.core.compare.changed_arguments import ArgumentChange, replacements, variations
 from graders.core.compare.compound_forms import TupleForm
@@ -49,7 +49,7 @@ MAX_CALLS, SLICE, MAX_FACTS = 12, 120, 2
 #: Further calls that bear a fact out, of each check and in all.
 MAX_DRAWN, MAX_FURTHER = 16, 60
 #: A varied call, the answer of the program, and that of the solution.
-_VariedCallAnswers = tuple[Variation, list[Floats] | None, list[Floats] | None]
+_VariedCallAnswers = tuple[VariedCall, list[Floats] | None, list[Floats] | None]
 _NO_EXAMPLES: Mapping[str, Sequence[Arguments]] = MappingProxyType({})
 
 
@@ -85,8 +85,8 @@ class Experimenter:
         if len(wider.calls) < MANY_CALLS:
             return related
         # Many changes give the same counts and verdicts, or leave them as they are.
-        rich = [view for view in views if not _are_whole_numbers(trial.series(view))]
-        varied = [view for view in rich if not is_constant(wider.series(view))]
+        rich = [view for view in views if not _are_whole_numbers(trial.make_series(view))]
+        varied = [view for view in rich if not is_constant(wider.make_series(view))]
         replaced = list(self._iter_replaced_argument_facts(trial, wider, varied))
         if not trial.unique:
             return [*replaced, *related]
@@ -98,16 +98,16 @@ class Experimenter:
         flaws = [fact for fact in related if not fact.says_answers]
         told = [*strong, *replaced, *felt]
         run, solve = partial(self._answers_of, source, trial), partial(self._solution_answers, trial)
-        left = [view for view in views if not any(capital_subject(view.words) in fact.title for fact in told)]
+        left = [view for view in views if not any(sentence_subject(view.words) in fact.title for fact in told)]
         contrast = find_contrast(wider, left, run, solve) if len(told) < MAX_FACTS else None
         return [*told, *(fact for fact in (contrast,) if fact is not None), *flaws]
 
     def _relation_facts(self, trial: FunctionTrial, view: ReturnedValue) -> list[SeenFact]:
         """The first relation of a value with the right one; of its columns, where these tell more."""
-        whole = related_fact(trial, view)
+        whole = find_relation(trial, view)
         if whole is not None and whole.says_answers:
             return [whole]
-        columns = [fact for column in columns_of(trial, view) if (fact := related_fact(trial, column)) is not None]
+        columns = [fact for column in iter_columns(trial, view) if (fact := find_relation(trial, column)) is not None]
         return [fact for fact in columns if fact.says_answers] or ([whole] if whole is not None else columns)
 
     def _iter_replaced_argument_facts(
@@ -116,13 +116,13 @@ class Experimenter:
         """An argument for which the program reads another value: the solution answers likewise when given that one."""
         if not views:
             return
-        pivot = trial.plainest(k for k, wrong in enumerate(trial.series(views[0]).wrong) if wrong)
+        pivot = trial.plainest_call_number(k for k, wrong in enumerate(trial.make_series(views[0]).wrong) if wrong)
         changes = list(replacements(trial.names, trial.calls[pivot]))
         asked = [change.apply(trial.calls[pivot]) for change in changes]
         answers = iter(self._solution_answers(trial, [call for call in asked if call is not None]))
         seen = [None if call is None else next(answers, None) for call in asked]
         for view in views:
-            series = trial.series(view)
+            series = trial.make_series(view)
             for change, call, answer in zip(changes, asked, seen, strict=True):
                 if call is None or answer is None or len(answer) != len(trial.got[pivot]) or not series.wrong[pivot]:
                     continue
@@ -132,7 +132,7 @@ class Experimenter:
                     continue
                 if not self._explains_all(wider, view, change):
                     continue
-                yield replaced_fact(wider, view, pivot, change, call)
+                yield replaced_argument_fact(wider, view, pivot, change, call)
                 break
 
     def _is_unchanged_by_repeated_change(
@@ -165,18 +165,18 @@ class Experimenter:
                 if index in told:
                     continue
                 rows = _compare_varied_answers(trial, view, change, answers)
-                feels = is_felt_wrongly(rows)
+                feels = has_wrong_influence(rows)
                 if feels is None:
                     continue
                 more_answers = self._answer_varied_calls(source, wider, [(index, change)])
                 further = _compare_varied_answers(wider, view, change, more_answers)
-                if len(further) < len(rows) or is_felt_wrongly(further) is not feels:
-                    continue
-                if feels and are_coarse(further):
+                is_borne_out = len(further) >= len(rows) and has_wrong_influence(further) is feels
+                if not is_borne_out or (feels and are_right_answers_whole(further)):
                     continue
                 told.add(index)
                 chosen = [not same(row.mine, row.got) if feels else not same(row.wanted, row.right) for row in rows]
-                yield felt_fact(trial, view, _plainest_row(trial, rows, chosen), further, NOT_FELT if feels else FELT)
+                row, question = _plainest_row(trial, rows, chosen), NOT_FELT if feels else FELT
+                yield influence_fact(trial, view, row, further, question)
                 if feels:
                     break
 
@@ -185,7 +185,7 @@ class Experimenter:
     ) -> list[_VariedCallAnswers]:
         """Return the answers of the program and of the solution to varied calls; [] where some are missing."""
         asked = [
-            Variation(index, change, k, call)
+            VariedCall(index, change, k, call)
             for index, change in changes
             for k, old in enumerate(trial.calls)
             if (call := change.apply(old)) is not None
@@ -216,7 +216,7 @@ class Experimenter:
             for check in self._grader.checks
             if isinstance(check, Cases) and check.functions == (trial.function,)
         ]
-        shown = [like_call(trial.calls[0], call) for call in self._examples.get(trial.function, ())]
+        shown = [convert_to_call_types(trial.calls[0], call) for call in self._examples.get(trial.function, ())]
         further = [*(call for call in shown if call is not None), *_interleave_calls(drawn)]
         known = {pickle.dumps(call) for call in trial.calls}
         calls = [call for call in further if pickle.dumps(call) not in known][:MAX_FURTHER]
@@ -331,7 +331,7 @@ def _compare_varied_answers(
 
 def _plainest_row(trial: FunctionTrial, rows: Sequence[VariedAnswers], chosen: Sequence[bool]) -> VariedAnswers:
     by_number = {row.variation.number: row for row, is_chosen in zip(rows, chosen, strict=True) if is_chosen}
-    return by_number[trial.plainest(by_number)]
+    return by_number[trial.plainest_call_number(by_number)]
 
 
 def _read_arrays(value: Value) -> list[Floats] | None:

@@ -10,8 +10,8 @@ from collections.abc import Callable, Iterator, Sequence
 import numpy as np
 
 from graders.core.code.checks import Check
-from graders.core.code.confined import ConfinedWork, Unfinished
-from graders.core.code.diagnosis import Explanation, explain, judged_alike
+from graders.core.code.confined import ConfinedWork, UnfinishedAnswer
+from graders.core.code.diagnosis import Explanation, explain_observations, have_same_wrong_results
 from graders.core.code.folder import Misconception
 from graders.core.code.probes import Probes, same_probe_answer
 from graders.core.code.reenacting import Reenactment, Reenactor
@@ -36,7 +36,7 @@ class MistakeExplainer:
         self._work = ConfinedWork(self._score_each)
         self._comparing = ConfinedWork(self._agree_with_each)
 
-    def reenactable(self) -> list[int]:
+    def reenactable_indices(self) -> list[int]:
         """Return those that are re-enacted: programs that are no edit of the model, nor known by a rule alone."""
         return [k for k, mistake in enumerate(self._misconceptions) if not (mistake.edited or mistake.ruled)]
 
@@ -48,12 +48,12 @@ class MistakeExplainer:
         context = (observations, seed)
         answers = self._work.answer_each(left, context) if self._reenactor.confined else self._score_each(left, context)
         for k, answer in zip(left, answers, strict=True):
-            if isinstance(answer, Unfinished):
+            if isinstance(answer, UnfinishedAnswer):
                 self._unfinished.add(k)
             elif answer is not None:
                 yield Explanation(self._misconceptions[k], *answer)
 
-    def holds(self, runner: Runner, seed: int, probes: Probes, text: str) -> bool:
+    def is_judged_alike(self, runner: Runner, seed: int, probes: Probes, text: str) -> bool:
         """Whether the checks of this seed judge a program of ours as they judged the one of `runner`, in the function
         of these probes; numbers are compared loosely where the probes compare them so."""
         tolerance = STRICT if probes.same is same_probe_answer else LOOSE
@@ -68,13 +68,13 @@ class MistakeExplainer:
         for text in texts:
             program = Misconception("", (function,), "", "", "", text)
             seen = Reenactment(self._checks, program, kit, seed).observe()
-            yield judged_alike(observations, seen, function, tolerance)
+            yield have_same_wrong_results(observations, seen, function, tolerance)
 
-    def unfinished(self, seed: int) -> Iterator[tuple[Misconception, Unfinished]]:
+    def iter_unfinished_misconceptions(self, seed: int) -> Iterator[tuple[Misconception, UnfinishedAnswer]]:
         """Yield the misconceptions that take too much on the inputs of this seed, each with the call that does."""
-        chosen = self.reenactable()
+        chosen = self.reenactable_indices()
         for k, answer in zip(chosen, self._work.answer_each(chosen, ((), seed), telling=True), strict=True):
-            if isinstance(answer, Unfinished):
+            if isinstance(answer, UnfinishedAnswer):
                 self._unfinished.add(k)
                 yield self._misconceptions[k], answer
 
@@ -86,5 +86,5 @@ class MistakeExplainer:
         for k in chosen:
             mistake = self._misconceptions[k]
             reenactment = self._reenactor.reenact(mistake, checks=self._checks, kit=kit, seed=seed)
-            explanation = explain(observations, mistake, reenactment)
+            explanation = explain_observations(observations, mistake, reenactment)
             yield None if explanation is None else (explanation.explained, explanation.agreement)

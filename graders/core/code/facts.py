@@ -49,7 +49,7 @@ class Fact:
     checks: tuple[str, ...]
 
 
-def find_facts(failed: Failed, source: bytes, solution: str, titles: Sequence[str]) -> list[Fact]:
+def find_facts(failed: Failed, source: bytes, solution: str, named_titles: Sequence[str]) -> list[Fact]:
     """Return the facts that these failed checks establish, but those that one of the titles tells already."""
     text = source.decode("utf-8-sig", "replace")
     defaults = _defaults_by_function(solution)
@@ -62,10 +62,10 @@ def find_facts(failed: Failed, source: bytes, solution: str, titles: Sequence[st
     ]
     if not facts:
         facts += _iter_lost_precision_facts(failed, text)
-    return [fact for fact in facts if not is_told(fact, titles)]
+    return [fact for fact in facts if not is_stated_in_titles(fact, named_titles)]
 
 
-def is_told(fact: Fact, titles: Iterable[str]) -> bool:
+def is_stated_in_titles(fact: Fact, titles: Iterable[str]) -> bool:
     """Whether one of the titles of mistakes says what a fact does."""
     return any(re.search(_ALREADY_TOLD[fact.slip.id], title, re.IGNORECASE) for title in titles)
 

@@ -10,25 +10,25 @@ from pathlib import Path
 
 from graders.core.code.bench import Bench
 from graders.core.code.call_graph import find_callers
-from graders.core.code.calling import tell_once, tell_signatures
+from graders.core.code.calling import add_signatures_to_messages, shorten_repeated_reasons
 from graders.core.code.checks import Check
-from graders.core.code.confined import Unfinished
+from graders.core.code.confined import UnfinishedAnswer
 from graders.core.code.contracts import FunctionContract
 from graders.core.code.decimal_commas import decimal_comma_diagnosis
-from graders.core.code.diagnosis import choose_explanation, combine_diagnoses, slip_diagnosis, tell_remainder
+from graders.core.code.diagnosis import add_unexplained_checks, choose_explanation, combine_diagnoses, diagnose_slip
 from graders.core.code.explaining import KitMaker, MistakeExplainer
 from graders.core.code.facts import IMPRECISIONS, Fact, find_facts
 from graders.core.code.folder import Misconception, Specimen, read_specimens
 from graders.core.code.pair_search import PairSearch
 from graders.core.code.prober import Prober
-from graders.core.code.probes import explains_itself
-from graders.core.code.recognised import Ground, RecognisedMistakes
+from graders.core.code.probes import is_message_self_explanatory
+from graders.core.code.recognised import NamingGround, RecognisedMistakes
 from graders.core.code.reenacting import Reenactor
 from graders.core.code.rounded_constants import rounded_constant_diagnosis
 from graders.core.code.runner import DEFAULT_BUDGET, Runner
 from graders.core.code.running import run_check, run_checks
-from graders.core.code.stale_answers import hold_stale_answers
-from graders.core.code.undoing import verify_rule_names, verify_silent
+from graders.core.code.stale_answers import fail_checks_with_stale_answers
+from graders.core.code.undoing import verify_rule_names, verify_weak_names
 from graders.core.compare.shrinking import Budget
 from graders.core.compare.slips import SLIPS
 from graders.core.contract.films import film_to_json
@@ -62,7 +62,7 @@ class NamedMistakes:
     certain: bool = False
     failed: frozenset[str] = frozenset()
     hidden: frozenset[str] = frozenset()
-    grounds: Mapping[str, Ground] = field(default_factory=dict)
+    grounds: Mapping[str, NamingGround] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
@@ -111,7 +111,7 @@ class CodeGrader:
         try:
             findings = self._run_checks(runner, kit, seed, source, self.checks)
             checked = time.perf_counter()
-            told = tell_once(tell_signatures(findings, self.solution))
+            told = shorten_repeated_reasons(add_signatures_to_messages(findings, self.solution))
             if all(finding.cause not in DIAGNOSED for finding in findings):
                 diagnosis = self._diagnose(findings, runner, kit, seed, source)
             else:
@@ -149,9 +149,9 @@ class CodeGrader:
             launches_if_failed=lambda: 0 if steady() else 1,
             calls_if_failed=lambda failed: prober.planned_calls(*self._functions_to_probe(failed)) if steady() else (),
         )  # fmt: skip
-        return hold_stale_answers(checks, findings, runner, prober.probes, self.contracts)
+        return fail_checks_with_stale_answers(checks, findings, runner, prober.probes, self.contracts)
 
-    def first_failed(
+    def first_failed_check(
         self, source: bytes, programs: Programs, *, seed: int, checks: Sequence[Check] | None = None
     ) -> str | None:
         """Return the id of the first of these checks (all by default) that a file fails; None. It is not simplified."""
@@ -185,26 +185,25 @@ class CodeGrader:
             at_fault = [check for check, finding in pairs if not finding.result.neutral]
             doubtful = self._checks_of_affected_callers(source, at_fault, named.explains)
             diagnosis = self.describe_mistakes(replace(named, failed=named.failed - doubtful))
-            return tell_remainder(diagnosis, [finding.result for finding in findings], doubtful)
-        return slip_diagnosis(
-            [(c.functions, f.slip) for c, f in pairs if f.cause in JUDGED and f.result.counterexample]
-        )
+            return add_unexplained_checks(diagnosis, [finding.result for finding in findings], doubtful)
+        return diagnose_slip([(c.functions, f.slip) for c, f in pairs if f.cause in JUDGED and f.result.counterexample])
 
     def name_mistakes(
-        self, source: str, programs: Programs, seed: int, spent: Callable[[], bool] | None = None,
-        among: Collection[str] | None = None,
+        self, source: str, programs: Programs, seed: int, is_time_spent: Callable[[], bool] | None = None,
+        check_ids: Collection[str] | None = None,
     ) -> NamedMistakes:  # fmt: skip
-        """Return the checks that a program fails, `among` some, and the mistakes named in it, without simplifying.
+        """Return the checks (of `check_ids`) that a program fails and the mistakes named in it, without simplifying.
 
-        Every pair of mistakes of a function is tried until the time is `spent`, if given.
+        Every pair of mistakes of a function is tried until `is_time_spent()`, if given.
         """
-        checks = self.checks if among is None else [check for check in self.checks if check.id in among]
+        checks = self.checks if check_ids is None else [check for check in self.checks if check.id in check_ids]
         kit = self.kit(stream(seed, "kit"))
         runner = Runner(programs, source.encode(), kit, budget=NO_SHRINKING)
         try:
             findings = self._run_checks(runner, kit, seed, source.encode(), checks)
             pairs = self._explainable_failures(findings)
-            search = None if spent is None else PairSearch(spent, partial(self._explainer.holds, runner, seed))
+            judge = partial(self._explainer.is_judged_alike, runner, seed)
+            search = None if is_time_spent is None else PairSearch(is_time_spent, judge)
             named = self._name_in_failures(pairs, runner, seed, source.encode(), search) if pairs else NamedMistakes()
         finally:
             runner.close()
@@ -231,14 +230,14 @@ class CodeGrader:
         failed = [check for check, _ in pairs]
         blamed, (functions, alone) = _blamed_functions(failed), self._functions_to_probe(failed)
         found = self.prober.recognise(runner, functions, alone, search) if self.prober else RecognisedMistakes()
-        found = verify_silent(found, self.prober, runner, partial(self._explainer.holds, runner, seed))
+        found = verify_weak_names(found, self.prober, runner, partial(self._explainer.is_judged_alike, runner, seed))
         found = verify_rule_names(found, self.prober, runner, alone)
-        told = [check for check, finding in pairs if explains_itself(finding.result.message)]
+        told = [check for check, finding in pairs if is_message_self_explanatory(finding.result.message)]
         others = {name for check in failed if check not in told for name in check.functions}
         left = ((alone if found.mistakes else blamed) - set(found.consequences)) & others
         reenacted = self._reenact(found.mistakes, left, runner, seed)
         ids = self._without_contradicted_names((*found.mistakes, *reenacted) or found.fallback, failed)
-        facts = find_facts(pairs, source, self.solution, [self.title_of(mistake) for mistake in ids])
+        facts = find_facts(pairs, source, self.solution, [self.mistake_title(mistake) for mistake in ids])
         at_fault = [check for check, finding in pairs if not finding.result.neutral]
         following = set(found.consequences) if ids == found.mistakes else set()
         explained = (self._explained_checks(name, at_fault, following) for name in ids)
@@ -273,7 +272,7 @@ class CodeGrader:
         functions.update(following if functions else ())
         return tuple(check.id for check in failed if not functions or functions.intersection(check.functions))
 
-    def title_of(self, mistake: str) -> str:
+    def mistake_title(self, mistake: str) -> str:
         """Return the title of a mistake of the catalogue, or of a slip."""
         titles = {each.id: each.title for each in self.misconceptions}
         return titles.get(mistake) or SLIPS[mistake].title
@@ -288,7 +287,7 @@ class CodeGrader:
         """Name, from the observations, the mistake of blamed functions without one, if it is no edit of the model."""
         explained = {function for m in self.misconceptions if m.id in named_ids for function in m.functions}
         left = set() if set(named_ids) & SLIPS.keys() else set(blamed) - explained
-        others = [k for k in self._explainer.reenactable() if left & set(self.misconceptions[k].functions)]
+        others = [k for k in self._explainer.reenactable_indices() if left & set(self.misconceptions[k].functions)]
         if not others:
             return []
         observations = runner.observations
@@ -297,12 +296,12 @@ class CodeGrader:
         named = choose_explanation(list(self._explainer.explain_each(observations, seed, candidates)))
         return [named.id] if named else []
 
-    def unfinished_mistakes(self, seed: int) -> Iterator[tuple[Misconception, Unfinished]]:
+    def unfinished_mistakes(self, seed: int) -> Iterator[tuple[Misconception, UnfinishedAnswer]]:
         """Yield the misconceptions that take too much time or memory, each with the call that does.
 
         They are re-enacted on the inputs of this seed, and on the probes. Gradings leave them out.
         """
-        yield from self._explainer.unfinished(seed)
+        yield from self._explainer.iter_unfinished_misconceptions(seed)
         by_id = {mistake.id: mistake for mistake in self.misconceptions}
         for mutant, unfinished in self.prober.unfinished_mutants() if self.prober else ():
             yield from ((by_id[name], unfinished) for name in mutant.ids if name in by_id)
@@ -315,7 +314,7 @@ class CodeGrader:
         """
         if self.long:
             return
-        unfinished = {mistake.source for mistake, _ in self._explainer.unfinished(seed=0)}
+        unfinished = {mistake.source for mistake, _ in self._explainer.iter_unfinished_misconceptions(seed=0)}
         mistakes = [mistake.source for mistake in self.misconceptions if mistake.source not in unfinished][:1]
         for source in mistakes if self.heavy else (self.solution, *mistakes):
             self.grade(source.encode(), LOCAL, seed=0, version="")

@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from contextlib import redirect_stdout
 from io import StringIO
 
-from graders.core.code.hunts import CodeExercise, HuntGround, find_showing, find_witness, list_hunts
+from graders.core.code.hunts import CodeExercise, HuntPrograms, filter_showing_inputs, find_witness, list_hunts
 from graders.core.code.wrong_lines import find_wrong_lines
 from graders.core.contract.local import LOCAL
 
@@ -28,7 +28,7 @@ def find_hunt_faults(exercise: CodeExercise, public: Sequence[str], right: Mappi
 
 
 def _iter_hunt_faults(exercise: CodeExercise, public: Sequence[str], right: Mapping[str, str]) -> Iterator[HuntFault]:
-    ground = HuntGround(exercise, LOCAL)
+    ground = HuntPrograms(exercise, LOCAL)
     rights = {name: ground.open(source) for name, source in right.items()}
     for hunt in list_hunts(exercise):
         witness = find_witness(hunt, ground, ground.open(hunt.source))
@@ -36,15 +36,15 @@ def _iter_hunt_faults(exercise: CodeExercise, public: Sequence[str], right: Mapp
             continue
         line, name = hunt.misconception.line, f"« {hunt.misconception.id} », dans {hunt.function}"
         for seed in CHECKED_FORMS:
-            if not find_showing(hunt, ground, ground.open(hunt.program(seed, public)), [witness]):
+            if not filter_showing_inputs(hunt, ground, ground.open(hunt.wrong_program_source(seed, public)), [witness]):
                 yield (
                     line,
                     f"chasse de {name} : sous la forme {seed}, rien ne montre plus l’erreur sur {witness}",
                 )
         changed = find_wrong_lines(exercise, hunt, CHECKED_FORMS[0], public)
-        mended = "" if changed is None else changed.mend(hunt.program(CHECKED_FORMS[0], public))
-        if mended and find_showing(hunt, ground, ground.open(mended), [witness]):
+        mended = "" if changed is None else changed.mend(hunt.wrong_program_source(CHECKED_FORMS[0], public))
+        if mended and filter_showing_inputs(hunt, ground, ground.open(mended), [witness]):
             yield line, f"chasse de {name} : ses lignes fausses une fois corrigées, {witness} montre encore l’erreur"
         for file, program in rights.items():
-            if find_showing(hunt, ground, program, [witness]):
+            if filter_showing_inputs(hunt, ground, program, [witness]):
                 yield line, f"chasse de {name} : {file}, qui est juste, passerait pour faux sur {witness}"

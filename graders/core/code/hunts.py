@@ -20,7 +20,7 @@ from graders.core.code.contracts import FunctionContract
 from graders.core.code.exercise import CodeDefinition
 from graders.core.code.folder import Misconception, read_model
 from graders.core.code.grading import CodeGrader
-from graders.core.code.student_form import student_form
+from graders.core.code.student_form import rewrite_as_student_form
 from graders.core.compare.comparison import compare
 from graders.core.compare.forms import ArrayForm, IndicesForm, NumberForm, ValueForm, WholeForm, shape_text
 from graders.core.compare.shrinking import neighbours
@@ -65,9 +65,9 @@ class Hunt:
     checks: tuple[Cases, ...]
     source: str
 
-    def program(self, seed: int, public: Sequence[str] = ()) -> str:
+    def wrong_program_source(self, seed: int, public: Sequence[str] = ()) -> str:
         """Return the wrong program as a student would write it; `public` are the functions that the exercise asks."""
-        return student_form(self.source, self.function, seed, public=public)
+        return rewrite_as_student_form(self.source, self.function, seed, public=public)
 
     def read_input(self, values: Mapping[str, Value]) -> Arguments:
         """Return the arguments in the forms that programs are given. Raises InputFault."""
@@ -80,7 +80,7 @@ class Hunt:
             if name not in values:
                 raise InputFault(name, f"Donnez aussi {name} : {form.words}.")
             args = (*args, _read_typed_value(name, form, values[name], sizes))
-        if size_of(args).numbers > MAX_TYPED:
+        if measure_input(args).numbers > MAX_TYPED:
             raise InputFault(next(iter(self.contract.takes)), f"C’est trop long : {MAX_TYPED} nombres au plus en tout.")
         return args
 
@@ -98,7 +98,7 @@ class HuntAnswer:
     fault: str = ""
 
 
-class OutsideStatement(Exception):
+class InputOutsideStatement(Exception):
     """Right programs differ on an input, or stop: the statement promises nothing there."""
 
 
@@ -123,11 +123,11 @@ def list_hunts(definition: CodeExercise) -> Iterator[Hunt]:
                 continue
             if all(map(_is_typeable_form, contract.takes.values())):
                 seen.add(key)
-                source = f"{imports_of(definition.solution)}{misconception.source}"
+                source = f"{extract_imports(definition.solution)}{misconception.source}"
                 yield Hunt(misconception, function, contract, tuple(checks[function]), source)
 
 
-def imports_of(solution: str) -> str:
+def extract_imports(solution: str) -> str:
     """Return the imports of a solution: a model has none of its own."""
     nodes = [node for node in parse_source(solution).body if isinstance(node, ast.Import | ast.ImportFrom)]
     return "".join(f"{ast.unparse(node)}\n" for node in nodes)
@@ -175,19 +175,19 @@ def _sizes_text(sizes: Mapping[str, int]) -> str:
     return f" Ici, {' et '.join(f'{name} vaut {size}' for name, size in sizes.items())}." if sizes else ""
 
 
-def size_of(args: Arguments) -> InputSize:
+def measure_input(args: Arguments) -> InputSize:
     """Return the size of an input."""
     arrays = [np.asarray(value, dtype=np.float64) for value in args]
     return InputSize(sum(array.size for array in arrays), sum(int(np.count_nonzero(array)) for array in arrays))
 
 
-class HuntGround:
+class HuntPrograms:
     """The programs of an exercise on which inputs are tried; closed with it."""
 
     def __init__(self, definition: CodeExercise, programs: Programs) -> None:
         self._programs = programs
         self.kit: KitSettings = definition.kit(stream(SEED, "kit"))
-        imports = imports_of(definition.solution)
+        imports = extract_imports(definition.solution)
         model = read_model(definition.folder)
         versions = [version.text for version in model.correct_versions()][: MAX_VERSIONS + 1] if model else []
         self._right = [self.open(text) for text in (definition.solution, *(imports + text for text in versions))]
@@ -203,7 +203,7 @@ class HuntGround:
         """Return what an input shows. Raises OutsideStatement."""
         answer = next(self.try_inputs(hunt, wrong, [args]))
         if answer is None:
-            raise OutsideStatement
+            raise InputOutsideStatement
         return answer
 
     def try_inputs(self, hunt: Hunt, wrong: Program, inputs: Sequence[Arguments]) -> Iterator[HuntAnswer | None]:
@@ -237,20 +237,20 @@ def _is_wrong_answer(checks: Sequence[Cases], expected: Value, answer: Answer) -
     return any(compare(check.compare, expected, answer.value) is not None for check in checks)
 
 
-def find_witness(hunt: Hunt, ground: HuntGround, wrong: Program) -> Arguments | None:
+def find_witness(hunt: Hunt, ground: HuntPrograms, wrong: Program) -> Arguments | None:
     """Return a small input that shows the mistake; None where no case of the checks gives one of the bounded size."""
     for check in hunt.checks:
         cases = [tuple(args) for args, _ in zip(check.cases(stream(SEED, check.id)), range(MAX_CASES), strict=False)]
-        short = [args for args in cases if size_of(args).numbers <= MAX_SHRUNK]
-        showing = find_showing(hunt, ground, wrong, short)
+        short = [args for args in cases if measure_input(args).numbers <= MAX_SHRUNK]
+        showing = filter_showing_inputs(hunt, ground, wrong, short)
         shrunk = [_shrink_input(hunt, ground, wrong, check, args) for args in sorted(showing, key=_reading_cost)[:1]]
-        if shrunk and size_of(shrunk[0]).numbers <= MAX_NEEDED:
+        if shrunk and measure_input(shrunk[0]).numbers <= MAX_NEEDED:
             return shrunk[0]
     return None
 
 
 def _reading_cost(args: Arguments) -> tuple[int, int, int]:
-    size = size_of(args)
+    size = measure_input(args)
     return size.nonzero, size.numbers, sum(len(f"{number:.6g}") for number in _flatten_numbers(args))
 
 
@@ -258,7 +258,9 @@ def _flatten_numbers(args: Arguments) -> list[float]:
     return [float(number) for value in args for number in np.ravel(np.asarray(value, dtype=np.float64))]
 
 
-def find_showing(hunt: Hunt, ground: HuntGround, wrong: Program, inputs: Sequence[Arguments]) -> list[Arguments]:
+def filter_showing_inputs(
+    hunt: Hunt, ground: HuntPrograms, wrong: Program, inputs: Sequence[Arguments]
+) -> list[Arguments]:
     """Return the inputs that show the mistake, of those that one may type."""
     typed = [args for args in inputs if _is_typeable_input(hunt, args)]
     answers = ground.try_inputs(hunt, wrong, typed)
@@ -273,7 +275,7 @@ def _is_typeable_input(hunt: Hunt, args: Arguments) -> bool:
     return True
 
 
-def _shrink_input(hunt: Hunt, ground: HuntGround, wrong: Program, check: Cases, args: Arguments) -> Arguments:
+def _shrink_input(hunt: Hunt, ground: HuntPrograms, wrong: Program, check: Cases, args: Arguments) -> Arguments:
     """Return a simpler input that still shows the mistake, tried in batches."""
     tries = 0
     while tries < MAX_SHRINKS:
@@ -281,7 +283,7 @@ def _shrink_input(hunt: Hunt, ground: HuntGround, wrong: Program, check: Cases, 
         showing: list[Arguments] = []
         while not showing and tries < MAX_SHRINKS and (batch := list(islice(simpler, SHRINK_BATCH))):
             tries += len(batch)
-            showing = find_showing(hunt, ground, wrong, batch)
+            showing = filter_showing_inputs(hunt, ground, wrong, batch)
         if not showing:
             break
         args = showing[0]

@@ -12,8 +12,8 @@ from dataclasses import dataclass, replace
 
 from graders.core.code.call_graph import find_callers
 from graders.core.code.checks import Check
-from graders.core.code.diagnosis import number_text
-from graders.core.code.facts import IMPRECISIONS, is_told
+from graders.core.code.diagnosis import points_text
+from graders.core.code.facts import IMPRECISIONS, is_stated_in_titles
 from graders.core.code.grading import CodeGrader, NamedMistakes
 from graders.core.code.related_lines import JudgedFunctions
 from graders.core.contract.program import Programs
@@ -31,7 +31,7 @@ for _nom in {replaced!r}:
 """
 
 
-def replacing_suffix(grader: CodeGrader, source: str, replaced: Collection[str]) -> str:
+def solution_override_suffix(grader: CodeGrader, source: str, replaced: Collection[str]) -> str:
     """Return what, behind a program, puts the solution's functions in the place of these.
 
     They call those of the program's others that the replaced ones call: through any other, a check would fail that the
@@ -54,7 +54,7 @@ class IsolatedFunctions:
     functions: Mapping[str, Collection[str]]
     dependent: frozenset[str] = frozenset()
 
-    def unexplained(self) -> list[str]:
+    def unexplained_functions(self) -> list[str]:
         """Return the functions that fail by themselves without a certain name, those without any name first."""
         functions = [
             name for name, own in self.own.items() if own.failed and not (own.certain or self.is_certain(name))
@@ -63,19 +63,19 @@ class IsolatedFunctions:
 
     def is_certain(self, function: str) -> bool:
         """Whether the whole program already answers as one with mistakes of this function does, and as no other."""
-        return self.whole.certain and bool(self.named(function))
+        return self.whole.certain and bool(self.mistakes_of_function(function))
 
-    def named(self, function: str) -> list[str]:
+    def mistakes_of_function(self, function: str) -> list[str]:
         """Return the mistakes of the whole program that a function can have, but those that another one shows."""
         elsewhere = {mistake for name, own in self.own.items() if name != function for mistake in own.ids}
         mine = [mistake for mistake in self.whole.ids if function in self.functions.get(mistake, ())]
         return [mistake for mistake in mine if mistake in self.own[function].ids or mistake not in elsewhere]
 
-    def doubtful(self) -> frozenset[str]:
+    def doubtful_checks(self) -> frozenset[str]:
         """Return the checks that fail in the whole program only, for a reason that no function shows by itself."""
         return self.whole.failed.difference(*(mistakes.failed for mistakes in self.own.values()))
 
-    def consequences(self, explained: Collection[str], checks: Sequence[Check]) -> frozenset[str]:
+    def consequential_checks(self, explained: Collection[str], checks: Sequence[Check]) -> frozenset[str]:
         """Return the checks that fail through other functions only, each with an explained check of its own."""
         functions = {check.id: check.functions for check in checks}
         told = [
@@ -88,34 +88,34 @@ class IsolatedFunctions:
         by_itself = {check for name, own in self.own.items() for check in own.failed if name in functions[check]}
         return frozenset(through_told - by_others - by_itself)
 
-    def explained(self) -> list[str]:
+    def explained_functions(self) -> list[str]:
         """Return the functions that need no search: right by themselves, or with a certain name."""
-        return [name for name in self.own if name not in self.unexplained()]
+        return [name for name in self.own if name not in self.unexplained_functions()]
 
-    def judged(self, functions: Sequence[str]) -> JudgedFunctions:
+    def judge_functions(self, functions: Sequence[str]) -> JudgedFunctions:
         """Return which of the exercise's functions fail by themselves, and which are right."""
-        guilty = self.guilty()
+        guilty = self.guilty_functions()
         return JudgedFunctions(guilty, [name for name in functions if name not in guilty] if guilty else [])
 
-    def guilty(self) -> list[str]:
+    def guilty_functions(self) -> list[str]:
         """Return the functions that fail by themselves; where none does, only their common conventions are wrong."""
         return [name for name, mistakes in self.own.items() if mistakes.failed]
 
 
-def isolate_functions(
-    grader: CodeGrader, source: str, programs: Programs, seed: int, spent: Callable[[], bool]
+def isolate_failed_functions(
+    grader: CodeGrader, source: str, programs: Programs, seed: int, is_time_spent: Callable[[], bool]
 ) -> IsolatedFunctions | None:
     """Judge each failed function of a program beside right ones; None for one function, or where time runs out."""
-    if len(grader.functions) < 2 or spent():
+    if len(grader.functions) < 2 or is_time_spent():
         return None
     whole = grader.name_mistakes(source, programs, seed)
     own = {}
     for function in _functions_of_failed_checks(grader, whole.failed):
-        if spent():
+        if is_time_spent():
             return None
         others = [name for name in grader.functions if name != function]
-        beside = source + replacing_suffix(grader, source, others)
-        own[function] = grader.name_mistakes(beside, programs, seed, spent, whole.failed)
+        beside = source + solution_override_suffix(grader, source, others)
+        own[function] = grader.name_mistakes(beside, programs, seed, is_time_spent, whole.failed)
     dependent = {
         function for name in own for function in find_callers(source.encode(), [name]) if function in grader.functions
     }
@@ -128,29 +128,33 @@ def _functions_of_failed_checks(grader: CodeGrader, failed: Collection[str]) -> 
     return [function for function in grader.functions if function in names]
 
 
-def name_isolated(grader: CodeGrader, isolated: IsolatedFunctions, checks: Sequence[CheckResult]) -> Diagnosis | None:
+def diagnose_isolated_functions(
+    grader: CodeGrader, isolated: IsolatedFunctions, checks: Sequence[CheckResult]
+) -> Diagnosis | None:
     """Return the diagnosis with the mistakes of each function; None where it names the same ones as the whole program.
 
     Names of a function that fails nothing by itself are withdrawn. Those that one shows beside right ones are added
     where it had none, or replace its uncertain ones where they are certain.
     """
-    if not isolated.guilty():
+    if not isolated.guilty_functions():
         return None
     whole, own = isolated.whole, isolated.own
     ids = {mistake: explained for mistake in whole.ids if (explained := _checks_still_explained(isolated, mistake))}
     facts = dict(zip(whole.facts, whole.explains[len(whole.ids) :], strict=True))
     shown: dict[str, str] = {}  # by title, the function that shows the mistake beside right ones only
     for function, mistakes in own.items():
-        if not isolated.named(function) or _has_surer_isolated_names(isolated, function):
+        if not isolated.mistakes_of_function(function) or _has_surer_isolated_names(isolated, function):
             for mistake in mistakes.ids:
                 if function in isolated.functions.get(mistake, ()) and mistake not in ids:
                     ids[mistake] = mistakes.failed
-                    shown[grader.title_of(mistake)] = function
+                    shown[grader.mistake_title(mistake)] = function
         for fact in mistakes.facts:
             if fact.slip.title not in {known.slip.title for known in facts}:
                 facts[fact] = tuple(mistakes.failed.intersection(fact.checks))
                 shown[fact.slip.title] = function
-    facts = {fact: told for fact, told in facts.items() if not is_told(fact, map(grader.title_of, ids))}
+    facts = {
+        fact: told for fact, told in facts.items() if not is_stated_in_titles(fact, map(grader.mistake_title, ids))
+    }
     nearly_right = {check for fact, told in facts.items() if fact.slip.id in IMPRECISIONS for check in told}
     unsure = [mistake for mistake in ids if not _is_certain_mistake(isolated, mistake)]
     for mistake in unsure:  # numbers that are nearly right are no other formula: one cause is told, and once
@@ -161,22 +165,24 @@ def name_isolated(grader: CodeGrader, isolated: IsolatedFunctions, checks: Seque
     if list(ids) == list(whole.ids) and list(facts) == list(whole.facts):
         return None
     explains = tuple(_sort_ids_by_check(checks, explained) for explained in (*ids.values(), *facts.values()))
-    certain = not facts and all(own[name].certain or isolated.is_certain(name) for name in isolated.guilty())
+    certain = not facts and all(own[name].certain or isolated.is_certain(name) for name in isolated.guilty_functions())
     hidden = frozenset(title for title, function in shown.items() if function in isolated.dependent)
-    failed = whole.failed - isolated.doubtful()
+    failed = whole.failed - isolated.doubtful_checks()
     grounds = {name: ground for mistakes in (*own.values(), whole) for name, ground in mistakes.grounds.items()}
     return grader.describe_mistakes(NamedMistakes(tuple(ids), tuple(facts), explains, certain, failed, hidden, grounds))
 
 
-def tell_shares(isolated: IsolatedFunctions, checks: Sequence[CheckResult], diagnosis: Diagnosis) -> Diagnosis:
+def add_lost_points_by_function(
+    isolated: IsolatedFunctions, checks: Sequence[CheckResult], diagnosis: Diagnosis
+) -> Diagnosis:
     """Return the diagnosis with the points that each function loses by itself."""
-    guilty = isolated.guilty()
+    guilty = isolated.guilty_functions()
     innocent = [function for function, mistakes in isolated.own.items() if not mistakes.failed]
     lost = _lost_points(checks, {check.id for check in checks if not (check.passed or check.neutral)})
     told = []
     if len(guilty) > 1:
-        shares = [f"{name} {number_text(_lost_points(checks, isolated.own[name].failed))}" for name in guilty]
-        shares[0] += f" sur {number_text(lost)}"
+        shares = [f"{name} {points_text(_lost_points(checks, isolated.own[name].failed))}" for name in guilty]
+        shares[0] += f" sur {points_text(lost)}"
         told.append(f"Points perdus, chaque fonction jugée avec les autres justes : {', '.join(shares)}.")
     if innocent:
         names = " et ".join(innocent)

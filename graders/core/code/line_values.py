@@ -11,20 +11,20 @@ from collections.abc import Iterable, Iterator, Sequence
 from enum import Enum
 
 from graders.core.alterations.text import ProgramText
-from graders.core.code.changes import with_insertions
+from graders.core.code.changes import insert_with_loop_counters
 from graders.core.code.variants import SEE
 
 #: Numbers of a call in the form in which they are compared.
 Seen = frozenset[tuple[float, ...]]
 
 
-class LineValues(Enum):
+class LineEvidence(Enum):
     """What the values of a line say of it."""
 
     RIGHT, WRONG, UNKNOWN = "right", "wrong", "unknown"
 
 
-def seen_at(source: str, line: int) -> str | None:
+def insert_line_recorder(source: str, line: int) -> str | None:
     """Return a program that shows what the statement of a line sets or returns; None where no simple one is there."""
     text = ProgramText.read(source)
     statements = _iter_assignments_and_returns(text) if text is not None else ()
@@ -32,17 +32,17 @@ def seen_at(source: str, line: int) -> str | None:
     return None if text is None or not found else _insert_value_recorders(text, found[-1:])
 
 
-def seen_everywhere(source: str) -> str | None:
+def insert_all_recorders(source: str) -> str | None:
     """Return a program that shows what each of its statements sets or returns."""
     text = ProgramText.read(source)
     return None if text is None else _insert_value_recorders(text, list(_iter_assignments_and_returns(text)))
 
 
-def compare_values(
+def judge_line_by_values(
     before: Sequence[Iterable[Sequence[float]]],
     after: Sequence[Iterable[Sequence[float]]],
     solution: Sequence[Iterable[Sequence[float]]],
-) -> LineValues:
+) -> LineEvidence:
     """Compare the values of a line in some calls, before and after a change, with all values of the solution.
 
     Those that the change leaves say nothing, nor do counts and indices, which are everywhere; the solution may leave
@@ -59,10 +59,10 @@ def compare_values(
     ]
     telling = [(bool(lost & right), bool(gained & right)) for lost, gained, right in rows if lost | gained]
     if telling and all(was and not becomes for was, becomes in telling):
-        return LineValues.RIGHT
+        return LineEvidence.RIGHT
     if telling and all(becomes and not was for was, becomes in telling):
-        return LineValues.WRONG
-    return LineValues.UNKNOWN
+        return LineEvidence.WRONG
+    return LineEvidence.UNKNOWN
 
 
 def _iter_assignments_and_returns(text: ProgramText) -> Iterator[ast.Assign | ast.AugAssign | ast.Return]:
@@ -82,7 +82,7 @@ def _insert_value_recorders(text: ProgramText, statements: Iterable[ast.Assign |
             targets = statement.targets if isinstance(statement, ast.Assign) else [statement.target]
             shown = "".join(f"; {SEE}({text.source_of(target)})" for target in targets)
             added.append((text.span(statement)[1], shown.encode()))
-    return with_insertions(text, added)
+    return insert_with_loop_counters(text, added)
 
 
 def _round_rich_values(values: Iterable[Sequence[float]]) -> Seen:

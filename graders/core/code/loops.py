@@ -94,7 +94,7 @@ class ClosedLoop(Check):
         tally = self._play_runs(bench)
         if tally.make_film is not None:
             counts = {"runs": self.runs, "needed": self.needed, "succeeded": tally.succeeded}
-            bench.film({**tally.make_film(), **counts})
+            bench.record_film({**tally.make_film(), **counts})
         bench.observe(self.id, tally.succeeded >= self.needed, ok=tally.succeeded >= self.needed)
         if tally.succeeded < self.needed:
             raise self._failure_rejection(tally)
@@ -124,7 +124,7 @@ class ClosedLoop(Check):
     def _failure_reason(self, run: Run) -> Rejection | StudentFault | None:
         """Play a run in a process of its own, and return the reason of its failure, if any."""
         try:
-            with run.bench.on(self.kit(run.bench, run.number)) as own:
+            with run.bench.run_with_kit(self.kit(run.bench, run.number)) as own:
                 run.bench = own
                 self.play(run)
         except (Rejection, StudentFault) as why:

@@ -18,10 +18,10 @@ from dataclasses import dataclass, replace
 from typing import Protocol, runtime_checkable
 
 from graders.core.code.bench import Bench
-from graders.core.code.changes import ProgramChange, find_changes, noted_line
+from graders.core.code.changes import ProgramChange, find_changes, insert_variable_recorder
 from graders.core.code.checks import Check
 from graders.core.code.grading import NO_SHRINKING, CodeGrader
-from graders.core.code.line_values import LineValues, compare_values, seen_at, seen_everywhere
+from graders.core.code.line_values import LineEvidence, insert_all_recorders, insert_line_recorder, judge_line_by_values
 from graders.core.code.loops import ClosedLoop
 from graders.core.code.pair_search import OutOfTimeError
 from graders.core.code.runner import Runner
@@ -83,7 +83,7 @@ class Mending:
     beside_right_ones: bool = False
 
     @property
-    def mended(self) -> frozenset[str]:
+    def mended_checks(self) -> frozenset[str]:
         """The ids of the checks that pass after all steps."""
         return frozenset().union(*(step.mended for step in self.steps))
 
@@ -104,7 +104,7 @@ class MendingSearch:
         self._screen = ProbeScreen(grader, programs, self._caller, spent, seed)
         self.tried = 0
 
-    def search(
+    def find_mending(
         self, source: str, functions: Collection[str] = (), helpers: Collection[str] = (), failed: Collection[str] = ()
     ) -> Mending | None:
         """Return the changes that mend checks of a failed program, in some functions if given; None without any.
@@ -128,7 +128,7 @@ class MendingSearch:
             return None
         left = left.difference(*(step.mended for step in steps))
         last_name = self._name_if_certain(steps[0].change.text) if len(steps) > 1 or left else None
-        return Mending(tuple(in_lines_of(source, steps)), left, last_name, bool(self._suffix))
+        return Mending(tuple(map_steps_to_original_lines(source, steps)), left, last_name, bool(self._suffix))
 
     def _name_if_certain(self, source: str) -> Diagnosis | None:
         named = self._grader.name_mistakes(source + self._suffix, self._programs, self._seed)
@@ -136,11 +136,11 @@ class MendingSearch:
 
     def values_at(self, source: str, line: int, function: str, arguments: Arguments) -> list[tuple[str, float]]:
         """Return the numbers that a line reads when a call first comes to it, in the program as it is."""
-        noted = noted_line(source, line)
+        noted = insert_variable_recorder(source, line)
         if noted is None:
             return []
         kit = self._grader.kit(stream(self._seed, "kit"))
-        return VariantCaller(self._programs).look(noted[0], function, arguments, noted[1], kit)
+        return VariantCaller(self._programs).read_variables(noted[0], function, arguments, noted[1], kit)
 
     def _can_load(self, source: str) -> bool:
         try:
@@ -163,9 +163,9 @@ class MendingSearch:
         changes = find_changes(source, sorted(helpers) or functions, model, self._spent, self._apart)
         self.tried += len(changes)
         tried: list[tuple[ProgramChange, frozenset[str]]] = []
-        seen: dict[str, LineValues] = {}
+        seen: dict[str, LineEvidence] = {}
         failed_checks = [check for check in self._grader.checks if check.id in failed]
-        screened = self._screen.mending(source, changes, functions, failed_checks)
+        screened = self._screen.select_mending_changes(source, changes, functions, failed_checks)
         if any(check.requires_other_check for check in failed_checks):
             screened = [*_unscreened_copies(changes, screened), *screened]
         for change in screened[:MAX_VERIFIED]:
@@ -176,21 +176,23 @@ class MendingSearch:
             if not left <= failed:
                 continue
             if left < failed:
-                left = failed - self.borne_out(change, failed - left)
+                left = failed - self.checks_mended_on_other_seeds(change, failed - left)
                 seen[change.text] = self._compare_line_values(source, change, functions)
-            if seen.get(change.text) is LineValues.RIGHT:
+            if seen.get(change.text) is LineEvidence.RIGHT:
                 continue
             tried.append((change, left))
             if not left:
                 tried += self._equivalent_changes_elsewhere(change, screened[screened.index(change) + 1 :], failed)
                 break
-        tried.sort(key=lambda pair: (len(pair[1]), seen.get(pair[0].text) is not LineValues.WRONG, pair[0].unlikely))
+        tried.sort(
+            key=lambda pair: (len(pair[1]), seen.get(pair[0].text) is not LineEvidence.WRONG, pair[0].is_unlikely)
+        )
         if not tried:
             return []
         best, left = tried[0]
         alike = tuple(change for change, other in tried[1:] if other == left)
-        doubtful = {c.text for c, _ in tried if c.unlikely and seen.get(c.text) is not LineValues.WRONG}
-        borne_out = {text for text, values in seen.items() if values is LineValues.WRONG}
+        doubtful = {c.text for c, _ in tried if c.is_unlikely and seen.get(c.text) is not LineEvidence.WRONG}
+        borne_out = {text for text, values in seen.items() if values is LineEvidence.WRONG}
         first = MendingStep(best, failed - left, alike, best.text in doubtful, best.text in borne_out)
         steps = [first] if left < failed else []
         if most == 1 or not left:
@@ -213,32 +215,32 @@ class MendingSearch:
         found = []
         for other in sorted(by_line.values(), key=others.index)[:MAX_OTHER_LINES]:
             with suppress(OutOfTimeError):
-                if self.failed_checks(other.text) or self.borne_out(other, failed) != failed:
+                if self.failed_checks(other.text) or self.checks_mended_on_other_seeds(other, failed) != failed:
                     continue
                 found.append((other, frozenset[str]()))
         return found
 
-    def _compare_line_values(self, source: str, change: ProgramChange, functions: Sequence[str]) -> LineValues:
+    def _compare_line_values(self, source: str, change: ProgramChange, functions: Sequence[str]) -> LineEvidence:
         """Return what the values of a changed line, in the calls of some wrong probes, say of it."""
         texts = [
-            seen_at(source, change.line),
-            seen_at(change.text, change.line),
-            seen_everywhere(self._grader.solution),
+            insert_line_recorder(source, change.line),
+            insert_line_recorder(change.text, change.line),
+            insert_all_recorders(self._grader.solution),
         ]
-        if change.further or change.operator in REORDERING or None in texts:
-            return LineValues.UNKNOWN
+        if change.further_lines or change.operator in REORDERING or None in texts:
+            return LineEvidence.UNKNOWN
         *mine, solution = [text for text in texts if text is not None]
         rows: list[list[Sequence[Sequence[float]]]] = [[], [], []]
         for probes, pivots in self._screen.pivots.get(source, ()):
             if probes.function in functions and pivots and not probes.random:
                 calls = [probes.calls[k] for k in pivots]
-                seen = self._caller.seen(mine, probes.function, calls, probes.kit)
-                seen += VariantCaller(self._programs).seen([solution], probes.function, calls, probes.kit)
+                seen = self._caller.record_line_values(mine, probes.function, calls, probes.kit)
+                seen += VariantCaller(self._programs).record_line_values([solution], probes.function, calls, probes.kit)
                 for row, answers in zip(rows, seen, strict=len(seen) == len(rows)):
                     row += [answer.value if isinstance(answer, Reply) else () for answer in answers]
-        return compare_values(*rows)
+        return judge_line_by_values(*rows)
 
-    def borne_out(self, change: ProgramChange, mended: frozenset[str]) -> frozenset[str]:
+    def checks_mended_on_other_seeds(self, change: ProgramChange, mended: frozenset[str]) -> frozenset[str]:
         """Return those of the checks that a change mends which pass on the inputs of other seeds too.
 
         A closed loop has the same runs for everybody. What a function passes that does nothing shows no place, unless
@@ -295,7 +297,7 @@ def _unscreened_copies(changes: Sequence[ProgramChange], screened: Sequence[Prog
     return copies[:MAX_COPIES]
 
 
-def known_failures(source: str, verdict: Verdict) -> list[str]:
+def repeatable_failures(source: str, verdict: Verdict) -> list[str]:
     """Return the checks that the program as it is fails each time; none where it may draw, or remember.
 
     A verdict may hold a check against a function that remembers, which a run of that check alone does not fail.
@@ -305,7 +307,7 @@ def known_failures(source: str, verdict: Verdict) -> list[str]:
     return [check.id for check in verdict.checks if not check.passed]
 
 
-def in_lines_of(source: str, steps: Sequence[MendingStep]) -> Iterator[MendingStep]:
+def map_steps_to_original_lines(source: str, steps: Sequence[MendingStep]) -> Iterator[MendingStep]:
     """Yield the steps with the lines of the program as it was: a first change may add lines, or take some away."""
     text = source
     for step in steps:
@@ -315,8 +317,8 @@ def in_lines_of(source: str, steps: Sequence[MendingStep]) -> Iterator[MendingSt
             for _, begin, end, start, stop in matcher.get_opcodes()
             for k in range(end - begin)
         }
-        further = tuple(places.get(line, line) for line in step.change.further)
-        change = replace(step.change, line=places.get(step.change.line, step.change.line), further=further)
+        further = tuple(places.get(line, line) for line in step.change.further_lines)
+        change = replace(step.change, line=places.get(step.change.line, step.change.line), further_lines=further)
         rivals = tuple(replace(rival, line=places.get(rival.line, rival.line)) for rival in step.rivals)
         yield replace(step, change=change, rivals=rivals)
         text = step.change.text
@@ -329,7 +331,7 @@ class MeteredPrograms(Protocol):
     def ended_cpu_seconds(self) -> float: ...
 
 
-def time_limit(seconds: float, processor_seconds: float, programs: Programs | None = None) -> Callable[[], bool]:
+def start_time_limit(seconds: float, processor_seconds: float, programs: Programs | None = None) -> Callable[[], bool]:
     """Return whether so many seconds have passed since this call, or so many of processor time.
 
     That is this thread's time, and that of the programs that have ended, where they are metered.

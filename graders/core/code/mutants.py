@@ -18,11 +18,11 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from graders.core.code.answer_arrays import AnswerColumn, AnswerSequence
-from graders.core.code.confined import ConfinedWork, Unfinished
-from graders.core.code.evidence import shows
+from graders.core.code.confined import ConfinedWork, UnfinishedAnswer
+from graders.core.code.evidence import shows_mistake
 from graders.core.code.mutations import Edit, Model, Mutant
 from graders.core.code.probes import Facet, ProbeAnswer, ProbeFault, ProbeResults, Probes, same_probe_answer
-from graders.core.code.reachability import PIECE_SEPARATOR, CodePiece, is_program, reachable_pieces
+from graders.core.code.reachability import PIECE_SEPARATOR, CodePiece, all_pieces_compile, reachable_code_pieces
 from graders.core.code.reporting import report_call
 from graders.core.compare.slips import SLIPS
 from graders.core.contract.copies import copy_value
@@ -85,7 +85,7 @@ class MutantAnswerCache:
         probes, count = self.probes[index], len(sequence.answers)
         if probes.same is not same_probe_answer or count < len(probes.calls):
             return sum(probes.same(self._answer_at(index, row, k), answer) for k, answer in enumerate(sequence.answers))
-        return sum(self._ensure_answers(index, row, count).agreement(sequence))
+        return sum(self._ensure_answers(index, row, count).compare_answers(sequence))
 
     def _ensure_answers(self, index: int, row: MutantRow, count: int) -> AnswerSequence:
         """Return a mutant's answers, at least `count` of them as arrays."""
@@ -93,7 +93,7 @@ class MutantAnswerCache:
             row.stored.sequence.add(self._answer_at(index, row, k))
         return row.stored.sequence
 
-    def matching_first_answer(self, index: int, mistakes: int, answer: ProbeAnswer) -> Sequence[MutantRow]:
+    def mutants_matching_first_answer(self, index: int, mistakes: int, answer: ProbeAnswer) -> Sequence[MutantRow]:
         """Return the mutants with that number of mistakes that may answer the first probe alike."""
         rows, probes, key = self.mutants_with(index, mistakes), self.probes[index], (index, mistakes)
         self._compute_answers(index, rows, 1)
@@ -103,25 +103,25 @@ class MutantAnswerCache:
             self._first_answers[key] = AnswerColumn([self._answer_at(index, row, 0) for row in rows])
         return [rows[position] for position in self._first_answers[key].indices_of(answer)]
 
-    def right_answers(self, index: int) -> list[list[ProbeAnswer]]:
+    def right_answers_by_style(self, index: int) -> list[list[ProbeAnswer]]:
         """Return the answers of the model to all probes, in each style."""
         calls = range(len(self.probes[index].calls))
         return [[self._answer_at(index, row, k) for k in calls] for row in self.mutants_with(index, 0)]
 
-    def matches(self, index: int, row: MutantRow, sequence: AnswerSequence) -> bool:
+    def answers_alike(self, index: int, row: MutantRow, sequence: AnswerSequence) -> bool:
         """Whether the mutant answers every compared probe alike."""
         probes, answers = self.probes[index], sequence.answers[: self.probes[index].compared]
         if probes.same is not same_probe_answer:
             return all(probes.same(self._answer_at(index, row, k), answer) for k, answer in enumerate(answers))
         if answers and len(row.stored.sequence.answers) >= len(answers) == len(sequence.answers):
-            return all(row.stored.sequence.agreement(sequence))
+            return all(row.stored.sequence.compare_answers(sequence))
         return all(self._ensure_answers(index, row, k + 1).agrees_at(sequence, k) for k in range(len(answers)))
 
-    def matching(self, index: int, rows: Iterable[MutantRow], sequence: AnswerSequence) -> list[MutantRow]:
+    def filter_matching(self, index: int, rows: Iterable[MutantRow], sequence: AnswerSequence) -> list[MutantRow]:
         """Return the mutants that answer every compared probe alike."""
         compared = sequence.answers[: self.probes[index].compared]
         agreeing = self._filter_by_first_answers(index, rows, compared, self.probes[index].same)
-        return [row for row in agreeing if self.matches(index, row, sequence)]
+        return [row for row in agreeing if self.answers_alike(index, row, sequence)]
 
     def _filter_by_first_answers(
         self,
@@ -151,22 +151,23 @@ class MutantAnswerCache:
             self._rows[key] = [self._make_row(index, mutant) for mutant in mutants]
         return self._rows[key]
 
-    def with_all_answers(self, index: int, blamed: Collection[str]) -> list[tuple[MutantRow, Sequence[ProbeAnswer]]]:
+    def single_mutant_rows(self, index: int, blamed: Collection[str]) -> list[tuple[MutantRow, Sequence[ProbeAnswer]]]:
         """Return the mutants with one mistake that these functions can have, and their answers to all probes."""
-        rows = [row for row in self.mutants_with(index, 1) if row.mutant.applies_to(blamed)]
+        rows = [row for row in self.mutants_with(index, 1) if row.mutant.is_possible_in(blamed)]
         self._compute_answers(index, rows, len(self.probes[index].calls))
         return [(row, row.stored.answers) for row in rows]
 
-    def are_shown(self, index: int, names: Sequence[str], shown: ProbeResults, blamed: Collection[str]) -> bool:
+    def shows_mistakes(self, index: int, names: Sequence[str], shown: ProbeResults, blamed: Collection[str]) -> bool:
         """Whether a program shows each of several mistakes, and not only what they give together."""
         if len(names) < 2:
             return True
-        single = self.with_all_answers(index, blamed)
-        return all(shows(shown, [answers for row, answers in single if row.mutant.ids == (name,)]) for name in names)
+        single = self.single_mutant_rows(index, blamed)
+        by_name = {name: [answers for row, answers in single if row.mutant.ids == (name,)] for name in names}
+        return all(shows_mistake(shown, answers) for answers in by_name.values())
 
     def _make_row(self, index: int, mutant: Mutant) -> MutantRow:
         """Return the row of a mutant; mutants in which the function reaches the same text share their answers."""
-        key = index, _digest_pieces(reachable_pieces(mutant.text, self.probes[index].function))
+        key = index, _digest_pieces(reachable_code_pieces(mutant.text, self.probes[index].function))
         return MutantRow(mutant, self._answers_by_text.setdefault(key, MutantAnswers()))
 
     def _combine_edits(self, index: int, mistakes: int) -> Iterator[Mutant]:
@@ -198,8 +199,8 @@ class MutantAnswerCache:
             edited = {
                 row.stored: row for row in self.mutants_with(index, 1) if row.mutant.edits and row.stored not in rights
             }
-            right_rows = (row for right in rights.values() for row in self.matching(index, edited.values(), right))
-            effective = edited.keys() - {row.stored for row in right_rows}
+            matching = (row for right in rights.values() for row in self.filter_matching(index, edited.values(), right))
+            effective = edited.keys() - {row.stored for row in matching}
             edits = {row.mutant.edits for row in self.mutants_with(index, 1) if row.stored in effective}
             self._edits[index] = [edit for edit in self.model.edits if (edit,) in edits]
         return self._edits[index]
@@ -213,12 +214,12 @@ class MutantAnswerCache:
             self._rows_by_ids[key] = [self._make_row(index, mutant) for mutant in mutants]
         return self._rows_by_ids[key]
 
-    def needed(self, index: int, names: Sequence[str], sequence: AnswerSequence) -> Sequence[str]:
+    def necessary_mistakes(self, index: int, names: Sequence[str], sequence: AnswerSequence) -> Sequence[str]:
         """Return three names without the first one that mutants need not to answer alike: they are found before all
         pairs are tried, and one may change nothing here."""
         for name in names if len(names) > MAX_COMBINED_MISTAKES else ():
             others = [other for other in names if other != name]
-            if self.matching(index, self.mutants_making(index, others), sequence):
+            if self.filter_matching(index, self.mutants_making(index, others), sequence):
                 return others
         return names
 
@@ -227,14 +228,14 @@ class MutantAnswerCache:
         facet = self.probes[index].facet
         if facet is None:
             return ()
-        return self.with_one_more(index, self._matching_facet(facet, index, answers))
+        return self.add_one_mistake(index, self._matching_facet(facet, index, answers))
 
-    def with_one_more(self, index: int, begun: Sequence[MutantRow]) -> Sequence[MutantRow]:
+    def add_one_mistake(self, index: int, begun: Sequence[MutantRow]) -> Sequence[MutantRow]:
         """Return the first of these mutants with one mistake more, of those that change some answer."""
         extended = [
             MutantRow(mutant, MutantAnswers())
             for row in begun[:MAX_EXTENDED_MUTANTS]
-            for mutant in self.model.with_one_more(row.mutant, self.effective_edits(index))
+            for mutant in self.model.add_one_mistake(row.mutant, self.effective_edits(index))
             if _compiles(mutant)
         ]
         self._compute_answers(index, extended, 1)
@@ -249,7 +250,7 @@ class MutantAnswerCache:
             left = [row for row in left if probes.same(facet(probes.calls[k], row.stored.answers[k]), part)]
         return left
 
-    def unfinished(self, index: int) -> Iterator[tuple[Mutant, Unfinished]]:
+    def iter_unfinished_mutants(self, index: int) -> Iterator[tuple[Mutant, UnfinishedAnswer]]:
         """Yield the mutants with one mistake that take too much to answer the compared probes, and where."""
         probes, rows = self.probes[index], self.mutants_with(index, 1)
         count = len(probes.calls) if probes.compared is None else probes.compared
@@ -258,11 +259,11 @@ class MutantAnswerCache:
             yield from (
                 (row.mutant, answer)
                 for answer in self._work.answer_each([self._make_question(index, row, 0)], (index, count), telling=True)
-                if isinstance(answer, Unfinished)
+                if isinstance(answer, UnfinishedAnswer)
             )
 
     def _make_question(self, index: int, row: MutantRow, start: int) -> _Question:
-        pieces = reachable_pieces(row.mutant.text, self.probes[index].function)
+        pieces = reachable_code_pieces(row.mutant.text, self.probes[index].function)
         return _Question(row.stored.number, [piece.marshalled_code for piece in pieces], start)
 
     def _answer_at(self, index: int, row: MutantRow, k: int) -> ProbeAnswer:
@@ -279,7 +280,7 @@ class MutantAnswerCache:
         missing = {id(row.stored): row for row in rows if len(row.stored.answers) < count}.values()
         items = [self._make_question(index, row, len(row.stored.answers)) for row in missing]
         for row, answers in zip(missing, self._work.answer_each(items, (index, count)), strict=True):
-            if isinstance(answers, Unfinished):
+            if isinstance(answers, UnfinishedAnswer):
                 row.stored.is_unfinished = True
                 row.stored.answers += [NO_ANSWER] * (len(probes.calls) - len(row.stored.answers))
             else:
@@ -306,7 +307,7 @@ class MutantAnswerCache:
 
 
 def _compiles(mutant: Mutant) -> bool:
-    return is_program(mutant.text)
+    return all_pieces_compile(mutant.text)
 
 
 def _run_on_probes(codes: Iterable[CodeType], probes: Probes, names: dict[str, Any]) -> Iterator[ProbeAnswer]:

@@ -43,7 +43,7 @@ class Mutant:
     text: str
     edits: tuple[Edit, ...] = ()
 
-    def applies_to(self, functions: Collection[str]) -> bool:
+    def is_possible_in(self, functions: Collection[str]) -> bool:
         """Whether each of its mistakes is one that these functions can have."""
         return all(not edit.functions or edit.functions.intersection(functions) for edit in self.edits)
 
@@ -76,7 +76,7 @@ class Model:
                 seen.add(text)
                 yield Mutant(ids, text, tuple(chosen))
 
-    def with_one_more(self, mutant: Mutant, edits: Sequence[Edit]) -> Iterator[Mutant]:
+    def add_one_mistake(self, mutant: Mutant, edits: Sequence[Edit]) -> Iterator[Mutant]:
         """Yield a mutant with one more of these mistakes, for each edit that applies."""
         for edit in edits:
             text = edit.apply(mutant.text) if edit.id not in mutant.ids else None

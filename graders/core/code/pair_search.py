@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from graders.core.code.mutants import MAX_COMBINED_MISTAKES, MutantAnswerCache, MutantAnswers, MutantRow
 from graders.core.code.mutations import Mutant
 from graders.core.code.probes import Probes
-from graders.core.code.reachability import is_program
+from graders.core.code.reachability import all_pieces_compile
 
 #: Mutants that are asked in one exchange, and in all: some 0.4 ms each, in the helper process.
 SLICE, MAX_PAIRS = 50, 8000
@@ -20,15 +20,15 @@ MAX_SECONDS = 5.0
 
 @dataclass(frozen=True)
 class PairSearch:
-    """A search of pairs: whether its time is `spent`, and whether a program that answers the probes as the one that is
-    searched does `holds` on the inputs of the checks too. Of thousands of pairs, one may answer alike by chance."""
+    """A search of pairs, until `is_time_spent()`. A program that answers the probes as the one that is searched
+    `is_confirmed` if it does so on the inputs of the checks too: of thousands, one may answer alike by chance."""
 
-    spent: Callable[[], bool]
-    holds: Callable[[Probes, str], bool]
+    is_time_spent: Callable[[], bool]
+    is_confirmed: Callable[[Probes, str], bool]
 
 
-def within_seconds(slices: Iterator[list[MutantRow]], spent: Callable[[], bool]) -> Iterator[list[MutantRow]]:
-    """Yield the slices; raise OutOfTimeError where these take too long, or all time is `spent`."""
+def limit_search_time(slices: Iterator[list[MutantRow]], spent: Callable[[], bool]) -> Iterator[list[MutantRow]]:
+    """Yield the slices; raise OutOfTimeError where these take too long, or no time is left."""
     deadline = time.monotonic() + MAX_SECONDS
     for rows in slices:
         if spent() or time.monotonic() > deadline:
@@ -51,7 +51,7 @@ def slice_untried_pairs(mutants: MutantAnswerCache, index: int, blamed: Collecti
     places = sorted(itertools.combinations(range(len(edits)), MAX_COMBINED_MISTAKES), key=sum)
     pairs = (chosen for chosen in ((edits[i], edits[j]) for i, j in places) if chosen not in tried)
     made = (mutant for chosen in pairs for mutant in mutants.model.combine(styles, chosen))
-    programs = (mutant for mutant in made if mutant.applies_to(blamed) and is_program(mutant.text))
+    programs = (mutant for mutant in made if mutant.is_possible_in(blamed) and all_pieces_compile(mutant.text))
     return _slice_into_rows(itertools.islice(programs, MAX_PAIRS))
 
 

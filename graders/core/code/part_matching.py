@@ -19,7 +19,7 @@ from graders.core.contract.values import UnreadableError, read_array
 MIN_WRONG = 2
 
 
-def match_parts(
+def match_wrong_parts(
     got: Sequence[ProbeAnswer],
     right: Sequence[ProbeAnswer],
     rows: Callable[[], Sequence[tuple[MutantRow, Sequence[ProbeAnswer]]]],

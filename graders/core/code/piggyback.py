@@ -48,7 +48,7 @@ class PiggybackCalls:
         if hung or (elapsed <= MAX_ANSWER_SECONDS and all(trusted.values())):
             self._answers = trusted
 
-    def answers(self, batch: PlannedCalls) -> Sequence[Answer] | None:
+    def stored_answers(self, batch: PlannedCalls) -> Sequence[Answer] | None:
         return self._answers.get(batch)
 
 

@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 
 from graders.core.code.changes import ProgramChange
 from graders.core.code.mending import Mending
-from graders.core.code.related_lines import NOT_JUDGED, JudgedFunctions, tell_related_lines
+from graders.core.code.related_lines import NOT_JUDGED, JudgedFunctions, related_lines_sentence
 from graders.core.compare.slips import Slip
 
 
@@ -69,7 +69,7 @@ MAX_LINE, MAX_LINES = 90, 3
 
 
 @dataclass(frozen=True)
-class Place:
+class MendedPlace:
     """Lines that are changed together, first those of the first change; the checks that pass then and failed before.
 
     `others` are lines of which each, changed alone, has the same effect. If `is_second`, another place is changed too;
@@ -87,47 +87,47 @@ class Place:
 
     @property
     def lines(self) -> list[int]:
-        together = [number for change in self.changes for number in (change.line, *change.further)]
+        together = [number for change in self.changes for number in (change.line, *change.further_lines)]
         return list(dict.fromkeys(together))
 
     @property
-    def either(self) -> list[int]:
+    def alternative_lines(self) -> list[int]:
         """The lines of which one is to be changed; those that must be changed together."""
         if len(self.lines) > 1:
             return self.lines
-        others = {other.line for other in self.others if not other.further}.difference(self.lines)
+        others = {other.line for other in self.others if not other.further_lines}.difference(self.lines)
         return sorted([*self.lines, *sorted(others)[: MAX_LINES - 1]])
 
-    def told_lines(self) -> str:
+    def lines_text(self) -> str:
         """« la ligne 6 ou 7 », « les lignes 2 et 3 »."""
         if len(self.lines) > 1:
             return f"les lignes {' et '.join(map(str, sorted(self.lines)))}"
-        return f"la ligne {' ou '.join(map(str, self.either))}"
+        return f"la ligne {' ou '.join(map(str, self.alternative_lines))}"
 
 
-def places_of(mendings: Sequence[Mending]) -> list[Place]:
+def list_places(mendings: Sequence[Mending]) -> list[MendedPlace]:
     """Return the places of the steps; one place where a step mends nothing without the next one, or for the same lines
     of several functions."""
-    places: dict[tuple[int, ...], Place] = {}
+    places: dict[tuple[int, ...], MendedPlace] = {}
     for place in (place for mending in mendings for place in _places_of_mending(mending)):
         known = places.setdefault(tuple(place.lines), place)
         places[tuple(place.lines)] = replace(known, mended=known.mended | place.mended)
     return list(places.values())
 
 
-def _places_of_mending(mending: Mending) -> list[Place]:
+def _places_of_mending(mending: Mending) -> list[MendedPlace]:
     beside, nothing = mending.beside_right_ones, not mending.left
     if not all(step.mended for step in mending.steps):
         changes = tuple(step.change for step in mending.steps)
-        return [Place(changes, mending.mended, beside_right_ones=beside, leaves_nothing=nothing)]
+        return [MendedPlace(changes, mending.mended_checks, beside_right_ones=beside, leaves_nothing=nothing)]
     return [
-        Place((step.change,), step.mended, step.rivals, k > 0, beside, nothing, step.is_borne_out)
+        MendedPlace((step.change,), step.mended, step.rivals, k > 0, beside, nothing, step.is_borne_out)
         for k, step in enumerate(mending.steps)
     ]
 
 
 def describe_place(
-    place: Place, source: str, titles: Mapping[str, str], values: Mapping[int, str], failed: Collection[str],
+    place: MendedPlace, source: str, titles: Mapping[str, str], values: Mapping[int, str], failed: Collection[str],
     functions: JudgedFunctions | None = NOT_JUDGED,
 ) -> Slip:  # fmt: skip
     """Return a place in words: what changing it makes of the checks that `failed`, and where to look there.
@@ -138,21 +138,27 @@ def describe_place(
     is_all = place.leaves_nothing and place.mended.issuperset(failed) and not place.beside_right_ones
     others = ", les autres fonctions une fois justes" if place.beside_right_ones else ""
     title = (
-        f"Changer {'ensuite ' if place.is_second else ''}{place.told_lines()} {_outcome_text(place, is_all)}{others}"
+        f"Changer {'ensuite ' if place.is_second else ''}{place.lines_text()} {_outcome_text(place, is_all)}{others}"
     )
-    where = " ".join(f"Ligne {number} : « {_quote_line(source, number)} »." for number in place.either)
-    seen = f" {values[place.lines[0]]}" if place.lines[0] in values and len(place.either) == 1 else ""
+    where = " ".join(f"Ligne {number} : « {_quote_line(source, number)} »." for number in place.alternative_lines)
+    seen = f" {values[place.lines[0]]}" if place.lines[0] in values and len(place.alternative_lines) == 1 else ""
     aspect = _common_aspect((*place.changes, *place.others))
     is_borne_out = place.is_borne_out and aspect not in _OVERRIDING
     related = ""
-    if functions is not None and set(place.either) == set(place.lines):
-        related = tell_related_lines(source, place.lines, functions, is_borne_out)
-    look = f" {related}" if related else _ELSEWHERE if len(place.either) == 1 and place.changes[0].unlikely else ""
-    look += f" {LOOK} {aspect.noun}." if aspect.noun and len(place.either) == 1 else ""
+    if functions is not None and set(place.alternative_lines) == set(place.lines):
+        related = related_lines_sentence(source, place.lines, functions, is_borne_out)
+    look = (
+        f" {related}"
+        if related
+        else _ELSEWHERE
+        if len(place.alternative_lines) == 1 and place.changes[0].is_unlikely
+        else ""
+    )
+    look += f" {LOOK} {aspect.noun}." if aspect.noun and len(place.alternative_lines) == 1 else ""
     return Slip(PLACE, title, f"{where}{seen} {_proof_text(place, titles, is_all)}{look}", aspect.question)
 
 
-def _outcome_text(place: Place, is_all: bool) -> str:
+def _outcome_text(place: MendedPlace, is_all: bool) -> str:
     if is_all:
         return "suffit"
     count = len(place.mended)
@@ -160,11 +166,11 @@ def _outcome_text(place: Place, is_all: bool) -> str:
     return f"fait réussir {count} {f'autre{plural} ' * place.is_second}vérification{plural}"
 
 
-def _proof_text(place: Place, titles: Mapping[str, str], is_all: bool) -> str:
+def _proof_text(place: MendedPlace, titles: Mapping[str, str], is_all: bool) -> str:
     begin, mends = "Écrite autrement", "cette seule ligne fait"
     if len(place.lines) > 1:
         begin, mends = "Écrites autrement ensemble", "ces lignes font"
-    elif len(place.either) > 1:
+    elif len(place.alternative_lines) > 1:
         begin, mends = "Écrite autrement", "une seule de ces lignes fait"
     elif place.is_second:
         begin, mends = "Écrite autrement elle aussi", "cette ligne fait"

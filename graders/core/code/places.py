@@ -14,19 +14,19 @@ import numpy as np
 
 from graders.core.code.call_graph import find_callers, find_shared_helpers
 from graders.core.code.checks import Check
-from graders.core.code.diagnosis import EXPLAINS, FAILS_TOO, OTHERS_FAIL, lowercase_title, tell_remainder
+from graders.core.code.diagnosis import EXPLAINS, FAILS_TOO, OTHERS_FAIL, add_unexplained_checks, lowercase_title
 from graders.core.code.experiments import Experimenter
 from graders.core.code.grading import CodeGrader
 from graders.core.code.isolation import (
     IsolatedFunctions,
-    isolate_functions,
-    name_isolated,
-    replacing_suffix,
-    tell_shares,
+    add_lost_points_by_function,
+    diagnose_isolated_functions,
+    isolate_failed_functions,
+    solution_override_suffix,
 )
-from graders.core.code.mending import Mending, MendingSearch, known_failures
-from graders.core.code.place_words import LOOK, PLACE, describe_place, places_of
-from graders.core.code.probes import explains_itself
+from graders.core.code.mending import Mending, MendingSearch, repeatable_failures
+from graders.core.code.place_words import LOOK, PLACE, describe_place, list_places
+from graders.core.code.probes import is_message_self_explanatory
 from graders.core.code.related_lines import NOT_JUDGED, JudgedFunctions
 from graders.core.code.seen_facts import FactKind, SeenFact
 from graders.core.compare import words as render
@@ -63,16 +63,16 @@ def is_worth_searching(verdict: Verdict) -> bool:
 
 def _is_self_explanatory(check: CheckResult) -> bool:
     """Whether a failed check tells an exception that says what is wrong, or repeats another one."""
-    return bool(check.repeats) or explains_itself(check.message)
+    return bool(check.repeats) or is_message_self_explanatory(check.message)
 
 
-def describe_mendings(
+def diagnose_mendings(
     mendings: Sequence[Mending], source: str, checks: Sequence[CheckResult], values: Mapping[int, str] | None = None,
     functions: JudgedFunctions = NOT_JUDGED,
 ) -> Diagnosis:  # fmt: skip
     """Return the diagnosis of the places found; `values` are what is worth seeing at a line, in French."""
     titles, failed = _titles_by_id(checks), _failed_ids(checks)
-    places = places_of(mendings)
+    places = list_places(mendings)
     first, *others = [describe_place(place, source, titles, values or {}, failed, functions) for place in places]
     paragraphs = [first.explanation, first.question]
     for other in others:
@@ -80,7 +80,7 @@ def describe_mendings(
     paragraphs += [_last_step_text(named) for named in _names_of_last_steps(mendings)]
     title = AND_ALSO.join([first.title, *(lowercase_title(other.title) for other in others)])
     explains = tuple(tuple(sorted(place.mended)) for place in places)
-    return tell_remainder(
+    return add_unexplained_checks(
         Diagnosis(PLACE, title, "\n\n".join(paragraphs), None, explains),
         checks,
         besides=_checks_named_by_last_steps(mendings),
@@ -105,11 +105,11 @@ def find_place(
     """
     if not is_worth_searching(verdict) and not _may_hide_others(grader, verdict):
         return None
-    isolated = isolate_functions(grader, source, programs, verdict.seed, spent)
+    isolated = isolate_failed_functions(grader, source, programs, verdict.seed, spent)
     named, functions = None, _unexplained_functions(grader, verdict)
-    if isolated is not None and isolated.guilty():
-        named = name_isolated(grader, isolated, verdict.checks)
-        functions = isolated.unexplained()
+    if isolated is not None and isolated.guilty_functions():
+        named = diagnose_isolated_functions(grader, isolated, verdict.checks)
+        functions = isolated.unexplained_functions()
     elif functions and len(grader.functions) == 1:
         pair = grader.name_mistakes(source, programs, verdict.seed, spent)
         if pair.ids and pair.certain and not pair.facts:
@@ -131,17 +131,17 @@ def find_place(
         facts = [fact for fact in facts if fact.kind is not FactKind.CONTRAST]
     steps = [step for mending in mendings for step in mending.steps]
     operators = " ; ".join(step.change.operator or step.change.mistake for step in steps)
-    judged = NOT_JUDGED if isolated is None else isolated.judged(grader.functions)
+    judged = NOT_JUDGED if isolated is None else isolated.judge_functions(grader.functions)
     found = _combine_findings(grader, verdict, source, named, mendings, values, facts, judged)
-    if isolated is not None and isolated.guilty():
-        found = found or (verdict.diagnosis if len(isolated.guilty()) > 1 else None)
+    if isolated is not None and isolated.guilty_functions():
+        found = found or (verdict.diagnosis if len(isolated.guilty_functions()) > 1 else None)
         if found is not None:
-            found = tell_shares(isolated, verdict.checks, _remove_remainder_text(found))
+            found = add_lost_points_by_function(isolated, verdict.checks, _remove_remainder_text(found))
             explained = {check for ids in found.explains for check in ids}
-            doubtful = isolated.doubtful() | isolated.consequences(explained, grader.checks)
+            doubtful = isolated.doubtful_checks() | isolated.consequential_checks(explained, grader.checks)
             last = _checks_named_by_last_steps(mendings)
             mended = _mended_with_own_functions(mendings)
-            found = tell_remainder(found, verdict.checks, doubtful, besides=last, mended=mended, is_quoted=True)
+            found = add_unexplained_checks(found, verdict.checks, doubtful, besides=last, mended=mended, is_quoted=True)
     return None if found is None or found == verdict.diagnosis else FoundPlace(found, operators)
 
 
@@ -149,7 +149,7 @@ def _functions_calling_no_guilty_one(
     functions: Sequence[str], source: str, isolated: IsolatedFunctions | None
 ) -> list[str]:
     """Return the functions that call no other one at fault: what is seen of their answers is theirs alone."""
-    guilty = [] if isolated is None else isolated.guilty()
+    guilty = [] if isolated is None else isolated.guilty_functions()
     return [name for name in functions if name not in find_callers(source.encode(), set(guilty) - {name})]
 
 
@@ -162,17 +162,17 @@ def _search_mendings(
     In a program with mistakes in several functions, a change of a right line may make up for the mistake of another.
     What several functions share comes first: one change there may mend them all.
     """
-    failed = known_failures(source, verdict)
-    if isolated is None or not isolated.guilty():
-        mending = MendingSearch(grader, programs, verdict.seed, spent).search(source, functions, failed=failed)
+    failed = repeatable_failures(source, verdict)
+    if isolated is None or not isolated.guilty_functions():
+        mending = MendingSearch(grader, programs, verdict.seed, spent).find_mending(source, functions, failed=failed)
         return [] if mending is None else [mending]
 
     def beside_right_ones(chosen: Collection[str], helpers: Collection[str] = ()) -> Mending | None:
-        others = frozenset(isolated.guilty()).difference(chosen)
-        suffix = replacing_suffix(grader, source, others) if others else ""
+        others = frozenset(isolated.guilty_functions()).difference(chosen)
+        suffix = solution_override_suffix(grader, source, others) if others else ""
         apart = isolated.own.keys() - set(chosen)
         search, known = MendingSearch(grader, programs, verdict.seed, spent, suffix, apart), () if suffix else failed
-        return search.search(source, chosen, helpers, known)
+        return search.find_mending(source, chosen, helpers, known)
 
     guilty = [name for name in functions if isolated.own[name].failed]
     if helpers := find_shared_helpers(source.encode(), guilty, grader.functions):
@@ -201,14 +201,14 @@ def _combine_findings(
 ) -> Diagnosis | None:  # fmt: skip
     """Return one diagnosis of a program's names, places and facts; None where the verdict tells as much."""
     known = named or verdict.diagnosis
-    place = describe_mendings(mendings, source, verdict.checks, values, functions) if mendings else None
+    place = diagnose_mendings(mendings, source, verdict.checks, values, functions) if mendings else None
     if place is not None and known is not None and not _is_disproved(known, place):
         known = named = _add_places_to_diagnosis(known, mendings, source, verdict.checks, values, functions)
     elif place is not None:
         known = named = place
     if named is not None:
         return _add_facts_to_diagnosis(named, facts)
-    return describe_facts(facts, grader.checks, verdict.checks) if facts else None
+    return diagnose_facts(facts, grader.checks, verdict.checks) if facts else None
 
 
 def _add_places_to_diagnosis(
@@ -220,7 +220,7 @@ def _add_places_to_diagnosis(
     explained = {check for ids in named.explains for check in ids}
     named = _remove_remainder_text(named)
     lines = set[int]()
-    for found in places_of(mendings):
+    for found in list_places(mendings):
         if found.lines[0] in lines:
             continue
         lines.add(found.lines[0])
@@ -238,7 +238,7 @@ def _add_places_to_diagnosis(
     for last in _names_of_last_steps(mendings):
         if last.title not in named.titles:
             named = replace(named, explanation=f"{named.explanation}\n\n{_last_step_text(last)}")
-    return tell_remainder(
+    return add_unexplained_checks(
         named, checks, besides=_checks_named_by_last_steps(mendings), mended=_mended_with_own_functions(mendings)
     )
 
@@ -258,11 +258,11 @@ def _checks_named_by_last_steps(mendings: Sequence[Mending]) -> set[str]:
 
 def _mended_with_own_functions(mendings: Sequence[Mending]) -> frozenset[str]:
     """Return the checks that the changed program passes with its own functions."""
-    return frozenset().union(*(mending.mended for mending in mendings if not mending.beside_right_ones))
+    return frozenset().union(*(mending.mended_checks for mending in mendings if not mending.beside_right_ones))
 
 
 def _remove_remainder_text(diagnosis: Diagnosis) -> Diagnosis:
-    """Return a diagnosis without what `tell_remainder` has added to it."""
+    """Return a diagnosis without what `add_unexplained_checks` has added to it."""
     left = [
         text for text in diagnosis.explanation.split("\n\n") if not text.startswith((EXPLAINS, FAILS_TOO, OTHERS_FAIL))
     ]
@@ -281,7 +281,7 @@ def _unexplained_functions(grader: CodeGrader, verdict: Verdict) -> list[str]:
     return sorted(functions, key=lambda name: name not in without_name)
 
 
-def describe_facts(facts: Sequence[SeenFact], checks: Sequence[Check], results: Sequence[CheckResult]) -> Diagnosis:
+def diagnose_facts(facts: Sequence[SeenFact], checks: Sequence[Check], results: Sequence[CheckResult]) -> Diagnosis:
     """Return the diagnosis of what experiments have established, where no place is known."""
     first, *others = facts
     found = Diagnosis(EXPERIMENT, first.title, f"{first.proof}\n\n{first.question}")
@@ -320,7 +320,7 @@ def _values_text(values: Sequence[tuple[str, float]]) -> str:
     return " et ".join(told[:MAX_VALUES])
 
 
-def join_place(diagnosis: Diagnosis | None, place: Diagnosis) -> Diagnosis:
+def add_place_to_diagnosis(diagnosis: Diagnosis | None, place: Diagnosis) -> Diagnosis:
     """Return a verdict's diagnosis with the places that were found since.
 
     Several mistakes that are told of the same checks give way to one place that alone makes all of them pass: a program

@@ -45,7 +45,7 @@ def probe_side_program(
         with runner.side_program(kit, batches) as program:
             for number, answer in flatten_blocks(program.call_batches(batches)):
                 index, function = callable_indices[number], batches[number].function
-                runner.note(program, function, answer)
+                runner.count_answer(program, function, answer)
                 if runner.clock() > deadline or (isinstance(answer, StudentFault) and answer.fatal):
                     break
                 args = batches[number].calls[len(results[index])]
@@ -55,7 +55,7 @@ def probe_side_program(
     return results
 
 
-def changes_results(runner: Runner, probes: Probes) -> bool:
+def changes_returned_results(runner: Runner, probes: Probes) -> bool:
     """Whether a fresh launch, asked these probes, changes what it returned to one of them at the next."""
     batch = PlannedCalls(probes.function, probes.calls, return_arguments=True)
     try:

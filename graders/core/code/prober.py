@@ -16,16 +16,16 @@ from collections.abc import Set as AbstractSet
 from functools import cached_property, partial
 from typing import Any
 
+from graders.core.code import evidence
 from graders.core.code.answer_arrays import AnswerSequence
-from graders.core.code.confined import Unfinished
-from graders.core.code.evidence import are_opinions, are_telling, are_too_poor_for_two, explain_themselves, say_nothing
+from graders.core.code.confined import UnfinishedAnswer
 from graders.core.code.mutants import MAX_COMBINED_MISTAKES, MutantAnswerCache, MutantRow, common_mistakes
 from graders.core.code.mutations import Model, Mutant
-from graders.core.code.pair_search import OutOfTimeError, PairSearch, slice_untried_pairs, within_seconds
-from graders.core.code.part_matching import match_parts
+from graders.core.code.pair_search import OutOfTimeError, PairSearch, limit_search_time, slice_untried_pairs
+from graders.core.code.part_matching import match_wrong_parts
 from graders.core.code.piggyback import HANG_SECONDS
 from graders.core.code.probe_runs import (
-    changes_results,
+    changes_returned_results,
     find_state_slip,
     probe_side_program,
     read_piggybacked,
@@ -33,7 +33,7 @@ from graders.core.code.probe_runs import (
     with_other_seed,
 )
 from graders.core.code.probes import ProbeAnswer, ProbeResults, Probes, same_probe_answer
-from graders.core.code.recognised import RecognisedMistakes, RuledName, SilentName, apply_rules, ruled_names
+from graders.core.code.recognised import RecognisedMistakes, RuleName, WeakName, apply_rules, iter_rule_names
 from graders.core.code.runner import Runner
 from graders.core.code.shared_results import SHARED
 from graders.core.code.stateless import is_stateless, may_keep_state
@@ -77,15 +77,11 @@ class Prober:
         return [self._planned[index] for index, _ in self._select_probes(functions, alone)]
 
     @property
-    def functions(self) -> frozenset[str]:
+    def probed_functions(self) -> frozenset[str]:
         return frozenset(probes.function for probes in self.probes)
 
     def recognise(
-        self,
-        runner: Runner,
-        functions: Collection[str],
-        alone: Collection[str],
-        search: PairSearch | None = None,
+        self, runner: Runner, functions: Collection[str], alone: Collection[str], search: PairSearch | None = None
     ) -> RecognisedMistakes:
         """Return the mistakes of the program in these functions; none when unsure.
 
@@ -94,9 +90,9 @@ class Prober:
         mistakes: list[str] = []
         fallback, consequences = list[str](), list[str]()
         named: dict[str, frozenset[str]] = {}
-        silent, ruled, alike = list[SilentName](), list[RuledName](), set[str]()
+        silent, ruled, alike = list[WeakName](), list[RuleName](), set[str]()
         probed = {probes.function for _, probes in self._select_probes(functions, alone)}
-        certain = probed >= self.functions.intersection(functions)
+        certain = probed >= self.probed_functions.intersection(functions)
         for index, answers, slip in self._iter_probe_results(runner, functions, alone):
             if slip is not None:
                 mistakes += [mistake for mistake in (slip,) if mistake not in mistakes]
@@ -117,16 +113,16 @@ class Prober:
                 named[self.probes[index].function] = frozenset(names)
                 certain = certain and is_certain
                 alike |= {*names} if is_certain else set()
-                silent += self._silent_names(index, sequence, [name for name in names if name not in mistakes])
+                silent += self._weak_names(index, sequence, [name for name in names if name not in mistakes])
                 if len(names) > 1 and is_certain and not pair:  # together they may answer as a third, not known
-                    both = self._mutants.matching_first_answer(index, MAX_COMBINED_MISTAKES, answers[0])
-                    if self._mutants.matching(index, both, sequence):
-                        silent += [SilentName(name, index, "", ()) for name in names]
+                    both = self._mutants.mutants_matching_first_answer(index, MAX_COMBINED_MISTAKES, answers[0])
+                    if self._mutants.filter_matching(index, both, sequence):
+                        silent += [WeakName(name, index, "", ()) for name in names]
                 mistakes += [mistake for mistake in names if mistake not in mistakes]
                 fallback += (last := () if names else self._fallback_names(index, sequence))
                 ruled += self._names_given_by_rules(index, sequence, names or last)
             probes = self.probes[index]
-            if not names and may_keep_state(runner.source) and changes_results(runner, probes):
+            if not names and may_keep_state(runner.source) and changes_returned_results(runner, probes):
                 mistakes += [SHARED] if SHARED not in mistakes else []
                 certain = False
         certain = certain and bool(mistakes)
@@ -156,11 +152,11 @@ class Prober:
         places = frozenset().union(*(edit.functions for edit in edits if edit.id == name))
         return frozenset() if function in places else places
 
-    def unfinished_mutants(self) -> Iterator[tuple[Mutant, Unfinished]]:
+    def unfinished_mutants(self) -> Iterator[tuple[Mutant, UnfinishedAnswer]]:
         """Yield the mutants with one mistake that take too much to answer the probes, each with the call that does."""
         for index in range(len(self.probes)):
             with self._lock:
-                yield from list(self._mutants.unfinished(index))
+                yield from list(self._mutants.iter_unfinished_mutants(index))
 
     def _find_mistake_pair(
         self, index: int, sequence: AnswerSequence, blamed: Collection[str], search: PairSearch
@@ -172,31 +168,32 @@ class Prober:
         probes, answers = self.probes[index], sequence.answers
         with self._lock:
             right = self._nearest_right_answers_if_wrong(index, sequence)
-            if right is None or not are_telling(shown := ProbeResults(probes.calls, answers, right, probes.same)):
+            shown = None if right is None else ProbeResults(probes.calls, answers, right, probes.same)
+            if shown is None or not evidence.has_informative_wrong_answer(shown):
                 return []
             for rows in itertools.islice(self._iter_candidate_mutants(index, answers), MAX_COMBINED_MISTAKES):
-                known = (row for row in rows if row.mutant.applies_to(blamed))
-                if self._mutants.matching(index, known, sequence):
+                known = (row for row in rows if row.mutant.is_possible_in(blamed))
+                if self._mutants.filter_matching(index, known, sequence):
                     return []
             slices = slice_untried_pairs(self._mutants, index, blamed)
         fits: list[MutantRow] = []
         try:
-            for rows in within_seconds(slices, search.spent):
+            for rows in limit_search_time(slices, search.is_time_spent):
                 with self._lock:
-                    fits += self._mutants.matching(index, rows, sequence)
+                    fits += self._mutants.filter_matching(index, rows, sequence)
         except OutOfTimeError:
             return []
         common = common_mistakes(fits) if fits else []
         is_pair = len(common) == MAX_COMBINED_MISTAKES
-        is_held = is_pair and search.holds(probes, fits[0].mutant.text)
+        is_held = is_pair and search.is_confirmed(probes, fits[0].mutant.text)
         with self._lock:
-            return common if is_held and self._mutants.are_shown(index, common, shown, blamed) else []
+            return common if is_held and self._mutants.shows_mistakes(index, common, shown, blamed) else []
 
     def _follows_from_mistakes(self, index: int, sequence: AnswerSequence, mistakes: Sequence[str]) -> bool:
         """Whether the mistakes found in other functions explain all wrong answers of this one."""
         if self._nearest_right_answers_if_wrong(index, sequence) is None:
             return False
-        return bool(self._mutants.matching(index, self._mutants.mutants_making(index, mistakes), sequence))
+        return bool(self._mutants.filter_matching(index, self._mutants.mutants_making(index, mistakes), sequence))
 
     def nearest_right_answers(self, index: int, answers: Sequence[ProbeAnswer]) -> Sequence[ProbeAnswer]:
         """Return the right answers to the probes `index`, in the style nearest to these answers."""
@@ -207,29 +204,30 @@ class Prober:
     def right_answers_by_style(self, index: int) -> list[list[ProbeAnswer]]:
         """Return the right answers to the probes `index`, in each style of the model."""
         with self._lock:
-            return self._mutants.right_answers(index)
+            return self._mutants.right_answers_by_style(index)
 
-    def _silent_names(self, index: int, sequence: AnswerSequence, names: Sequence[str]) -> Iterator[SilentName]:
+    def _weak_names(self, index: int, sequence: AnswerSequence, names: Sequence[str]) -> Iterator[WeakName]:
         """Yield those of the names that are of mutants, where the answers tell little: nothing, or opinions."""
         probes, right = self.probes[index], self._nearest_right_answers_if_wrong(index, sequence) if names else None
         shown = ProbeResults(probes.calls, sequence.answers, right or (), probes.same)
-        if right is None or not ((is_nothing := say_nothing(shown)) or are_opinions(shown)):
+        is_nothing = right is not None and evidence.are_all_uninformative(shown)
+        if right is None or not (is_nothing or evidence.differ_in_single_flag(shown)):
             return
         ruled = tuple(apply_rules(probes.rules, shown))
         for name in names:
-            alike = self._mutants.matching(index, self._mutants.mutants_making(index, [name]), sequence)
+            alike = self._mutants.filter_matching(index, self._mutants.mutants_making(index, [name]), sequence)
             if alike and name not in ruled:
                 of_opinions = ("", ()) if is_nothing else (alike[0].mutant.text, ruled)
-                yield SilentName(name, index, *of_opinions)
+                yield WeakName(name, index, *of_opinions)
 
-    def _names_given_by_rules(self, index: int, sequence: AnswerSequence, names: Sequence[str]) -> Iterator[RuledName]:
+    def _names_given_by_rules(self, index: int, sequence: AnswerSequence, names: Sequence[str]) -> Iterator[RuleName]:
         """Yield those of the names that no mutant with this mistake alone bears out, but a rule gives."""
         probes, right = self.probes[index], self._nearest_right_answers_if_wrong(index, sequence) if names else None
         if right is not None:
             shown = ProbeResults(probes.calls, sequence.answers, right, probes.same)
-            for each in ruled_names(probes, index, shown, names):
+            for each in iter_rule_names(probes, index, shown, names):
                 mutants = self._mutants.mutants_making(index, [each.mistake])
-                if probes.compared == 0 or not self._mutants.matching(index, mutants, sequence):
+                if probes.compared == 0 or not self._mutants.filter_matching(index, mutants, sequence):
                     yield each
 
     def _fallback_names(self, index: int, sequence: AnswerSequence) -> Sequence[str]:
@@ -238,7 +236,7 @@ class Prober:
         if right is None:
             return ()
         shown = ProbeResults(probes.calls, sequence.answers, right, probes.same)
-        return () if explain_themselves(shown) else apply_rules(probes.last_rules, shown)
+        return () if evidence.are_self_explanatory(shown) else apply_rules(probes.last_rules, shown)
 
     def _iter_probe_results(
         self, runner: Runner, functions: Collection[str], alone: Collection[str]
@@ -303,17 +301,17 @@ class Prober:
             return (), True
         shown = ProbeResults(probes.calls, answers, right, probes.same)
         wrong = [k for k in shown.wrong_indices() if probes.compared is None or k < probes.compared]
-        if explain_themselves(shown):
+        if evidence.are_self_explanatory(shown):
             return (), False
-        is_poor = are_too_poor_for_two(shown)
+        is_poor = evidence.are_too_poor_for_two_mistakes(shown)
         for mistakes, rows in enumerate(self._iter_candidate_mutants(index, answers) if wrong else (), 1):
             if is_poor and mistakes > 1:
                 break
-            fitting = (r for r in rows if r.mutant.applies_to(blamed) and disproved.isdisjoint(r.mutant.ids))
-            fits = self._mutants.matching(index, fitting, sequence)
+            fitting = (r for r in rows if r.mutant.is_possible_in(blamed) and disproved.isdisjoint(r.mutant.ids))
+            fits = self._mutants.filter_matching(index, fitting, sequence)
             common = common_mistakes(fits) if fits else []
-            if common and self._mutants.are_shown(index, common, shown, blamed):
-                needed = self._mutants.needed(index, common, sequence)
+            if common and self._mutants.shows_mistakes(index, common, shown, blamed):
+                needed = self._mutants.necessary_mistakes(index, common, sequence)
                 return needed, needed != common or any(set(row.mutant.ids) == set(common) for row in fits)
             if fits:
                 break
@@ -329,17 +327,17 @@ class Prober:
         """
         if self.probes[index].same is not same_probe_answer or self.probes[index].compared is not None:
             return (), False
-        rows = partial(self._mutants.with_all_answers, index, blamed)
-        fits_of_parts = list(match_parts(shown.got, shown.right, rows))
+        rows = partial(self._mutants.single_mutant_rows, index, blamed)
+        fits_of_parts = list(match_wrong_parts(shown.got, shown.right, rows))
         begun = [row for fits in fits_of_parts for row in fits]
-        if whole := self._mutants.matching(index, self._mutants.with_one_more(index, begun), sequence):
-            return self._mutants.needed(index, common_mistakes(whole), sequence), True
+        if whole := self._mutants.filter_matching(index, self._mutants.add_one_mistake(index, begun), sequence):
+            return self._mutants.necessary_mistakes(index, common_mistakes(whole), sequence), True
         return list(dict.fromkeys(name for fits in fits_of_parts for name in common_mistakes(fits))), False
 
     def _iter_candidate_mutants(self, index: int, answers: Sequence[ProbeAnswer]) -> Iterator[Iterable[MutantRow]]:
         """Yield the mutants that may explain the answers, by increasing number of mistakes and cost."""
         for mistakes in range(1, MAX_COMBINED_MISTAKES + 1):
-            yield self._mutants.matching_first_answer(index, mistakes, answers[0])
+            yield self._mutants.mutants_matching_first_answer(index, mistakes, answers[0])
         yield self._mutants.extended_mutants(index, answers)
 
     def _nearest_right_answers_if_wrong(self, index: int, sequence: AnswerSequence) -> Sequence[ProbeAnswer] | None:

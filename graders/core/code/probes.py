@@ -29,14 +29,14 @@ _OF_WRITING = frozenset(("NameError", "ImportError", "ModuleNotFoundError"))
 _NO_INTEGER = "Un indice doit être un nombre entier"
 
 
-def is_self_explained(exception: str, told: str) -> bool:
+def is_exception_self_explanatory(exception: str, told: str) -> bool:
     """Whether what is told of an exception says what is wrong: a misspelt name, an index that is no integer."""
     return exception in _OF_WRITING or (exception in ("IndexError", "TypeError") and _NO_INTEGER in told)
 
 
-def explains_itself(message: str) -> bool:
+def is_message_self_explanatory(message: str) -> bool:
     """Whether a failed check's message names such an exception, in brackets, beside a line that may have others."""
-    return any(is_self_explained(name, message) for name in re.findall(r"\[(\w+)\]", message))
+    return any(is_exception_self_explanatory(name, message) for name in re.findall(r"\[(\w+)\]", message))
 
 
 @dataclass(frozen=True)
@@ -44,12 +44,12 @@ class ProbeFault:
     """The answer of a call that failed: the name of its exception or outcome, and what students are told of it."""
 
     name: str
-    told: str = field(default="", compare=False)
+    description: str = field(default="", compare=False)
 
     @property
-    def explains_itself(self) -> bool:
+    def is_self_explanatory(self) -> bool:
         """Whether what is told of it says what is wrong, so that no mistake of the catalogue is behind it."""
-        return is_self_explained(self.name, self.told)
+        return is_exception_self_explanatory(self.name, self.description)
 
 
 ProbeAnswer = Any  # a plain value, or a ProbeFault
@@ -96,12 +96,12 @@ class ProgramTrial:
 Experiment = Callable[[ProgramTrial], bool | None]
 
 
-def say_what_is_measured(trial: ProgramTrial) -> bool:
+def accept_as_measured(trial: ProgramTrial) -> bool:
     """The experiment of a rule whose words say no more than what it measures in the answers."""
     return True
 
 
-def undo_the_mistake(trial: ProgramTrial) -> bool | None:
+def try_undoing_mistake(trial: ProgramTrial) -> bool | None:
     """The experiment of a rule whose words say a cause: the mistake is undone in the program. It may be written in a
     way that is not found, so that a failure leaves it open."""
     return True if trial.undo() else None
@@ -119,17 +119,17 @@ class AnswerRule:
         return self.recognise(shown)
 
 
-def measuring(recognise: Recognise) -> AnswerRule:
+def measurement_rule(recognise: Recognise) -> AnswerRule:
     """Make a rule whose words say no more than what it measures."""
-    return AnswerRule(recognise, say_what_is_measured)
+    return AnswerRule(recognise, accept_as_measured)
 
 
-def undoing(recognise: Recognise) -> AnswerRule:
+def undo_rule(recognise: Recognise) -> AnswerRule:
     """Make a rule that the mistake, undone in the program, must bear out."""
-    return AnswerRule(recognise, undo_the_mistake)
+    return AnswerRule(recognise, try_undoing_mistake)
 
 
-def borne_out_by(experiment: Experiment) -> Callable[[Recognise], AnswerRule]:
+def experiment_rule(experiment: Experiment) -> Callable[[Recognise], AnswerRule]:
     """Make a rule that an experiment of its own must bear out."""
     return lambda recognise: AnswerRule(recognise, experiment)
 
@@ -164,11 +164,11 @@ class Probes:
 
     def read_answer(self, args: Arguments, answer: Answer) -> ProbeAnswer:
         """Return the compared part of an answer to one of these calls."""
-        shown = read_answer(args, answer, self.read)
+        shown = read_compared_part(args, answer, self.read)
         return self.faults.get(shown.name, shown) if isinstance(shown, ProbeFault) else shown
 
 
-def array_or_reason(args: Arguments, value: Value) -> Value:
+def read_array_or_reason(args: Arguments, value: Value) -> Value:
     """Read numbers as an array; in words, why they are none."""
     try:
         return read_array(value)
@@ -176,7 +176,7 @@ def array_or_reason(args: Arguments, value: Value) -> Value:
         return str(error)
 
 
-def number_or_reason(args: Arguments, value: Value) -> Value:
+def read_number_or_reason(args: Arguments, value: Value) -> Value:
     """Read one number; in words, why it is none."""
     try:
         return read_scalar(value)
@@ -184,7 +184,7 @@ def number_or_reason(args: Arguments, value: Value) -> Value:
         return str(error)
 
 
-def read_answer(args: Arguments, answer: Answer, read: Read) -> ProbeAnswer:
+def read_compared_part(args: Arguments, answer: Answer, read: Read) -> ProbeAnswer:
     """Return the compared part of an answer."""
     if isinstance(answer, Reply):
         value = read(args, answer.value)
@@ -200,7 +200,7 @@ def _as_sequence(shown: ProbeAnswer) -> Sequence[ProbeAnswer]:
     return shown if isinstance(shown, list) else (shown,)
 
 
-def as_array(value: ProbeAnswer, shape: tuple[int, ...] | None = None) -> Floats | None:
+def to_finite_array(value: ProbeAnswer, shape: tuple[int, ...] | None = None) -> Floats | None:
     """Return a probe's answer as an array of finite numbers (of that shape), or None."""
     if isinstance(value, ProbeFault):
         return None

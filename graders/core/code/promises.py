@@ -31,7 +31,7 @@ def find_broken_promises(grader: CodeGrader) -> Iterator[str]:
 def recorded_calls(grader: CodeGrader, seed: int) -> Calls:
     """Return the calls that a grading of the solution makes, by function and by their arguments."""
     recorder = CallRecorder(grader.functions, MAX_CALLS)
-    grader.first_failed(grader.solution.encode(), recorder, seed=seed)
+    grader.first_failed_check(grader.solution.encode(), recorder, seed=seed)
     found: dict[str, dict[bytes, Arguments]] = {name: {} for name in grader.functions}
     for _, function, calls in recorder.calls_by_kit():
         found[function].update((_arguments_key(args), args) for args in calls)

@@ -29,7 +29,7 @@ class CodePiece(NamedTuple):
     all_names: frozenset[str]
 
 
-def reachable_pieces(text: str, function: str) -> tuple[CodePiece, ...]:
+def reachable_code_pieces(text: str, function: str) -> tuple[CodePiece, ...]:
     """Return the pieces on which a function may depend, in their order: an over-approximation by name."""
     pieces = [_compile_piece(piece_text) for piece_text in text.split(PIECE_SEPARATOR)]
     names, reached = {function}, set[int]()
@@ -45,7 +45,7 @@ def reachable_pieces(text: str, function: str) -> tuple[CodePiece, ...]:
         names.update(*(pieces[index].all_names for index in new))
 
 
-def is_program(text: str) -> bool:
+def all_pieces_compile(text: str) -> bool:
     """Whether all pieces of a text compile: edits that are right alone may not be so together (`** 2.astype(int)`)."""
     try:
         for piece_text in text.split(PIECE_SEPARATOR):

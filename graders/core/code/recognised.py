@@ -9,13 +9,13 @@ from typing import NamedTuple
 from graders.core.code.probes import AnswerRule, Experiment, ProbeResults, Probes
 
 
-class Ground(Enum):
+class NamingGround(Enum):
     """What a mistake is named on: answers that are those of the mistake, or a resemblance that others share."""
 
     ANSWERS, RESEMBLANCE = "answers", "resemblance"
 
 
-class SilentName(NamedTuple):
+class WeakName(NamedTuple):
     """A mistake named on answers that tell little, and the number of the probes; for opinions the text of the mutant
     that answers alike, and the names that rules give `instead`."""
 
@@ -25,7 +25,7 @@ class SilentName(NamedTuple):
     instead: tuple[str, ...]
 
 
-class RuledName(NamedTuple):
+class RuleName(NamedTuple):
     """A mistake named by a rule, the number of the probes, and the candidates: this mistake and those of the rules that
     come after, each with the experiment of its rule."""
 
@@ -39,12 +39,12 @@ def apply_rules(rules: Sequence[AnswerRule], shown: ProbeResults) -> Sequence[st
     return next(([name] for rule in rules if (name := rule(shown)) is not None), [])
 
 
-def ruled_names(probes: Probes, number: int, shown: ProbeResults, names: Sequence[str]) -> Iterator[RuledName]:
+def iter_rule_names(probes: Probes, number: int, shown: ProbeResults, names: Sequence[str]) -> Iterator[RuleName]:
     """Yield those of the names that rules give for these answers."""
     given = [(name, rule.experiment) for rule in (*probes.rules, *probes.last_rules) if (name := rule(shown))]
     for k, (name, _) in enumerate(given):
         if name in names and name not in [earlier for earlier, _ in given[:k]]:
-            yield RuledName(name, number, tuple(given[k:]))
+            yield RuleName(name, number, tuple(given[k:]))
 
 
 class RecognisedMistakes(NamedTuple):
@@ -58,12 +58,15 @@ class RecognisedMistakes(NamedTuple):
     fallback: tuple[str, ...] = ()
     consequences: tuple[str, ...] = ()
     certain: bool = False
-    silent: tuple[SilentName, ...] = ()
+    silent: tuple[WeakName, ...] = ()
     likely: tuple[str, ...] = ()
-    ruled: tuple[RuledName, ...] = ()
+    ruled: tuple[RuleName, ...] = ()
     alike: frozenset[str] = frozenset()
 
     @property
-    def grounds(self) -> dict[str, Ground]:
+    def grounds(self) -> dict[str, NamingGround]:
         """Return what mistakes are named on, by id; none of those that an experiment establishes."""
-        return {**dict.fromkeys(self.alike, Ground.ANSWERS), **dict.fromkeys(self.likely, Ground.RESEMBLANCE)}
+        return {
+            **dict.fromkeys(self.alike, NamingGround.ANSWERS),
+            **dict.fromkeys(self.likely, NamingGround.RESEMBLANCE),
+        }

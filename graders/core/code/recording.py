@@ -31,7 +31,7 @@ class CallRecorder:
     def open(self, source: bytes, kit: KitSettings, ahead: Sequence[PlannedCalls] = ()) -> Program:
         return _RecordingProgram(LOCAL.open(source, kit), kit, self)
 
-    def note(self, kit: KitSettings, function: str, args: Arguments) -> None:
+    def record_call(self, kit: KitSettings, function: str, args: Arguments) -> None:
         if function in self._functions:
             _, calls = self._calls.setdefault((id(kit), function), (kit, []))
             if len(calls) < self._limit:
@@ -50,13 +50,13 @@ class _RecordingProgram:
         self.functions = program.functions
 
     def call(self, function: str, *args: Value, return_arguments: bool = False) -> Reply:
-        self._recorder.note(self._kit, function, args)
+        self._recorder.record_call(self._kit, function, args)
         return self._program.call(function, *args, return_arguments=return_arguments)
 
     def call_many(self, function: str, calls: Any, *, faults: int | None = None) -> Iterator[Answer]:
         noted = list(calls)
         for args in noted:
-            self._recorder.note(self._kit, function, args)
+            self._recorder.record_call(self._kit, function, args)
         return self._program.call_many(function, noted, faults=faults)
 
     def call_batches(self, batches: Sequence[PlannedCalls]) -> Iterator[Block]:

@@ -32,7 +32,7 @@ class JudgedFunctions:
 NOT_JUDGED = JudgedFunctions()
 
 
-def tell_related_lines(
+def related_lines_sentence(
     source: str, lines: Sequence[int], functions: JudgedFunctions = NOT_JUDGED, is_borne_out: bool = False
 ) -> str:
     """Return a French sentence on the lines that these have to do with; empty where there are none.

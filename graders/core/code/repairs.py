@@ -17,11 +17,11 @@ from graders.core.code.ast_matching import (
     MAX_PERMUTED_TERMS,
     MODULES,
     Names,
-    join_terms,
+    join_signed_terms,
     match_nodes,
-    match_terms,
-    paired_children,
-    signed_terms,
+    match_signed_terms,
+    pair_children,
+    split_signed_terms,
 )
 from graders.core.code.mutations import Model
 from graders.core.syntax_trees import parse_or_none, parse_source
@@ -158,7 +158,7 @@ def _iter_smallest_differences(
         here = ()
     elif isinstance(right, (ast.expr, *_SIMPLE)) and isinstance(wrong, (ast.expr, *_SIMPLE)):
         here = ((right, wrong), *above)
-    pairs = paired_children(right, wrong) if type(right) is type(wrong) else None
+    pairs = pair_children(right, wrong) if type(right) is type(wrong) else None
     if pairs is None:
         yield _NodeDifference(here)
         return
@@ -211,11 +211,11 @@ def _iter_matching_locations(
     for names_found in match_nodes(wrong, node, names, fixed_names):
         yield _MatchLocation(node, right, names_found)
     if isinstance(wrong, ast.expr) and isinstance(node, ast.expr):
-        mine, theirs = signed_terms(wrong), signed_terms(node)
+        mine, theirs = split_signed_terms(wrong), split_signed_terms(node)
         if 1 < len(mine) < len(theirs) <= MAX_PERMUTED_TERMS + 2:
             for chosen in itertools.permutations(range(len(theirs)), len(mine)):
-                rest = join_terms([theirs[k] for k in range(len(theirs)) if k not in chosen])
-                for names_found in match_terms(mine, [theirs[k] for k in chosen], names, fixed_names):
+                rest = join_signed_terms([theirs[k] for k in range(len(theirs)) if k not in chosen])
+                for names_found in match_signed_terms(mine, [theirs[k] for k in chosen], names, fixed_names):
                     yield _MatchLocation(node, right, names_found, rest)
 
 

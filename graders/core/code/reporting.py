@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from graders.core.code.confined import report
+from graders.core.code.confined import report_progress
 from graders.core.compare.words import text
 from graders.core.contract.local import LocalProgram, LocalPrograms
 from graders.core.contract.program import KitSettings, PlannedCalls, Reply
@@ -13,7 +13,7 @@ from graders.core.contract.values import Arguments, Value
 
 def report_call(function: str, args: Arguments) -> None:
     """Say which call comes, where somebody wants to know."""
-    report(lambda: f"{function}({', '.join(map(text, args))})")
+    report_progress(lambda: f"{function}({', '.join(map(text, args))})")
 
 
 class ReportingProgram(LocalProgram):
@@ -28,7 +28,7 @@ class ReportingPrograms(LocalPrograms):
     """Starts trusted files whose calls are reported."""
 
     def open(self, source: bytes, kit: KitSettings, ahead: Sequence[PlannedCalls] = ()) -> ReportingProgram:
-        report(lambda: "le chargement du fichier")
+        report_progress(lambda: "le chargement du fichier")
         return ReportingProgram(source, kit)
 
 

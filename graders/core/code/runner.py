@@ -124,8 +124,8 @@ class Runner:
         [] for a function that is no longer called. Queued piggyback calls follow in the same exchange.
         """
         queued = self._piggybacked.take_queued(self.seconds_per_call)
-        self.plan([*batches, *queued])
-        answers = [list(self.answers(batch)) if self.is_callable(batch.function) else [] for batch in batches]
+        self.set_plan([*batches, *queued])
+        answers = [list(self.iter_answers(batch)) if self.is_callable(batch.function) else [] for batch in batches]
         self._store_piggybacked(queued)
         return answers
 
@@ -146,12 +146,12 @@ class Runner:
         if queued and self._program is not None:
             self.freeze_stdout()
             printed = self.stdout
-            self.plan(queued)
+            self.set_plan(queued)
             self._send_remaining_plan(queued[0])
             self._store_piggybacked(queued)
             self.close()
             self.stdout = printed
-        return self._piggybacked.answers(batch)
+        return self._piggybacked.stored_answers(batch)
 
     def _store_piggybacked(self, batches: Sequence[PlannedCalls]) -> None:
         """Store the answers to piggyback batches; their faults do not count against a function."""
@@ -172,7 +172,7 @@ class Runner:
             else:
                 self._receive_next_block()
 
-    def plan(self, plan: Sequence[PlannedCalls]) -> None:
+    def set_plan(self, plan: Sequence[PlannedCalls]) -> None:
         """Set the next calls of the main program, in this order and without others in between."""
         self._receive_pending()
         self._pipeline.set_plan(plan)
@@ -182,7 +182,7 @@ class Runner:
         self._pipeline.set_plan(plan)
         self._pipeline.send(self._launch_main(plan), plan)
 
-    def answers(self, batch: PlannedCalls) -> Iterator[Answer]:
+    def iter_answers(self, batch: PlannedCalls) -> Iterator[Answer]:
         """Yield the answers of the main program to a batch, planned or not."""
         return itertools.chain.from_iterable(self.answer_blocks(batch))
 
@@ -279,10 +279,10 @@ class Runner:
     def watch_answers(self, program: Program | None, function: str, answers: Iterator[Answer]) -> Iterator[Answer]:
         """Yield the same answers, and record their fatal faults."""
         for answer in answers:
-            self.note(program, function, answer)
+            self.count_answer(program, function, answer)
             yield answer
 
-    def note(self, program: Program | None, function: str, answer: Answer) -> None:
+    def count_answer(self, program: Program | None, function: str, answer: Answer) -> None:
         """Count an answer of a program, and record a fatal fault."""
         self._answer_count += 1
         if isinstance(answer, StudentFault):

@@ -40,12 +40,12 @@ def run_checks(
     for begins, ends in _group_checks_by_exchange(checks):
         plan = _plan_calls(checks[begins:ends], benches[begins:ends])
         if begins:
-            runner.plan(plan)
+            runner.set_plan(plan)
         else:
             try:
                 runner.start(plan)
             except StudentFault as fault:
-                return [failed_finding(check, fault_rejection(fault, inputs=None)) for check in checks]
+                return [make_failed_finding(check, fault_rejection(fault, inputs=None)) for check in checks]
             runner.announce_launches(sum(check.launches for check in checks))
         for check, bench in zip(checks[begins:ends], benches[begins:ends], strict=True):
             results.append(_run_without_shrinking(check, bench))
@@ -96,7 +96,7 @@ def _remove_unearned_points(
         return finding
     message = "Rien à reprocher ici, mais ces points ne comptent qu'à partir d'une autre vérification réussie."
     got = "aucune pour l'instant"
-    return failed_finding(
+    return make_failed_finding(
         check, Rejection(message, inputs={}, expected="une autre vérification réussie", got=got, neutral=True)
     )
 
@@ -128,16 +128,16 @@ def _run_and_catch_finding(check: Check, run: Callable[[], None], bench: Bench) 
         run()
     except Rejection as rejection:
         rejection.kit = bench.side_kit
-        return failed_finding(check, rejection)
+        return make_failed_finding(check, rejection)
     except StudentFault as fault:
         inputs = None
         if bench.last_call is not None:
             inputs = {f"argument {i + 1}": value for i, value in enumerate(bench.last_call[1])}
-        return failed_finding(check, fault_rejection(fault, inputs=inputs))
+        return make_failed_finding(check, fault_rejection(fault, inputs=inputs))
     return Finding(CheckResult(check.id, check.title, True, check.points, check.points, bench.measured))
 
 
-def failed_finding(check: Check, rejection: Rejection) -> Finding:
+def make_failed_finding(check: Check, rejection: Rejection) -> Finding:
     """Return the finding of a check that this rejection fails."""
     counterexample = None
     if rejection.inputs is not None:

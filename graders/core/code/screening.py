@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from graders.core.code.bench import Bench
-from graders.core.code.changes import ProgramChange, count_turns
+from graders.core.code.changes import ProgramChange, add_loop_counters
 from graders.core.code.checks import Check
 from graders.core.code.grading import NO_SHRINKING, CodeGrader
 from graders.core.code.loops import ClosedLoop
@@ -56,7 +56,7 @@ class ProbeScreen:
         self._drawn_answers: dict[int, list[ProbeAnswer]] = {}
         self.pivots: dict[str, list[tuple[Probes, Sequence[int]]]] = {}
 
-    def mending(
+    def select_mending_changes(
         self, source: str, changes: Sequence[ProgramChange], functions: Sequence[str], failed: Sequence[Check] = ()
     ) -> list[ProgramChange]:
         """Return the changes that mend numbers of the answers to probes and spoil none, the most mending first.
@@ -89,19 +89,23 @@ class ProbeScreen:
         self, source: str, questions: _ScreeningCalls, changes: Sequence[ProgramChange], gains: dict[int, float]
     ) -> None:
         everything = range(len(questions.probes.calls))
-        before = self._mark_right_numbers(questions, [count_turns(source)], everything)[0]
+        before = self._mark_right_numbers(questions, [add_loop_counters(source)], everything)[0]
         wrong = [k for k in everything if not before[k].all()]
         pivots, left = wrong[:MAX_PIVOTS], range(len(changes)) if wrong else ()
         self.pivots[source].append((questions.probes, pivots))
         for begin in range(0, len(left), SLICE):
             numbers = left[begin : begin + SLICE]
-            seen = self._mark_right_numbers(questions, [changes[number].counted for number in numbers], pivots)
+            seen = self._mark_right_numbers(
+                questions, [changes[number].text_with_counters for number in numbers], pivots
+            )
             hits = [
                 number
                 for number, marks in zip(numbers, seen, strict=True)
                 if any(_is_improvement([before[k]], [after]) for k, after in zip(pivots, marks, strict=True))
             ]
-            answers = self._mark_right_numbers(questions, [changes[number].counted for number in hits], everything)
+            answers = self._mark_right_numbers(
+                questions, [changes[number].text_with_counters for number in hits], everything
+            )
             for number, after in zip(hits, answers, strict=True):
                 if _is_improvement(before, after):
                     gains[number] = gains.get(number, 0.0) + _gain(before, after) / max(1, len(wrong))
@@ -122,9 +126,9 @@ class ProbeScreen:
         for side_kit, _, calls in recorder.calls_by_kit():
             asked = Probes(function=function, calls=calls, kit=side_kit)
             right = self._solution_answers(asked)
-            marks = self._mark_right_numbers(_ScreeningCalls(asked, [right]), [count_turns(source)], range(len(calls)))[
-                0
-            ]
+            marks = self._mark_right_numbers(
+                _ScreeningCalls(asked, [right]), [add_loop_counters(source)], range(len(calls))
+            )[0]
             wrong = [k for k, mark in enumerate(marks) if not mark.all()][:MAX_OF_CHECKS]
             others = [k for k, mark in enumerate(marks) if mark.all()][:MAX_OF_CHECKS]
             if wrong:
@@ -145,7 +149,7 @@ class ProbeScreen:
         for begin in range(0, len(texts), SLICE):
             if self._spent():
                 raise OutOfTimeError
-            for answers in self._caller.answers(
+            for answers in self._caller.call_variants(
                 texts[begin : begin + SLICE], probes.function, calls, probes.kit, draws
             ):
                 read = [probes.read_answer(args, answer) for args, answer in zip(calls, answers, strict=False)]
@@ -173,8 +177,8 @@ class ProbeScreen:
     def _solution_answers(self, probes: Probes) -> list[ProbeAnswer]:
         """Return the solution's answers, to the same draws where the function draws."""
         draws = range(len(probes.calls)) if probes.random else ()
-        answers = VariantCaller(self._programs).answers(
-            [count_turns(self._grader.solution)], probes.function, probes.calls, probes.kit, draws
+        answers = VariantCaller(self._programs).call_variants(
+            [add_loop_counters(self._grader.solution)], probes.function, probes.calls, probes.kit, draws
         )[0]
         read = [probes.read_answer(args, answer) for args, answer in zip(probes.calls, answers, strict=False)]
         return [*read, *[NO_ANSWER] * (len(probes.calls) - len(read))]

@@ -70,16 +70,16 @@ class FunctionTrial:
     #: Whether the solution's answers are the only right ones.
     unique: bool = True
 
-    def series(self, view: ReturnedValue) -> Series:
+    def make_series(self, view: ReturnedValue) -> Series:
         got, right = [view.read(row) for row in self.got], [view.read(row) for row in self.right]
         wrong = [not same(mine, its) for mine, its in zip(got, right, strict=True)]
         return Series(self.names, self.calls, got, right, wrong, [view.read(row) for row in self.unrounded])
 
-    def plainest(self, numbers: Iterable[int]) -> int:
+    def plainest_call_number(self, numbers: Iterable[int]) -> int:
         """Return the number of the call with the fewest numbers in its arguments."""
-        return min(numbers, key=self.size_of)
+        return min(numbers, key=self.count_argument_numbers)
 
-    def size_of(self, number: int) -> int:
+    def count_argument_numbers(self, number: int) -> int:
         """Return how many numbers the arguments of a call have."""
         return sum(map(_count_values, self.calls[number]))
 
@@ -88,13 +88,13 @@ class FunctionTrial:
         views = [
             ReturnedValue(self._subject_text(part), partial(_select_part, part)) for part in range(len(self.right[0]))
         ]
-        return [view for view in views if sum(self.series(view).wrong) >= MIN_WRONG]
+        return [view for view in views if sum(self.make_series(view).wrong) >= MIN_WRONG]
 
     def _subject_text(self, part: int) -> str:
         return f"« {self.parts[part]} », que renvoie {self.function}," if self.parts else self.function
 
-    def shown(self, call: Arguments) -> str:
-        return " ; ".join(f"{name} = {shown_value(value)}" for name, value in zip(self.names, call, strict=False))
+    def call_text(self, call: Arguments) -> str:
+        return " ; ".join(f"{name} = {value_text(value)}" for name, value in zip(self.names, call, strict=False))
 
 
 def _count_values(value: Value) -> int:
@@ -110,9 +110,9 @@ def _select_part(part: int, values: Sequence[Floats]) -> Floats:
     return values[part]
 
 
-def columns_of(trial: FunctionTrial, view: ReturnedValue) -> Iterator[ReturnedValue]:
+def iter_columns(trial: FunctionTrial, view: ReturnedValue) -> Iterator[ReturnedValue]:
     """Yield the columns of a table of two or three, where each is wrong or right by itself."""
-    series = trial.series(view)
+    series = trial.make_series(view)
     counts = {array.shape[1:] for arrays in (series.got, series.right) for array in arrays}
     if len(counts) != 1 or (count := counts.pop()) not in ((2,), (3,)) or series.right[0].ndim != 2:
         return
@@ -126,7 +126,7 @@ def _select_column(view: ReturnedValue, column: int, values: Sequence[Floats]) -
 
 
 @dataclass(frozen=True)
-class Variation:
+class VariedCall:
     """A call with one argument varied: the argument's index, the change, the number of the call, its new arguments."""
 
     index: int
@@ -138,7 +138,7 @@ class Variation:
 class VariedAnswers(NamedTuple):
     """A variation, and a value that both programs return before and after."""
 
-    variation: Variation
+    variation: VariedCall
     got: Floats
     mine: Floats
     right: Floats
@@ -151,46 +151,47 @@ FELT = "Où votre fonction se sert-elle de cet argument, et ce qu’elle en fait
 NOT_FELT = "Que faudrait-il retrancher, diviser ou ramener, pour que cela ne compte plus ?"
 
 
-def related_fact(trial: FunctionTrial, view: ReturnedValue) -> SeenFact | None:
-    series = trial.series(view)
+def find_relation(trial: FunctionTrial, view: ReturnedValue) -> SeenFact | None:
+    series = trial.make_series(view)
     tell = tell_relations if trial.unique and len(trial.calls) >= MANY_CALLS else tell_answers
     relation = next(tell(series), None)
     if relation is None:
         return None
-    k = trial.plainest(number for number, wrong in enumerate(series.wrong) if wrong)
+    k = trial.plainest_call_number(number for number, wrong in enumerate(series.wrong) if wrong)
     tries, wrong, example = len(trial.calls), sum(series.wrong), "" if trial.unique else " par exemple"
-    title = f"{capital_subject(view.words)} {relation.words}"
+    title = f"{sentence_subject(view.words)} {relation.words}"
     seen = f"C’est ainsi dans les {tries} essais{f', dont {wrong} faux' if wrong < tries else ''}."
     if not relation.says_what:
         seen = f"Sur {tries} essais, {wrong} sont faux."
     proof = (
-        f"{seen} Par exemple, pour {trial.shown(trial.calls[k])}, "
-        f"on attend{example} {shown_value(series.right[k])} et on obtient {shown_value(series.got[k])}."
+        f"{seen} Par exemple, pour {trial.call_text(trial.calls[k])}, "
+        f"on attend{example} {value_text(series.right[k])} et on obtient {value_text(series.got[k])}."
     )
     kind = FactKind.ANSWERS if relation.says_what else FactKind.FLAW
     return SeenFact(trial.function, title, proof, _QUESTION, kind)
 
 
-def replaced_fact(
+def replaced_argument_fact(
     trial: FunctionTrial, view: ReturnedValue, number: int, change: ArgumentChange, call: Arguments
 ) -> SeenFact:
     """Return the fact that a value is what is awaited for changed arguments, as in this call."""
-    series, example = trial.series(view), "" if trial.unique else ", par exemple,"
+    series, example = trial.make_series(view), "" if trial.unique else ", par exemple,"
+    failed_call = trial.call_text(trial.calls[number])
     proof = (
-        f"C’est ainsi dans les {len(trial.calls)} essais. Pour {trial.shown(trial.calls[number])}, on attend{example} "
-        f"{shown_value(series.right[number])} et on obtient {shown_value(series.got[number])} : ce que l’on "
-        f"attend{example} pour {trial.shown(call)}."
+        f"C’est ainsi dans les {len(trial.calls)} essais. Pour {failed_call}, on attend{example} "
+        f"{value_text(series.right[number])} et on obtient {value_text(series.got[number])} : ce que l’on "
+        f"attend{example} pour {trial.call_text(call)}."
     )
-    title = f"{capital_subject(view.words)} est ce que l’on attend si {change.words}"
+    title = f"{sentence_subject(view.words)} est ce que l’on attend si {change.words}"
     return SeenFact(trial.function, title, proof, REPLACED, FactKind.REPLACED)
 
 
-def are_coarse(rows: Sequence[VariedAnswers]) -> bool:
+def are_right_answers_whole(rows: Sequence[VariedAnswers]) -> bool:
     """Whether all right answers are whole numbers, as indices are: one may depend on an argument and not move."""
     return all(bool(np.all(right == np.round(right))) for row in rows for right in (row.right, row.wanted))
 
 
-def is_felt_wrongly(rows: Sequence[VariedAnswers]) -> bool | None:
+def has_wrong_influence(rows: Sequence[VariedAnswers]) -> bool | None:
     """Whether a result feels what it must not; False where it does not feel what it must, None where neither is so."""
     must = [not same(row.wanted, row.right) for row in rows]
     moved = [not same(row.mine, row.got) for row in rows]
@@ -199,7 +200,7 @@ def is_felt_wrongly(rows: Sequence[VariedAnswers]) -> bool | None:
     return True if len(rows) > MIN_FELT and sum(moved) >= MIN_FELT and not any(must) else None
 
 
-def felt_fact(
+def influence_fact(
     trial: FunctionTrial, view: ReturnedValue, row: VariedAnswers, rows: Sequence[VariedAnswers], question: str
 ) -> SeenFact:
     """Return the fact that a value changes with an argument in some calls, of these `rows`, and should in others or
@@ -209,19 +210,19 @@ def felt_fact(
     does = f"change dans {moved}" if moved else "ne change dans aucun"
     should = f"il devrait dans {must}" if must else "il ne devrait dans aucun"
     change = re.sub("^on ", "l’on ", row.variation.change.words)
-    title = f"{capital_subject(view.words)} {does} des {len(rows)} essais où {change} : {should}"
-    before, after = trial.shown(trial.calls[row.variation.number]), trial.shown(row.variation.call)
+    title = f"{sentence_subject(view.words)} {does} des {len(rows)} essais où {change} : {should}"
+    before, after = trial.call_text(trial.calls[row.variation.number]), trial.call_text(row.variation.call)
     proof = (
-        f"Pour {before}, on attend {shown_value(row.right)} et on obtient {shown_value(row.got)} ; pour {after}, on "
-        f"attend {shown_value(row.wanted)} et on obtient {shown_value(row.mine)}."
+        f"Pour {before}, on attend {value_text(row.right)} et on obtient {value_text(row.got)} ; pour {after}, on "
+        f"attend {value_text(row.wanted)} et on obtient {value_text(row.mine)}."
     )
     return SeenFact(trial.function, title, proof, question, FactKind.FELT)
 
 
-def capital_subject(words: str) -> str:
+def sentence_subject(words: str) -> str:
     return f"{words[:1].upper()}{words[1:]}" if " " in words else f"Le résultat {elided('de', words)}"
 
 
-def shown_value(value: Value) -> str:
+def value_text(value: Value) -> str:
     text = render.text(value, digits=5)
     return text if len(text) <= MAX_SHOWN else f"{text[: MAX_SHOWN - 1]}…"

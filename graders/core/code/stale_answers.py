@@ -20,7 +20,7 @@ from graders.core.code.contracts import FunctionContract
 from graders.core.code.probe_runs import MEMORY
 from graders.core.code.probes import Probes, same_probe_answer
 from graders.core.code.runner import Runner
-from graders.core.code.running import failed_finding
+from graders.core.code.running import make_failed_finding
 from graders.core.code.stateless import may_change_state
 from graders.core.compare.python_values import in_counterexample
 from graders.core.contract.findings import Finding
@@ -57,7 +57,7 @@ class StaleAnswer:
     stale: Value
 
 
-def hold_stale_answers(
+def fail_checks_with_stale_answers(
     checks: Sequence[Check],
     findings: Sequence[Finding],
     runner: Runner,
@@ -78,7 +78,7 @@ def hold_stale_answers(
         places = [k for k, check in enumerate(checks) if function in check.functions]
         if places and all(held[k].passed for k in places):
             place = max(places, key=lambda k: (not checks[k].requires_other_check, k))
-            held[place] = failed_finding(checks[place], _rejection(stale, names.get(function, ())))
+            held[place] = make_failed_finding(checks[place], _rejection(stale, names.get(function, ())))
     return held
 
 
@@ -88,7 +88,7 @@ def find_stale_answers(runner: Runner, probed: Sequence[Probes]) -> Mapping[str,
     steady = [probes for probes in probed if not probes.random and runner.is_callable(probes.function)]
     for _, group in itertools.groupby(steady, key=lambda probes: id(probes.kit)):
         of_kit = list(group)
-        asked = [changed_calls(probes.calls) for probes in of_kit]
+        asked = [make_changed_calls(probes.calls) for probes in of_kit]
         whole = [list(range(len(series))) for series in asked]
         first = _answer_on_new_launch(runner, of_kit, asked, whole)
         for turn in range(MAX_CHANGES if first else 0):  # each in a launch of its own, without the bases
@@ -120,7 +120,7 @@ def _rejection(answer: StaleAnswer, known: Sequence[str]) -> Rejection:
     )
 
 
-def changed_calls(calls: Sequence[Arguments]) -> list[ChangedCall]:
+def make_changed_calls(calls: Sequence[Arguments]) -> list[ChangedCall]:
     """Return some of the calls with the most arguments, first to last, each followed by itself with one changed."""
     most = max(map(len, calls), default=0)
     series: list[ChangedCall] = []

@@ -1,7 +1,7 @@
 """Answers of a program in a form that is stored, compared up to the graders' tolerance, and looked up.
 
 Equality up to a tolerance is not transitive, so that no rounding can stand for it: values are stored exactly. A lookup
-is narrowed by the `structure_hash`, common to equal answers, and by the `projection`, which differs by less than
+is narrowed by the `structure_hash`, common to equal answers, and by `project_to_number`, which differs by less than
 `PROJECTION_TOLERANCE` between equal answers.
 """
 
@@ -39,7 +39,7 @@ class _TooLarge(Exception):
     """An answer exceeds the stored size."""
 
 
-def to_stored(answer: ProbeAnswer) -> StoredAnswer:
+def to_stored_answer(answer: ProbeAnswer) -> StoredAnswer:
     """Return the stored form of an answer; never raises for a value of a program."""
     try:
         return _to_stored_form(answer, [MAX_ITEMS])
@@ -110,7 +110,7 @@ def structure_hash(answers: Sequence[StoredAnswer]) -> str:
     return hashlib.sha256(json.dumps(_to_json_value(tuple(answers), values=False)).encode(errors="replace")).hexdigest()
 
 
-def projection(answers: Sequence[StoredAnswer]) -> float:
+def project_to_number(answers: Sequence[StoredAnswer]) -> float:
     """Map the answers to one number; for equal answers, less than `PROJECTION_TOLERANCE` apart.
 
     asinh moves by less than √2 times the tolerance between two numbers that are the same, and so does a mean of them.

@@ -34,7 +34,7 @@ SHORT_NAME = 4
 MEANINGLESS = ("res", "resultat", "sortie", "rep")
 
 
-def student_form(source: str, function: str, seed: int, *, public: Collection[str] = ()) -> str:
+def rewrite_as_student_form(source: str, function: str, seed: int, *, public: Collection[str] = ()) -> str:
     """Return the part of a program that `function` needs, as a student would write it.
 
     Of a name that is defined twice at the top level, the last definition counts. `public` names keep theirs.

@@ -10,10 +10,10 @@ from collections.abc import Callable, Collection, Sequence
 from functools import partial
 
 from graders.core.code.call_graph import find_callers
-from graders.core.code.changes import count_turns
+from graders.core.code.changes import add_loop_counters
 from graders.core.code.prober import Prober
 from graders.core.code.probes import ProbeAnswer, ProbeFault, ProbeResults, Probes, ProgramTrial
-from graders.core.code.recognised import RecognisedMistakes, RuledName
+from graders.core.code.recognised import RecognisedMistakes, RuleName
 from graders.core.code.repairs import find_repairs
 from graders.core.code.runner import Runner
 from graders.core.code.variants import VariantCaller
@@ -23,7 +23,7 @@ from graders.core.contract.values import Arguments
 MAX_UNDONE, MAX_ASKED = 40, 6
 
 
-def verify_silent(
+def verify_weak_names(
     found: RecognisedMistakes, prober: Prober | None, runner: Runner, holds: Callable[[Probes, str], bool]
 ) -> RecognisedMistakes:
     """Return what was found, the mistakes named on answers that tell little held against the program.
@@ -81,7 +81,7 @@ def verify_rule_names(
     return found._replace(mistakes=mistakes, fallback=fallback, likely=tuple(likely))
 
 
-def _choose_borne_out_name(ruled: RuledName, prober: Prober, runner: Runner) -> tuple[str, bool]:
+def _choose_borne_out_name(ruled: RuleName, prober: Prober, runner: Runner) -> tuple[str, bool]:
     """Return the first candidate that its experiment bears out, else the first that it leaves open, and whether it is
     such a one; "" where all are belied."""
     edits = {edit.id: edit.functions for edit in prober.model.edits}
@@ -97,10 +97,10 @@ def _choose_borne_out_name(ruled: RuledName, prober: Prober, runner: Runner) -> 
 
 
 def _make_program_trial(index: int, prober: Prober, runner: Runner, undo: Callable[[], bool]) -> ProgramTrial:
-    probes, source = prober.probes[index], count_turns(runner.source.decode("utf-8-sig", "replace"))
+    probes, source = prober.probes[index], add_loop_counters(runner.source.decode("utf-8-sig", "replace"))
 
     def ask(calls: Sequence[Arguments]) -> Sequence[ProbeAnswer]:
-        (given,) = VariantCaller(runner.programs).answers([source], probes.function, calls, probes.kit)
+        (given,) = VariantCaller(runner.programs).call_variants([source], probes.function, calls, probes.kit)
         return [probes.read_answer(call, answer) for call, answer in zip(calls, given, strict=False)]
 
     def ask_probes() -> ProbeResults:
@@ -115,9 +115,9 @@ def _is_mended_by_undoing(name: str, functions: Collection[str], index: int, pro
     """Whether some answer becomes right in the program with the mistake undone at some place."""
     source, probes = runner.source.decode("utf-8-sig", "replace"), prober.probes[index]
     repairs = find_repairs(prober.model, name, sorted(functions), source, lambda: False)
-    texts = [count_turns(repair.text) for repair in itertools.islice(repairs, MAX_UNDONE)]
+    texts = [add_loop_counters(repair.text) for repair in itertools.islice(repairs, MAX_UNDONE)]
     calls = probes.calls[:MAX_ASKED]
-    answers = VariantCaller(runner.programs).answers(texts, probes.function, calls, probes.kit) if texts else []
+    answers = VariantCaller(runner.programs).call_variants(texts, probes.function, calls, probes.kit) if texts else []
     read = [[probes.read_answer(call, answer) for call, answer in zip(calls, given, strict=False)] for given in answers]
     rights = prober.right_answers_by_style(index)
     return any(_has_right_answer(probes, mine, right) for mine in read for right in rights)

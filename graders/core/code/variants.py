@@ -88,7 +88,7 @@ class VariantCaller:
     def __init__(self, programs: Programs, suffix: str = "") -> None:
         self._programs, self._deaths, self._suffix = programs, 0, suffix
 
-    def answers(
+    def call_variants(
         self, variants: Sequence[str], function: str, calls: Sequence[Arguments], kit: KitSettings,
         draws: Sequence[int] = (),
     ) -> list[list[Answer]]:  # fmt: skip
@@ -104,7 +104,7 @@ class VariantCaller:
                 begin += self._call_chunk(variants[begin:ends], answers, begin, function, calls, kit, draws)
         return answers
 
-    def look(
+    def read_variables(
         self, text: str, function: str, arguments: Arguments, names: Sequence[str], kit: KitSettings
     ) -> list[tuple[str, float]]:
         """Return those of the variables that are numbers when a program first notes them (`NOTE`) in a call."""
@@ -120,7 +120,7 @@ class VariantCaller:
             program.close()
         return [(name, value) for name, value in noted]
 
-    def seen(
+    def record_line_values(
         self, texts: Sequence[str], function: str, calls: Sequence[Arguments], kit: KitSettings
     ) -> list[list[Answer]]:
         """Return, for each text, the values that it notes in each call (`SEE`): rows of numbers, or a fault."""

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 from difflib import SequenceMatcher
 
 from graders.core.code.folder import MODEL
-from graders.core.code.hunts import CodeExercise, Hunt, imports_of
-from graders.core.code.student_form import student_form
+from graders.core.code.hunts import CodeExercise, Hunt, extract_imports
+from graders.core.code.student_form import rewrite_as_student_form
 
 #: Lines of one mistake, at most, for which one asks; one that is spread wider has no line.
 MAX_WRONG_LINES = 2
@@ -35,9 +35,9 @@ def find_wrong_lines(exercise: CodeExercise, hunt: Hunt, seed: int, public: Sequ
     path = exercise.folder / MODEL
     if hunt.misconception.whole or not path.exists():
         return None
-    model = f"{imports_of(exercise.solution)}{path.read_text(encoding='utf-8')}"
-    right = student_form(model, hunt.function, seed, public=public).splitlines()
-    wrong = hunt.program(seed, public).splitlines()
+    model = f"{extract_imports(exercise.solution)}{path.read_text(encoding='utf-8')}"
+    right = rewrite_as_student_form(model, hunt.function, seed, public=public).splitlines()
+    wrong = hunt.wrong_program_source(seed, public).splitlines()
     mending: dict[int, str] = {}
     for kind, start, end, first, last in SequenceMatcher(None, right, wrong, autojunk=False).get_opcodes():
         if kind != "equal" and end - start != last - first:

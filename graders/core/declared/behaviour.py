@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from contextlib import closing
 
 from graders.core.code.behaviour import UNSTABLE, Behaviour, Example
-from graders.core.code.stored_answers import StoredAnswer, same_answer, to_stored, truncate_answers
+from graders.core.code.stored_answers import StoredAnswer, same_answer, to_stored_answer, truncate_answers
 from graders.core.compare.python_values import is_numeric, python_text
 from graders.core.contract.outcomes import Outcome
 from graders.core.contract.program import Programs, StudentFault
@@ -80,10 +80,10 @@ def _length(scenario: Scenario) -> int:
 
 def _stored(played: Played) -> StoredAnswer:
     if played.fault is not None:
-        return to_stored(f"faute {played.fault.exception or played.fault.outcome.value}")
+        return to_stored_answer(f"faute {played.fault.exception or played.fault.outcome.value}")
     written = [dict(played.written)] if played.written else []
     return tuple(_stored_value(value) for value in (*played.values, played.printed, *written))
 
 
 def _stored_value(value: Value) -> StoredAnswer:
-    return to_stored(value if is_numeric(value) else python_text(value, PROBE_DIGITS))
+    return to_stored_answer(value if is_numeric(value) else python_text(value, PROBE_DIGITS))

@@ -14,7 +14,7 @@ from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
 
-from graders.core.code.calling import tell_once
+from graders.core.code.calling import shorten_repeated_reasons
 from graders.core.code.folder import Specimen, read_specimens
 from graders.core.compare.python_values import python_pair
 from graders.core.contract.findings import Finding, Judgement, make_verdict
@@ -94,7 +94,7 @@ class DeclaredGrader:
             programs.prepare(self.solution.encode(), kit, LAUNCHES)
         student, solution = Player(programs, source, kit), Player(programs, self.solution.encode(), kit)
         try:
-            findings = tell_once(self._findings(source, student, solution, cases, clock_of(programs)))
+            findings = shorten_repeated_reasons(self._findings(source, student, solution, cases, clock_of(programs)))
             stdout = student.stdout()
             checked = time.perf_counter()
             diagnosis = None

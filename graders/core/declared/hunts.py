@@ -13,8 +13,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from graders.core.code.hunts import InputFault, OutsideStatement
-from graders.core.code.student_form import student_form
+from graders.core.code.hunts import InputFault, InputOutsideStatement
+from graders.core.code.student_form import rewrite_as_student_form
 from graders.core.compare.python_values import python_text
 from graders.core.contract.program import Programs
 from graders.core.contract.values import Value
@@ -84,7 +84,7 @@ class DeclaredHunt:
 
     def program(self, seed: int) -> str:
         """Return the wrong program as a student would write it."""
-        return student_form(self.mistake.program, self.function, seed, public=self.grader.functions)
+        return rewrite_as_student_form(self.mistake.program, self.function, seed, public=self.grader.functions)
 
     def read_input(self, typed: Mapping[str, str]) -> Case:
         """Return the case of typed arguments. Raises InputFault."""
@@ -188,7 +188,7 @@ class DeclaredHuntGround:
         check = self._hunt.check
         (right,), (got,) = self._right.play([case.scenario]), self._wrong.play([case.scenario])
         if right.fault is not None or right.raised is not None:
-            raise OutsideStatement
+            raise InputOutsideStatement
         failure = judge(check, case, right, got)
         expected = python_text(observed(check, right, 0))
         if got.fault is not None:

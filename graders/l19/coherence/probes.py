@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from graders.core.code.probes import Probes, number_or_reason
+from graders.core.code.probes import Probes, read_number_or_reason
 from graders.core.contract.program import KitSettings
 from graders.core.contract.values import Arguments
 from graders.l19.coherence.cases import drawn_runs
@@ -43,7 +43,7 @@ RUNS: tuple[Arguments, ...] = (
 
 
 PROBES = (
-    Probes(function="nees", calls=ERRORS, kit=KIT, read=number_or_reason),
+    Probes(function="nees", calls=ERRORS, kit=KIT, read=read_number_or_reason),
     Probes(function="bande", calls=BANDS, kit=KIT, read=ReadPair(ENDS)),
     Probes(
         function="coherence",

@@ -8,10 +8,10 @@ from graders.core.code.probes import (
     AnswerRule,
     ProbeResults,
     Probes,
-    array_or_reason,
-    as_array,
-    measuring,
-    number_or_reason,
+    measurement_rule,
+    read_array_or_reason,
+    read_number_or_reason,
+    to_finite_array,
 )
 from graders.core.contract.program import KitSettings
 from graders.core.contract.values import Arguments
@@ -47,10 +47,10 @@ CHAINS: tuple[Arguments, ...] = (
 def only_column(which: int, name: str) -> AnswerRule:
     """The name for chains of which the other column is always right, and this one never from end to end."""
 
-    @measuring
+    @measurement_rule
     def rule(shown: ProbeResults) -> str | None:
         for seen, right in zip(shown.got, shown.right, strict=True):
-            found = as_array(seen, np.shape(right))
+            found = to_finite_array(seen, np.shape(right))
             if found is None:
                 return None
             same = np.isclose(found, right, 1e-7, 1e-7).all(axis=0)
@@ -62,7 +62,7 @@ def only_column(which: int, name: str) -> AnswerRule:
 
 
 PROBES = (
-    Probes(function="gain", calls=GAINS, kit=KIT, read=number_or_reason),
+    Probes(function="gain", calls=GAINS, kit=KIT, read=read_number_or_reason),
     Probes(
         function="fusionner",
         calls=OPINIONS,
@@ -74,7 +74,7 @@ PROBES = (
         function="enchainer",
         calls=CHAINS,
         kit=KIT,
-        read=array_or_reason,
+        read=read_array_or_reason,
         rules=(only_column(0, "moyenne_fausse"), only_column(1, "variance_fausse")),
     ),
 )

@@ -9,7 +9,7 @@ import numpy as np
 
 from graders.core.code.bench import Bench
 from graders.core.code.checks import Rejection
-from graders.core.code.drawable import drawable
+from graders.core.code.drawable import to_drawable_array
 from graders.core.compare.told_apart import text_pair
 from graders.core.contract.values import Value
 from graders.l19.pairs import SamePair, read_pair
@@ -85,7 +85,9 @@ def _follow(bench: Bench, start: tuple[float, float], steps: Sequence[Step]) -> 
                 got=got,
                 slip=mismatch.slip,
                 cause=mismatch.cause,
-                figure=belief_figure(MOVED if function == "predire" else MEASURED, args, right, drawable(got, (2,))),
+                figure=belief_figure(
+                    MOVED if function == "predire" else MEASURED, args, right, to_drawable_array(got, (2,))
+                ),
             )
         believed = _floats(got)
 

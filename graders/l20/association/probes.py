@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from graders.core.code.probes import ProbeAnswer, ProbeResults, Probes, array_or_reason, measuring
+from graders.core.code.probes import ProbeAnswer, ProbeResults, Probes, measurement_rule, read_array_or_reason
 from graders.core.contract.values import Arguments, UnreadableError, Value, read_indices
 from graders.l20 import world
 from graders.l20.association.cases import (
@@ -48,7 +48,7 @@ def read_numbers(args: Arguments, value: Value) -> Value:
         return str(error)
 
 
-@measuring
+@measurement_rule
 def farther_of_as_many(shown: ProbeResults) -> str | None:
     """Each wrong answer is an allowed hypothesis with as many pairs as the right one, and a greater distance."""
     wrong = shown.wrong_indices()
@@ -70,7 +70,7 @@ def _is_farther_of_as_many(call: Arguments, got: ProbeAnswer, right: ProbeAnswer
 
 
 PROBES = (
-    Probes(function="distances2", calls=(*TABLES, *CROSSED), kit=world.STILL, read=array_or_reason),
+    Probes(function="distances2", calls=(*TABLES, *CROSSED), kit=world.STILL, read=read_array_or_reason),
     Probes(function="associer", calls=ALONE, kit=world.STILL, read=read_numbers),
     Probes(function="nouveaux", calls=(*FAR_AND_NEAR, *ALONE), kit=world.STILL, read=read_numbers),
     Probes(

@@ -93,7 +93,7 @@ def _again(bench: Bench, search: Search) -> Search:
     again = _try(bench, turned, search.threshold)
     if again.outcome is Outcome.FOUND:
         return search
-    with bench.on(bench.kit) as fresh:
+    with bench.run_with_kit(bench.kit) as fresh:
         remembers = _try(fresh, turned, search.threshold).outcome is Outcome.FOUND
     return replace(again, outcome=Outcome.REMEMBERS if remembers else Outcome.ORDER)
 

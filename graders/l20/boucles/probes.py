@@ -6,7 +6,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from graders.core.code.probes import ProbeAnswer, ProbeResults, Probes, as_array, measuring, undoing
+from graders.core.code.probes import ProbeAnswer, ProbeResults, Probes, measurement_rule, to_finite_array, undo_rule
 from graders.core.contract.values import Arguments, Floats, UnreadableError, Value, read_array, read_indices
 from graders.l20 import world
 from graders.l20.boucles.asked import AKIN, AT_END, LOOKED, MIDDLE, REPEATED, SAME, SIGNED, TIED, TINY, TURNED, A
@@ -49,7 +49,7 @@ def _invariant(signatures: list[Floats]) -> bool:
     return all(_equal(signatures[0], signatures[k]) for k in SAME)
 
 
-@undoing
+@undo_rule
 def starts_at_an_extreme(shown: ProbeResults) -> str | None:
     """The same for all shifts of a scan without ties, not for those of a scan with."""
     found = _signatures(shown)
@@ -58,7 +58,7 @@ def starts_at_an_extreme(shown: ProbeResults) -> str | None:
     return None if all(_equal(found[TIED[0]], found[k]) for k in TIED) else "depart_sur_un_extreme"
 
 
-@measuring
+@measurement_rule
 def repeats_dropped(shown: ProbeResults) -> str | None:
     """It ignores the heading, is shorter where distances come again, and the same however often each comes."""
     found = [one[1] for one in shown.got if isinstance(one, list)]
@@ -73,7 +73,7 @@ def repeats_dropped(shown: ProbeResults) -> str | None:
     return "doublons_retires" if same else None
 
 
-@measuring
+@measurement_rule
 def single_number(shown: ProbeResults) -> str | None:
     """One number, the same for all shifts."""
     found = _signatures(shown)
@@ -86,7 +86,7 @@ def single_number(shown: ProbeResults) -> str | None:
     return "rayon_le_plus_long" if _equal(values, longest) else "un_seul_nombre"
 
 
-@measuring
+@measurement_rule
 def one_ray_forgotten(shown: ProbeResults) -> str | None:
     """The ray at an end of the scan never counts, whatever it measures; the 35 others do, wherever they start from."""
     found = _signatures(shown)
@@ -96,7 +96,7 @@ def one_ray_forgotten(shown: ProbeResults) -> str | None:
     return "rayon_oublie" if blind.count(True) == 1 else None
 
 
-@measuring
+@measurement_rule
 def single_ray(shown: ProbeResults) -> str | None:
     """One number: what one ray measures, always the same ray."""
     found = _signatures(shown)
@@ -107,7 +107,7 @@ def single_ray(shown: ProbeResults) -> str | None:
     return "premier_rayon" if np.any(same) else None
 
 
-@measuring
+@measurement_rule
 def keeps_the_order(shown: ProbeResults) -> str | None:
     """Thirty-six numbers, which a shift of the scan shifts as much."""
     found = _signatures(shown)
@@ -116,7 +116,7 @@ def keeps_the_order(shown: ProbeResults) -> str | None:
     return "scan_brut" if all(_equal(np.roll(found[0], k), found[n]) for n, k in ((1, 1), (2, 9))) else None
 
 
-@measuring
+@measurement_rule
 def fourier_without_modulus(shown: ProbeResults) -> str | None:
     """The coefficients of Fourier themselves, their real parts or their arguments: all, or some that follow."""
     found = _signatures(shown)
@@ -147,7 +147,7 @@ def _proportional(got: Floats, known: Floats) -> bool:
     return times != 0.0 and bool(np.allclose(got, times * known, atol=1e-7 * float(np.max(np.abs(got)))))
 
 
-@measuring
+@measurement_rule
 def same_for_all(shown: ProbeResults) -> str | None:
     """Always the same numbers, which are not those of a file that nobody has begun to fill in."""
     found = _signatures(shown)
@@ -155,7 +155,7 @@ def same_for_all(shown: ProbeResults) -> str | None:
     return "signature_constante" if same and found is not None and np.any(found[0] != 0.0) else None
 
 
-@measuring
+@measurement_rule
 def follows_the_heading(shown: ProbeResults) -> str | None:
     """A shift changes it: what no better known mistake explains."""
     found = _signatures(shown)
@@ -163,11 +163,11 @@ def follows_the_heading(shown: ProbeResults) -> str | None:
 
 
 def _indices(seen: ProbeAnswer) -> list[int] | None:
-    found = as_array(seen)
+    found = to_finite_array(seen)
     return None if found is None or found.ndim != 1 else [int(one) for one in found]
 
 
-@measuring
+@measurement_rule
 def unsorted(shown: ProbeResults) -> str | None:
     """The right indices, in another order."""
     pairs = [(_indices(one), _indices(other)) for one, other in zip(shown.got, shown.right, strict=True)]
@@ -176,21 +176,21 @@ def unsorted(shown: ProbeResults) -> str | None:
     return "plus_proche_d_abord"
 
 
-@undoing
+@undo_rule
 def more_with_less(shown: ProbeResults) -> str | None:
     """A huge threshold finds nothing, a tiny one other places and no other thing."""
     tiny, huge, same = _indices(shown.got[0]), _indices(shown.got[1]), _indices(shown.right[0])
     return "comparaison_a_l_envers" if tiny and huge == [] and not set(tiny) & set(same or ()) else None
 
 
-@measuring
+@measurement_rule
 def threshold_unused(shown: ProbeResults) -> str | None:
     """What a tiny and a huge threshold find is the same: some scans, and more than one."""
     tiny, huge = _indices(shown.got[0]), _indices(shown.got[1])
     return "seuil_ignore" if tiny is not None and tiny == huge and 1 < len(tiny) < 14 else None
 
 
-@undoing
+@undo_rule
 def breaks_off(shown: ProbeResults) -> str | None:
     """What is right until the first scan that is not to be found, or the first after one that is; no more."""
     pairs = [(_indices(one), _indices(other)) for one, other in zip(shown.got, shown.right, strict=True)]
@@ -207,7 +207,7 @@ def _run(indices: list[int], start: int) -> list[int]:
     return [j for k, j in enumerate(indices) if j == start + k]
 
 
-@measuring
+@measurement_rule
 def window_only(shown: ProbeResults) -> str | None:
     """A huge threshold finds a wrong row of scans, and a tiny one those of them that are of the right place."""
     (scans, i, _), tiny, huge = shown.calls[0], _indices(shown.got[0]), _indices(shown.got[1])
@@ -218,17 +218,17 @@ def window_only(shown: ProbeResults) -> str | None:
     return "fenetre_fausse" if tiny == [j for j in huge if np.array_equal(scans[j], scans[i])] else None
 
 
-@measuring
+@measurement_rule
 def distances_instead(shown: ProbeResults) -> str | None:
     """With a huge threshold, one number for each scan of the window: a zero for those of the same place."""
-    seen, same, window = shown.got[1], as_array(shown.right[0]), as_array(shown.right[1])
-    huge = as_array(seen[1]) if isinstance(seen, list) and seen[0] == "nombres" else None
+    seen, same, window = shown.got[1], to_finite_array(shown.right[0]), to_finite_array(shown.right[1])
+    huge = to_finite_array(seen[1]) if isinstance(seen, list) and seen[0] == "nombres" else None
     if huge is None or same is None or window is None or huge.shape != window.shape:
         return None
     return "distances_renvoyees" if np.sum(np.abs(huge) <= TINY) == len(same) else None
 
 
-@undoing
+@undo_rule
 def raw_scans(shown: ProbeResults) -> str | None:
     """Scans that were turned are not found, the others are."""
     found, right = _indices(shown.got[0]), _indices(shown.right[0])
@@ -238,7 +238,7 @@ def raw_scans(shown: ProbeResults) -> str | None:
     return "scans_compares_bruts" if found == [j for j in right if np.array_equal(scans[j], A)] else None
 
 
-@undoing
+@undo_rule
 def compared_badly(shown: ProbeResults) -> str | None:
     """What is found, and should not be: the place of the same norm, or all that are lower, or higher; no other.
 

@@ -58,7 +58,7 @@ def _at_home(bench: Bench, *, with_noise: bool) -> None:
 def other_places(bench: Bench) -> None:
     """The same file launched on another map, with scans of that map."""
     _must_ignore_heading(bench)
-    with bench.on(world.kit(bench.rng, scenes.map_elsewhere())) as other:
+    with bench.run_with_kit(world.kit(bench.rng, scenes.map_elsewhere())) as other:
         search = _search(other, calibration.FUNCTION, scenes.walk_elsewhere)
         _conclude(other, search, " Ces scans sont ceux d'une autre carte que celle du module.")
 

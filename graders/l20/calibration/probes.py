@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from graders.core.code.probes import Probes, array_or_reason
+from graders.core.code.probes import Probes, read_array_or_reason
 from graders.core.contract.values import Arguments
 from graders.l20 import world
 from graders.l20.calibration.cases import ROBOTS, drawn_journey, drawn_steps
@@ -16,7 +16,7 @@ CORRECTIONS: tuple[Arguments, ...] = tuple((drawn_steps(STEADY, 3), *robot) for 
 
 
 PROBES = (
-    Probes(function="avance", calls=WAYS, kit=world.STILL, read=array_or_reason),
-    Probes(function="etalonner", calls=JOURNEYS, kit=world.STILL, read=array_or_reason),
-    Probes(function="corriger", calls=CORRECTIONS, kit=world.STILL, read=array_or_reason),
+    Probes(function="avance", calls=WAYS, kit=world.STILL, read=read_array_or_reason),
+    Probes(function="etalonner", calls=JOURNEYS, kit=world.STILL, read=read_array_or_reason),
+    Probes(function="corriger", calls=CORRECTIONS, kit=world.STILL, read=read_array_or_reason),
 )

@@ -191,7 +191,7 @@ def _film(bench: Bench, one: Map, got: Value, *, passed: bool) -> None:
     found = None if got is None else read_map(one, got)
     if isinstance(found, Found) and _drawable(one, found):
         frames.append(_rounded(found))
-    bench.film(
+    bench.record_film(
         {
             "kind": "carte",
             "frames": [[poses.tolist(), landmarks.tolist()] for poses, landmarks in frames],

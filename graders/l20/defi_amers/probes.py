@@ -12,9 +12,9 @@ from graders.core.code.probes import (
     ProbeResults,
     Probes,
     ProgramTrial,
-    as_array,
-    borne_out_by,
-    measuring,
+    experiment_rule,
+    measurement_rule,
+    to_finite_array,
 )
 from graders.core.compare.comparison import Mismatch
 from graders.core.contract.values import Arguments, Floats, Value
@@ -98,7 +98,7 @@ def _found(shown: ProbeResults, k: int) -> Found | None:
 
 
 def _read_found(answer: ProbeAnswer, one: Map) -> Found | None:
-    numbers = as_array(answer)
+    numbers = to_finite_array(answer)
     if numbers is None:
         return None
     cut = 3 * len(one.poses)
@@ -109,7 +109,7 @@ def _reached(found: Found | None, one: Map) -> bool:
     return found is not None and _gap(found, one) < 1e-3
 
 
-@measuring
+@measurement_rule
 def half(shown: ProbeResults) -> str | None:
     """H is twice what it should be, or half of it, everywhere."""
     if any(isinstance(one, ProbeFault | str) for one in shown.got):
@@ -123,7 +123,7 @@ def half(shown: ProbeResults) -> str | None:
     return "facteur_deux" if scaled else None
 
 
-@measuring
+@measurement_rule
 def never_moves(shown: ProbeResults) -> str | None:
     found = [(_found(shown, k), MAPS[k]) for k in range(len(MAPS))]
     still = [
@@ -134,7 +134,7 @@ def never_moves(shown: ProbeResults) -> str | None:
     return "carte_de_depart" if all(still) else None
 
 
-@measuring
+@measurement_rule
 def landmarks_stay(shown: ProbeResults) -> str | None:
     """Poses move, landmarks never do."""
     found = [(_found(shown, k), MAPS[k]) for k in range(len(MAPS))]
@@ -144,7 +144,7 @@ def landmarks_stay(shown: ProbeResults) -> str | None:
     return "amers_immobiles" if all(still) else None
 
 
-@measuring
+@measurement_rule
 def singular(shown: ProbeResults) -> str | None:
     """The first pose goes along, wherever the system has a solution; elsewhere it has none, or any, far away.
 
@@ -161,13 +161,13 @@ def _first_moved(shown: ProbeResults, k: int) -> bool:
     return found is not None and float(np.abs(gaps(MAPS[k].poses[:1], found.poses[:1])).max()) > 1e-3
 
 
-@measuring
+@measurement_rule
 def first_moves(shown: ProbeResults) -> str | None:
     """The first pose is not where it was given."""
     return "premiere_pose_bouge" if sum(_first_moved(shown, k) for k in range(len(MAPS))) >= len(MAPS) - 1 else None
 
 
-@measuring
+@measurement_rule
 def turns_only(shown: ProbeResults) -> str | None:
     """The optimum, with headings out of the interval."""
     found = [_found(shown, k) for k in ENDED]
@@ -202,10 +202,13 @@ def _gap(found: Found, one: Map) -> float:
     return max(float(part.max()) for part in found.away(one))
 
 
-@borne_out_by(goes_on_from_its_end)
+@experiment_rule(goes_on_from_its_end)
 def one_step_only(shown: ProbeResults) -> str | None:
     """Twenty iterations give what one gives."""
-    arrays = [(as_array(shown.got[all_of_them]), as_array(shown.got[one])) for all_of_them, one in ONE_STEP.items()]
+    arrays = [
+        (to_finite_array(shown.got[all_of_them]), to_finite_array(shown.got[one]))
+        for all_of_them, one in ONE_STEP.items()
+    ]
     same = [a is not None and b is not None and np.allclose(a, b, atol=1e-8) for a, b in arrays]
     moved = never_moves(shown) is None and first_moves(shown) is None
     return "une_seule_iteration" if all(same) and moved and not _reached(_found(shown, PLAIN), MAPS[PLAIN]) else None

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from graders.core.code.probes import ProbeResults, Probes, measuring
+from graders.core.code.probes import ProbeResults, Probes, measurement_rule
 from graders.core.contract.values import Arguments, Floats, UnreadableError, Value, read_array
 from graders.l20.mcl.answers import STEP, read_cloud
 from graders.l20.mcl.probes import CORNER, hall_lidar
@@ -54,13 +54,13 @@ def written(pose: Floats) -> bool:
     return bool(np.all(np.abs(parts - np.round(parts)) < 1e-6))
 
 
-@measuring
+@measurement_rule
 def never_elsewhere(shown: ProbeResults) -> str | None:
     """However strange the scans, no particle is sown."""
     return "sans_injection" if set(shown.got) == {NOBODY} else None
 
 
-@measuring
+@measurement_rule
 def weightless(shown: ProbeResults) -> str | None:
     """What is sown never weighs anything."""
     told = set(shown.got)

@@ -46,7 +46,7 @@ def well_formed(bench: Bench) -> None:
     """
     grown = [len(stepped(bench, scene.inputs)[0]) > len(scene.particles) for scene in plain_steps(LARGE)]
     if all(grown):
-        with bench.on(runs.kit(bench, 0)) as own:
+        with bench.run_with_kit(runs.kit(bench, 0)) as own:
             _stays_below_the_most(own)
 
 

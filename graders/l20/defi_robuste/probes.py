@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from graders.core.code.probes import ProbeResults, Probes, as_array, measuring
+from graders.core.code.probes import ProbeResults, Probes, measurement_rule, to_finite_array
 from graders.core.compare.comparison import Mismatch
 from graders.core.contract.values import Arguments, Floats, UnreadableError, Value, read_scalar
 from graders.l20 import world
@@ -87,7 +87,7 @@ def read(args: Arguments, value: Value) -> Value:
 
 
 def _shown(shown: ProbeResults, k: int) -> tuple[Floats, Floats] | None:
-    numbers = as_array(shown.got[k])
+    numbers = to_finite_array(shown.got[k])
     if numbers is None or numbers.shape != (15 + len(GRAPHS[k].edges),):
         return None
     return numbers[:15].reshape(-1, 3) * COARSENESS, numbers[15:] * COARSENESS
@@ -97,20 +97,20 @@ def _near(poses: Floats, other: Floats) -> bool:
     return float(np.abs(gaps(other, poses)).max()) < 1e-3
 
 
-@measuring
+@measurement_rule
 def plain_least_squares(shown: ProbeResults) -> str | None:
     """What is reached is the optimum of plain least squares."""
     found = _shown(shown, LAST)
     return "moindres_carres_ordinaires" if found and _near(found[0], GRAPHS[LAST].plain) else None
 
 
-@measuring
+@measurement_rule
 def never_moves(shown: ProbeResults) -> str | None:
     found = [_shown(shown, k) for k in range(len(GRAPHS))]
     return "rien_ne_bouge" if all(one is not None and _near(one[0], START) for one in found) else None
 
 
-@measuring
+@measurement_rule
 def first_moves(shown: ProbeResults) -> str | None:
     """No pose is held, or another than the first: it is not where it was given, or the system cannot be solved.
 
@@ -123,7 +123,7 @@ def first_moves(shown: ProbeResults) -> str | None:
     return "jauge_libre" if any(moved) and sum(astray) >= len(GRAPHS) - 1 else None
 
 
-@measuring
+@measurement_rule
 def weights_out(shown: ProbeResults) -> str | None:
     """Weights above one or below zero, with poses that are not those of plain least squares."""
     found = _shown(shown, LAST)
@@ -137,7 +137,7 @@ def true_optimum() -> Floats:
     return Graph(START, tuple(TRUE)).optimum
 
 
-@measuring
+@measurement_rule
 def all_trusted(shown: ProbeResults) -> str | None:
     """The map is near the right one, but the weights that are told are all ones."""
     found = _shown(shown, LAST)
@@ -147,7 +147,7 @@ def all_trusted(shown: ProbeResults) -> str | None:
     return "poids_tous_a_un" if near and np.allclose(found[1], 1.0, atol=1e-4) else None
 
 
-@measuring
+@measurement_rule
 def misplaced(shown: ProbeResults) -> str | None:
     """The map is near the right one, and the only small weight is told of another edge than the false one."""
     found = _shown(shown, LAST)
@@ -160,21 +160,21 @@ def misplaced(shown: ProbeResults) -> str | None:
     return "poids_dans_le_desordre" if near and wrong else None
 
 
-@measuring
+@measurement_rule
 def constant(shown: ProbeResults) -> str | None:
     """The same number, whatever the graph."""
     numbers = {float(one) for one in shown.got if isinstance(one, int | float)}
     return "toujours_pareil" if len(numbers) == 1 and len(shown.got) > 1 else None
 
 
-@measuring
+@measurement_rule
 def depends_on_the_order(shown: ProbeResults) -> str | None:
     """Other numbers for one graph whose edges come in another order, and the same for the same call asked again."""
     numbers = _steady_numbers(shown)
     return "ordre_des_aretes" if len(set(numbers[-len(REORDERED) :])) > 1 else None
 
 
-@measuring
+@measurement_rule
 def depends_on_directions(shown: ProbeResults) -> str | None:
     """Other numbers for one tree whose edges go the other way, and the same for the same call asked again."""
     numbers = _steady_numbers(shown)[-len(REORDERED) - len(REVERSED) :]

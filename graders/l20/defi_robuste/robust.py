@@ -214,7 +214,7 @@ def _film(bench: Bench, one: Robust, judged: Found | None) -> None:
         frames.append(_frame(stop, found))
     if judged is not None and np.all(np.abs(judged.poses) < FAR):
         frames.append(_frame(one.n_iter, judged))
-    bench.film(
+    bench.record_film(
         {
             "kind": "robuste",
             "start": np.round(one.poses, 3).tolist(),

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from graders.core.code.probes import ProbeFault, ProbeResults, Probes, as_array, measuring, undoing
+from graders.core.code.probes import ProbeFault, ProbeResults, Probes, measurement_rule, to_finite_array, undo_rule
 from graders.core.contract.values import Arguments, UnreadableError, Value, read_array
 from graders.l19.pairs import ReadPair, only
 from graders.l20 import world
@@ -32,26 +32,26 @@ def read_matrix(args: Arguments, value: Value) -> Value:
         return str(error)
 
 
-@undoing
+@undo_rule
 def no_gauge(shown: ProbeResults) -> str | None:
     """H is inverted as it is: it has no inverse, and what comes back is an exception, or absurd."""
 
     def lost(answer: object) -> bool:
         if isinstance(answer, ProbeFault):
             return answer.name == "LinAlgError"
-        found = as_array(answer)
+        found = to_finite_array(answer)
         return found is None or bool(np.abs(found).max(initial=0.0) > HUGE)
 
     return "jauge_libre" if all(map(lost, shown.got)) else None
 
 
-@measuring
+@measurement_rule
 def other_gauge(shown: ProbeResults) -> str | None:
     """What is left where no motion of the whole counts is right, of poses other than the first; the rest is not."""
     for (H, i, j), answer, right in zip(shown.calls, shown.got, shown.right, strict=True):
         if not i or not j:
             continue
-        found = as_array(answer, (6, 6))
+        found = to_finite_array(answer, (6, 6))
         if found is None or np.allclose(found, right, 1e-6, 1e-6):
             return None
         which = np.r_[3 * i : 3 * i + 3, 3 * j : 3 * j + 3]

@@ -69,7 +69,7 @@ class Registrations(Check):
     def run(self, bench: Bench) -> None:
         first: Failure | None = None
         (asked,) = planned_calls_of(self, bench)
-        for case, (_, answer) in zip(asked.context, bench.answers(asked), strict=False):
+        for case, (_, answer) in zip(asked.context, bench.iter_answers(asked), strict=False):
             failure = judged(case, answer, self.judge)
             fault = answer if isinstance(answer, StudentFault) else None
             value = None if isinstance(answer, StudentFault) else answer.value

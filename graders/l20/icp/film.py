@@ -60,7 +60,7 @@ def watch(bench: Bench) -> None:
         if value is None or unread(value) is not None or not _shown(read(value).R, read(value).t):
             break
         places.append((read(value).R, read(value).t))
-    bench.film(
+    bench.record_film(
         {
             "kind": "iterations",
             "P": P,

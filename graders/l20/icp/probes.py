@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from graders.core.code.probes import ProbeResults, Probes, measuring
+from graders.core.code.probes import ProbeResults, Probes, measurement_rule
 from graders.core.contract.values import Arguments, Floats, UnreadableError, Value, read_array
 from graders.l20 import world
 from graders.l20.icp import cases
@@ -100,7 +100,7 @@ def _among(values: Floats, found: Floats) -> bool:
     return bool(np.all(np.any(gaps, axis=0)))
 
 
-@measuring
+@measurement_rule
 def only_without_count(shown: ProbeResults) -> str | None:
     """Right each time that the number of iterations is given, the same one among them."""
     return "defaut_faux" if shown.wrong_indices() == [len(shown.calls) - 1] else None

@@ -6,7 +6,7 @@ from functools import partial
 
 import numpy as np
 
-from graders.core.code.probes import ProbeAnswer, ProbeResults, Probes, same_probe_answer, undoing
+from graders.core.code.probes import ProbeAnswer, ProbeResults, Probes, same_probe_answer, undo_rule
 from graders.core.contract.values import Arguments
 from graders.l19.matrices import matrix
 from graders.l19.pairs import ReadPair, part
@@ -25,7 +25,7 @@ ROUGH = 2e-4
 STEEP = 0.3
 
 
-@undoing
+@undo_rule
 def large_step(shown: ProbeResults) -> str | None:
     """Right but for what turns with θi, which is nearly so: a finite difference whose step is too large."""
     got, right = part(shown.got, 0), part(shown.right, 0)

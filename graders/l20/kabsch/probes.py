@@ -6,7 +6,14 @@ import math
 
 import numpy as np
 
-from graders.core.code.probes import ProbeAnswer, ProbeResults, Probes, as_array, measuring, same_probe_answer
+from graders.core.code.probes import (
+    ProbeAnswer,
+    ProbeResults,
+    Probes,
+    measurement_rule,
+    same_probe_answer,
+    to_finite_array,
+)
 from graders.core.contract.values import Arguments, Floats, UnreadableError, Value
 from graders.l20 import world
 from graders.l20.kabsch.cases import AXES_IN_TURN, points
@@ -74,7 +81,7 @@ def read(args: Arguments, value: Value) -> Value:
 def _parts(shown: ProbeResults, k: int) -> tuple[Floats, Floats] | None:
     """R and t of probe k, when they are finite and of the right shapes."""
     d = shown.calls[k][0].shape[1]
-    row = as_array(shown.got[k], (d * d + d,))
+    row = to_finite_array(shown.got[k], (d * d + d,))
     return None if row is None else (row[: d * d].reshape(d, d), row[d * d :])
 
 
@@ -90,7 +97,7 @@ def rotation_part(args: Arguments, shown: ProbeAnswer) -> ProbeAnswer:
     return shown[: d * d] if isinstance(shown, np.ndarray) else shown
 
 
-@measuring
+@measurement_rule
 def only_t(shown: ProbeResults) -> str | None:
     """Every R is right, and every t is wrong where it can be."""
     telling = range(TELLING)
@@ -98,7 +105,7 @@ def only_t(shown: ProbeResults) -> str | None:
     return "t_fausse" if len(wrong) >= 4 and all(_right_rotation(shown, k) for k in telling) else None
 
 
-@measuring
+@measurement_rule
 def no_rotation(shown: ProbeResults) -> str | None:
     """Some R, of clouds that are no mirrors, is not orthogonal."""
     parts = [_parts(shown, k) for k in (*EXACT, *NOISY)]
@@ -116,7 +123,7 @@ def _stretches(R: Floats) -> bool:
     return size > 0 and bool(np.allclose(gram, size * np.eye(len(R)), atol=1e-6 * size))
 
 
-@measuring
+@measurement_rule
 def mirrors_only(shown: ProbeResults) -> str | None:
     """All is right but the mirrors."""
     wrong = {k for k in shown.wrong_indices() if k < TELLING}
@@ -139,7 +146,7 @@ def _turns_a_direction(shown: ProbeResults, k: int) -> bool:
     return bool(np.allclose(np.abs(signs), np.eye(len(U)), atol=1e-6))
 
 
-@measuring
+@measurement_rule
 def half_a_turn(shown: ProbeResults) -> str | None:
     """In the plane, right up to a quarter of a turn, and beyond it half a turn away."""
     for k in PLANE:
@@ -150,7 +157,7 @@ def half_a_turn(shown: ProbeResults) -> str | None:
     return "angle_modulo_pi"
 
 
-@measuring
+@measurement_rule
 def exact_only(shown: ProbeResults) -> str | None:
     """Right for clouds that coincide, wrong in both dimensions for those that do not."""
     wrong = set(shown.wrong_indices())
@@ -161,21 +168,21 @@ def exact_only(shown: ProbeResults) -> str | None:
     return "juste_sans_bruit" if far else None
 
 
-@measuring
+@measurement_rule
 def plane_only(shown: ProbeResults) -> str | None:
     """Right in the plane, mirror included, and never in space."""
     wrong = set(shown.wrong_indices())
     return "plan_seulement" if not wrong & set(PLANE) and set(SPACE) <= wrong else None
 
 
-@measuring
+@measurement_rule
 def poor_only(shown: ProbeResults) -> str | None:
     """All is right but clouds too poor to fix a rotation, or flat."""
     wrong = shown.wrong_indices()
     return "nuages_pauvres" if wrong and min(wrong) >= TELLING else None
 
 
-@measuring
+@measurement_rule
 def never_turns(shown: ProbeResults) -> str | None:
     """R is always the identity."""
     parts = [_parts(shown, k) for k in range(TELLING)]

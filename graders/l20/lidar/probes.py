@@ -11,7 +11,7 @@ from graders.core.code.probes import (
     ProbeFault,
     ProbeResults,
     Probes,
-    measuring,
+    measurement_rule,
     same_probe_answer,
 )
 from graders.core.contract.program import KitSettings
@@ -68,7 +68,7 @@ def _lengths(shown: ProbeResults) -> list[float] | None:
     return rows if len(rows) == len(shown.got) and all(math.isfinite(one) for one in rows) else None
 
 
-@measuring
+@measurement_rule
 def long_strides(shown: ProbeResults) -> str | None:
     """The answers are those of a march whose step is longer than asked; a corner may have been jumped over."""
     lengths = _lengths(shown)
@@ -91,7 +91,7 @@ def _marched(shown: ProbeResults, lengths: Sequence[float], stride: float) -> bo
 def only(name: str, among: tuple[int, ...]) -> AnswerRule:
     """All is right but some of these probes."""
 
-    @measuring
+    @measurement_rule
     def rule(shown: ProbeResults) -> str | None:
         return name if set(shown.wrong_indices()) <= set(among) else None
 

@@ -10,7 +10,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import ArrayLike
 
-from graders.core.code.probes import ProbeResults, Probes, measuring, undoing
+from graders.core.code.probes import ProbeResults, Probes, measurement_rule, undo_rule
 from graders.core.contract.program import KitSettings
 from graders.core.contract.values import Arguments, Floats, UnreadableError, Value, read_array
 from graders.l20 import journeys, world
@@ -207,14 +207,14 @@ NAMES = {
 }
 
 
-@measuring
+@measurement_rule
 def misled(shown: ProbeResults) -> str | None:
     """All the heaps went where one mistake leads."""
     led = {text.split(", ")[0] for text in words(shown, MOTIONS)}
     return NAMES.get(led.pop()) if len(led) == 1 else None
 
 
-@measuring
+@measurement_rule
 def noiseless(shown: ProbeResults) -> str | None:
     """The heaps went the right way, as heaps."""
     ways = {
@@ -225,7 +225,7 @@ def noiseless(shown: ProbeResults) -> str | None:
     return next((name for name, text in ways.items() if words(shown, MOTIONS) == {text}), None)
 
 
-@undoing
+@undo_rule
 def no_weights(shown: ProbeResults) -> str | None:
     """A lost cloud, and that alone, has no weights any more."""
     return (
@@ -235,7 +235,7 @@ def no_weights(shown: ProbeResults) -> str | None:
     )
 
 
-@measuring
+@measurement_rule
 def never_drawn(shown: ProbeResults) -> str | None:
     """Moves and weighs rightly, and copies nothing, neither where it should nor elsewhere."""
     kept = all(shown.got[k] == "gardées, poids inégaux" for k in (COPIED, TOLD))
@@ -322,7 +322,7 @@ def _told_heading(heading: float, middle: float, headings: Floats, weights: Floa
     return next((name for name, angle in flat.items() if is_near(angle)), "autre cap")
 
 
-@measuring
+@measurement_rule
 def flat_mean(shown: ProbeResults) -> str | None:
     """Wrong only where headings go round, and as their plain mean is."""
     return "moyenne_des_angles" if {shown.got[k] for k in shown.wrong_indices()} <= {

@@ -102,7 +102,7 @@ def judged(bench: Bench, judge: Callable[[Bench], None], kit: Callable[[Bench], 
     except (Rejection, StudentFault) as found:
         if isinstance(found, StudentFault) and (found.fatal or found.exception is None):
             raise
-        with bench.on((kit or _module_kit)(bench)) as again:
+        with bench.run_with_kit((kit or _module_kit)(bench)) as again:
             judge(again)
 
 
@@ -118,4 +118,4 @@ def hall_kit(bench: Bench) -> KitSettings:
 
 def in_the_hall(bench: Bench) -> AbstractContextManager[Bench]:
     """The program started in the hall."""
-    return bench.on(hall_kit(bench))
+    return bench.run_with_kit(hall_kit(bench))

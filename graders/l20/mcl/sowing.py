@@ -26,7 +26,7 @@ def sown(bench: Bench) -> None:
     """Free cells, all of them, anywhere in them, with any heading: on the module's map and on a small one."""
     _sown_well(bench, journeys.module_map().free)
     seeded(bench, 1)
-    with bench.on(world.kit(bench.rng, SMALL)) as small:
+    with bench.run_with_kit(world.kit(bench.rng, SMALL)) as small:
         _sown_well(small, SMALL)
 
 

@@ -9,7 +9,7 @@ import numpy as np
 
 from graders.core.code.bench import Bench
 from graders.core.code.checks import Rejection
-from graders.core.code.drawable import drawable
+from graders.core.code.drawable import to_drawable_array
 from graders.core.compare import words as render
 from graders.core.compare.comparison import ScalarCloseTo
 from graders.core.contract.program import PlannedCalls
@@ -63,5 +63,5 @@ def _hold(bench: Bench, function: str, args: Arguments, expected: float) -> None
         got=value,
         slip=mismatch.slip,
         cause=mismatch.cause,
-        figure=figure(args, expected, drawable(value, ())),
+        figure=figure(args, expected, to_drawable_array(value, ())),
     )

@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from graders.core.code.probes import ProbeResults, Probes, as_array, measuring
+from graders.core.code.probes import ProbeResults, Probes, measurement_rule, to_finite_array
 from graders.core.contract.values import Arguments, Floats, UnreadableError, Value, read_scalar
 from graders.l20 import world
 from graders.l20.metriques.cases import mirrored, seen_from, trajectory
@@ -63,11 +63,11 @@ def read(args: Arguments, value: Value) -> Value:
 
 def _numbers(shown: ProbeResults) -> Floats:
     """What came back, nan for what is no number."""
-    found = [as_array(one, ()) for one in shown.got]
+    found = [to_finite_array(one, ()) for one in shown.got]
     return np.array([math.nan if one is None else float(one) for one in found])
 
 
-@measuring
+@measurement_rule
 def mirrors_only(shown: ProbeResults) -> str | None:
     """All is right but the mirrors, whose error is too small for a rotation."""
     if set(shown.wrong_indices()) != set(MIRRORS):
@@ -78,13 +78,13 @@ def mirrors_only(shown: ProbeResults) -> str | None:
     return "reflexion_permise" if np.all(values < right) else "correction_fausse"
 
 
-@measuring
+@measurement_rule
 def longer_steps_only(shown: ProbeResults) -> str | None:
     """Right over one step, wrong over several."""
     return "faux_sur_plusieurs_pas" if set(shown.wrong_indices()) == set(range(len(MOTIONS))) - set(ONE_STEP) else None
 
 
-@measuring
+@measurement_rule
 def constant_factor(shown: ProbeResults) -> str | None:
     """One multiple of what is right, however many poses there are."""
     with np.errstate(all="ignore"):

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from graders.core.code.checks import Cases, Failure, Rejection
-from graders.core.code.drawable import drawable
+from graders.core.code.drawable import to_drawable_array
 from graders.core.compare import words as render
 from graders.core.compare.comparison import CloseTo, Mismatch, ScalarCloseTo
 from graders.core.compare.told_apart import instead
@@ -114,7 +114,7 @@ class SameField:
 
     def __call__(self, expected: Value, got: Value) -> Mismatch | None:
         mismatch = CloseTo()(expected, got)
-        array = drawable(got, np.shape(expected))
+        array = to_drawable_array(got, np.shape(expected))
         if mismatch is None or array is None:
             return mismatch
         y, x = np.unravel_index(int(np.argmax(np.abs(array - expected))), array.shape)

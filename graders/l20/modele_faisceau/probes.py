@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from graders.core.code.probes import AnswerRule, ProbeResults, Probes, measuring, undoing
+from graders.core.code.probes import AnswerRule, ProbeResults, Probes, measurement_rule, undo_rule
 from graders.core.contract.values import Arguments, UnreadableError, Value, read_array
 from graders.l20 import world
 from graders.l20.modele_faisceau.cases import CORNER, FAR, KNIGHT, OPEN, ROOM, SQUARE, reading
@@ -35,14 +35,14 @@ def read(args: Arguments, value: Value) -> Value:
 def only(name: str, among: tuple[int, ...]) -> AnswerRule:
     """All is right but some of these probes."""
 
-    @measuring
+    @measurement_rule
     def rule(shown: ProbeResults) -> str | None:
         return name if set(shown.wrong_indices()) <= set(among) else None
 
     return rule
 
 
-@undoing
+@undo_rule
 def too_long_or_too_short(shown: ProbeResults) -> str | None:
     """Never nearer than right, sometimes further, and right along rows and columns: a search by steps."""
     fields = [one if isinstance(one, np.ndarray) and one.shape == right.shape else None

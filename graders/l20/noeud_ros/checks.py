@@ -49,7 +49,7 @@ class Scenes(Check):
         for scene in self.scenes(bench.rng):
             if self.apart and first is not None:
                 break
-            with bench.on(bench.kit) if self.apart else nullcontext(bench) as where:
+            with bench.run_with_kit(bench.kit) if self.apart else nullcontext(bench) as where:
                 log = self._played(where, scene)
             dids = [log.did(number, scene.pace) for number in range(len(scene.phases))]
             rights = [right(did, stop=one.stop) for did, one in zip(dids, scene.phases, strict=True)]

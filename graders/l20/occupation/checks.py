@@ -10,7 +10,7 @@ import numpy as np
 
 from graders.core.code.bench import Bench
 from graders.core.code.checks import MAX_FAULTS, Check, Rejection, fault_rejection
-from graders.core.code.drawable import drawable
+from graders.core.code.drawable import to_drawable_array
 from graders.core.code.simplifying import shrink_and_reject
 from graders.core.compare import words as render
 from graders.core.contract.findings import FigureData
@@ -70,7 +70,7 @@ class Integrations(Check):
     def run(self, bench: Bench) -> None:
         asked = PlannedCalls(FUNCTION, tuple(map(tuple, self.cases(bench.rng))), faults=MAX_FAULTS)
         try:
-            with bench.on(self.kit, asked) as other:
+            with bench.run_with_kit(self.kit, asked) as other:
                 self._run(other, asked)
         except StudentFault as fault:
             shape = np.shape(self.kit.parameters["libres"])
@@ -79,7 +79,7 @@ class Integrations(Check):
 
     def _run(self, bench: Bench, asked: PlannedCalls) -> None:
         first: Failure | None = None
-        for args, answer in bench.answers(asked):
+        for args, answer in bench.iter_answers(asked):
             failure = _judged(Integration(*args), answer)
             fault = answer if isinstance(answer, StudentFault) else None
             value = None if fault is not None or isinstance(answer, StudentFault) else answer.value
@@ -140,7 +140,7 @@ def rejection(failure: Failure) -> Rejection:
         "scan": case.scan,
         "portee_max": case.portee_max,
     }
-    grid = drawable(failure.value, case.l.shape)
+    grid = to_drawable_array(failure.value, case.l.shape)
     if failure.fault is not None:
         return fault_rejection(failure.fault, inputs=inputs, expected=_expected(case, None))
     assert failure.wrong is not None

@@ -46,7 +46,7 @@ def drive(bench: Bench) -> None:
         maps.append(grid)
     first = min(failures, default=None)
     wrong = None if first is None else failures[first].wrong
-    bench.film(
+    bench.record_film(
         {
             "kind": "map",
             "poses": PATH,

@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from graders.core.code.probes import ProbeFault, ProbeResults, Probes, as_array, measuring, undoing
+from graders.core.code.probes import ProbeFault, ProbeResults, Probes, measurement_rule, to_finite_array, undo_rule
 from graders.core.contract.values import Arguments, Floats, UnreadableError, Value, read_array
 from graders.l20.occupation.cases import FAR, KIT_RANGE, SHAPE, SMALL, at, one_ray
 from graders.l20.occupation.checks import FUNCTION
@@ -89,28 +89,28 @@ def _all_right(shown: ProbeResults, which: tuple[int, ...]) -> bool:
     return not set(which) & set(shown.wrong_indices())
 
 
-@measuring
+@measurement_rule
 def only_numbers(shown: ProbeResults) -> str | None:
     """Right for every number, and an exception for every array."""
     raised = all(isinstance(shown.got[k], ProbeFault) for k in ARRAYS)
     return "flottants_seulement" if raised and _all_right(shown, NUMBERS) else None
 
 
-@measuring
+@measurement_rule
 def only_arrays(shown: ProbeResults) -> str | None:
     """Right for every array, and an exception for every number."""
     raised = all(isinstance(shown.got[k], ProbeFault) for k in NUMBERS)
     return "tableaux_seulement" if raised and _all_right(shown, ARRAYS) else None
 
 
-@measuring
+@measurement_rule
 def overflows(shown: ProbeResults) -> str | None:
     """All is right but log-odds beyond what exp can hold: the answer is no finite number there, or stays at the
     same value between 0 and 1 whatever the log-odds, which are then clipped."""
     wrong = set(shown.wrong_indices())
     if not wrong or not wrong <= set(BEYOND):
         return None
-    large, both, small = (as_array(shown.got[k], shape) for k, shape in zip(BEYOND, ((), (2,), ()), strict=True))
+    large, both, small = (to_finite_array(shown.got[k], shape) for k, shape in zip(BEYOND, ((), (2,), ()), strict=True))
     if large is None or both is None or small is None:
         return "exponentielle_deborde"
     is_flat = bool(np.array_equal([large, small], both)) and 0.0 <= small < large <= 1.0
@@ -118,21 +118,23 @@ def overflows(shown: ProbeResults) -> str | None:
 
 
 def _grids(shown: ProbeResults) -> list[Floats | None]:
-    return [as_array(one, (int(np.prod(SHAPE)),)) for one in shown.got]
+    return [to_finite_array(one, (int(np.prod(SHAPE)),)) for one in shown.got]
 
 
-@measuring
+@measurement_rule
 def beyond_the_bounds(shown: ProbeResults) -> str | None:
     """All is right but where a bound is met."""
     wrong = set(shown.wrong_indices())
     return "bornes_fausses" if wrong and wrong <= {11, 12, 13} and not any(g is None for g in _grids(shown)) else None
 
 
-@undoing
+@undo_rule
 def at_each_step(shown: ProbeResults) -> str | None:
     """The cells that a single ray crosses get several times what they should, whatever the step; no other gets any."""
     seen = []
-    for (before, _, scan, *_), got, right in zip(shown.calls, _grids(shown), map(as_array, shown.right), strict=True):
+    for (before, _, scan, *_), got, right in zip(
+        shown.calls, _grids(shown), map(to_finite_array, shown.right), strict=True
+    ):
         if np.any(before) or len(scan) > 1:
             continue
         if got is None or right is None or np.any(got[right == 0.0] != 0.0) or np.any(got[right < 0.0] > -0.99):

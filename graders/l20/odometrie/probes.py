@@ -11,9 +11,9 @@ from graders.core.code.probes import (
     ProbeAnswer,
     ProbeResults,
     Probes,
-    as_array,
-    measuring,
-    number_or_reason,
+    measurement_rule,
+    read_number_or_reason,
+    to_finite_array,
 )
 from graders.core.contract.values import Arguments, Floats, UnreadableError, Value, read_array
 from graders.l20 import world
@@ -59,7 +59,7 @@ def position(args: Arguments, shown: ProbeAnswer) -> ProbeAnswer:
 
 def _poses(shown: ProbeResults) -> tuple[Floats, Floats] | None:
     """What came back and what is right, (n, 3) both, when all are poses."""
-    rows = [as_array(one, (3,)) for one in shown.got]
+    rows = [to_finite_array(one, (3,)) for one in shown.got]
     if any(row is None for row in rows):
         return None
     return np.array(rows), np.array(shown.right)
@@ -74,14 +74,14 @@ def _whole_turns(both: tuple[Floats, Floats]) -> bool:
     return _same(turns, np.round(turns))
 
 
-@measuring
+@measurement_rule
 def only_turns(shown: ProbeResults) -> str | None:
     """All is right up to whole turns."""
     both = _poses(shown)
     return "angle_non_ramene" if both and _same(both[0][:, :2], both[1][:, :2]) and _whole_turns(both) else None
 
 
-@measuring
+@measurement_rule
 def only_heading(shown: ProbeResults) -> str | None:
     """Every position is right, and no heading of a step that turns."""
     both = _poses(shown)
@@ -91,7 +91,7 @@ def only_heading(shown: ProbeResults) -> str | None:
     return "cap_faux" if turning <= set(shown.wrong_indices()) else None
 
 
-@measuring
+@measurement_rule
 def only_position(shown: ProbeResults) -> str | None:
     """Every heading is right up to whole turns, and no position of a step that advances."""
     both = _poses(shown)
@@ -104,17 +104,17 @@ def only_position(shown: ProbeResults) -> str | None:
 def only(name: str, places: tuple[int, ...]) -> AnswerRule:
     """Wrong on these, all of them, and nowhere else."""
 
-    @measuring
+    @measurement_rule
     def rule(shown: ProbeResults) -> str | None:
         return name if set(shown.wrong_indices()) == set(places) else None
 
     return rule
 
 
-@measuring
+@measurement_rule
 def constant_factor(shown: ProbeResults) -> str | None:
     """One multiple of what is right, whatever the wheels and the track."""
-    values = np.array([math.nan if (one := as_array(seen, ())) is None else float(one) for seen in shown.got])
+    values = np.array([math.nan if (one := to_finite_array(seen, ())) is None else float(one) for seen in shown.got])
     with np.errstate(all="ignore"):
         factors = values / np.array(shown.right, dtype=float)
     return "facteur_constant" if np.all(factors > 0) and np.ptp(factors) < 1e-6 * factors[0] else None
@@ -134,5 +134,7 @@ PROBES = (
         ),
         facet=position,
     ),
-    Probes(function="sigma_dtheta", calls=SPREADS, kit=world.STILL, read=number_or_reason, rules=(constant_factor,)),
+    Probes(
+        function="sigma_dtheta", calls=SPREADS, kit=world.STILL, read=read_number_or_reason, rules=(constant_factor,)
+    ),
 )

@@ -39,7 +39,7 @@ class Paths(Check):
     def run(self, bench: Bench) -> None:
         first: Failure | None = None
         (asked,) = planned_calls_of(self, bench)
-        for args, answer in bench.answers(asked):
+        for args, answer in bench.iter_answers(asked):
             failure = judged(args, answer)
             fault = answer if isinstance(answer, StudentFault) else None
             value = None if isinstance(answer, StudentFault) else answer.value

@@ -6,7 +6,14 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from graders.core.code.probes import ProbeResults, Probes, array_or_reason, as_array, measuring, number_or_reason
+from graders.core.code.probes import (
+    ProbeResults,
+    Probes,
+    measurement_rule,
+    read_array_or_reason,
+    read_number_or_reason,
+    to_finite_array,
+)
 from graders.core.contract.values import Arguments, UnreadableError, Value
 from graders.l20 import world
 from graders.l20.planifier import cases
@@ -77,24 +84,24 @@ def _walked(args: Arguments, path: Sequence[Cell]) -> float:
 
 def _faults(shown: ProbeResults) -> set[str]:
     """The kinds of what is wrong; empty where an answer is no path at all."""
-    found = [as_array(one, (3,)) for one in shown.got]
+    found = [to_finite_array(one, (3,)) for one in shown.got]
     return set() if any(one is None for one in found) else {KINDS[int(one[0])] for one in found if one[0] >= 0}  # type: ignore[index]
 
 
-@measuring
+@measurement_rule
 def cuts_corners(shown: ProbeResults) -> str | None:
     return "coins_coupes" if _faults(shown) == {"coin"} else None
 
 
-@measuring
+@measurement_rule
 def too_dear(shown: ProbeResults) -> str | None:
     """Every path can be walked, from start to goal, and some are too dear."""
     return "pas_le_meilleur" if _faults(shown) == {"cher"} else None
 
 
 PROBES = (
-    Probes(function="gonfler", calls=GRIDS, kit=world.STILL, read=array_or_reason),
-    Probes(function="cout", calls=PATHS, kit=world.STILL, read=number_or_reason),
+    Probes(function="gonfler", calls=GRIDS, kit=world.STILL, read=read_array_or_reason),
+    Probes(function="cout", calls=PATHS, kit=world.STILL, read=read_number_or_reason),
     Probes(
         function="planifier",
         calls=PLANS,

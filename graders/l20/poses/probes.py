@@ -7,7 +7,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from graders.core.code.probes import AnswerRule, ProbeAnswer, ProbeResults, Probes, as_array, measuring
+from graders.core.code.probes import AnswerRule, ProbeAnswer, ProbeResults, Probes, measurement_rule, to_finite_array
 from graders.core.contract.values import Arguments, Floats, UnreadableError, Value, read_array
 from graders.l20 import world
 
@@ -50,7 +50,7 @@ def angle(args: Arguments, shown: ProbeAnswer) -> ProbeAnswer:
 
 def _poses(shown: ProbeResults) -> tuple[Floats, Floats] | None:
     """What came back and what is right, (n, 3) both, when all are poses."""
-    rows = [as_array(one, (3,)) for one in shown.got]
+    rows = [to_finite_array(one, (3,)) for one in shown.got]
     if any(row is None for row in rows):
         return None
     return np.array(rows), np.array(shown.right)
@@ -60,7 +60,7 @@ def _same(a: Floats, b: Floats) -> bool:
     return bool(np.allclose(a, b, atol=1e-7))
 
 
-@measuring
+@measurement_rule
 def only_turns(shown: ProbeResults) -> str | None:
     """All is right up to whole turns."""
     both = _poses(shown)
@@ -73,7 +73,7 @@ def only_turns(shown: ProbeResults) -> str | None:
 def only_angle(name: str) -> AnswerRule:
     """The position is right everywhere, the angle is not."""
 
-    @measuring
+    @measurement_rule
     def rule(shown: ProbeResults) -> str | None:
         both = _poses(shown)
         return name if both is not None and _same(both[0][:, :2], both[1][:, :2]) else None
@@ -84,7 +84,7 @@ def only_angle(name: str) -> AnswerRule:
 def only_position(name: str) -> AnswerRule:
     """The angle is right everywhere, up to whole turns; the position is wrong with most headings."""
 
-    @measuring
+    @measurement_rule
     def rule(shown: ProbeResults) -> str | None:
         both = _poses(shown)
         if both is None:

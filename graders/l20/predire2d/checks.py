@@ -11,7 +11,7 @@ import numpy as np
 
 from graders.core.code.bench import Bench
 from graders.core.code.checks import Cases, Check, Failure, Rejection
-from graders.core.code.drawable import drawable
+from graders.core.code.drawable import to_drawable_array
 from graders.core.compare import words as render
 from graders.core.compare.shrinking import keep
 from graders.core.contract.findings import FigureData
@@ -47,7 +47,7 @@ class BeliefCases(Cases):
     def _rejection(self, failure: Failure) -> Rejection:
         rejection = super()._rejection(failure)
         elsewhere = self.grid is not module_world()
-        got = drawable(failure.got, failure.args[0].shape)
+        got = to_drawable_array(failure.got, failure.args[0].shape)
         if failure.mismatch is not None:
             rejection.message = self._told(failure, got)
         rejection.args = (rejection.message,)
@@ -122,7 +122,7 @@ class OnGrid(Check):
         kit = world.kit(bench.rng, grid.free)
         cases = self._on(grid)
         try:
-            with bench.on(kit, *cases.planned_calls(bench)) as other:
+            with bench.run_with_kit(kit, *cases.planned_calls(bench)) as other:
                 return cases.run(other)
         except StudentFault as fault:
             raise _not_loaded(grid, fault) from fault

@@ -13,9 +13,9 @@ from graders.core.code.probes import (
     ProbeFault,
     ProbeResults,
     Probes,
-    as_array,
-    measuring,
-    undoing,
+    measurement_rule,
+    to_finite_array,
+    undo_rule,
 )
 from graders.core.contract.local import kit_names
 from graders.core.contract.program import KitSettings
@@ -116,10 +116,10 @@ def shares(args: Arguments, shown: ProbeAnswer) -> ProbeAnswer:
 
 
 def _rows(shown: ProbeResults) -> list[Floats | None]:
-    return [as_array(one, (FREE.size,)) for one in shown.got]
+    return [to_finite_array(one, (FREE.size,)) for one in shown.got]
 
 
-@undoing
+@undo_rule
 def other_map(shown: ProbeResults) -> str | None:
     """On this map every call raises, or answers for a map of another size."""
     odd = [
@@ -134,7 +134,7 @@ def only(
 ) -> AnswerRule:
     """All is right but some of these probes."""
 
-    @measuring
+    @measurement_rule
     def rule(shown: ProbeResults) -> str | None:
         wrong = set(shown.wrong_indices())
         return name if wrong and wrong <= set(places) and not unless(shown) else None
@@ -157,7 +157,7 @@ def _arriving(bel: Floats, du: int, dv: int) -> dict[Cell, list[float]]:
     return arriving
 
 
-@measuring
+@measurement_rule
 def overwritten(shown: ProbeResults) -> str | None:
     """Each cell holds one of the shares that arrive there, all of it and no other, up to one factor for each answer.
 
@@ -184,7 +184,7 @@ def _one_share_each(row: Floats, arriving: dict[Cell, list[float]]) -> bool:
     )  # fmt: skip
 
 
-@measuring
+@measurement_rule
 def lost_mass(shown: ProbeResults) -> str | None:
     """Right in the open; elsewhere some probability vanishes wherever it is wrong, and none appears."""
     rows, wrong = _rows(shown), shown.wrong_indices()
@@ -195,7 +195,7 @@ def lost_mass(shown: ProbeResults) -> str | None:
     return "masse_perdue" if fewer and all(fewer) else None
 
 
-@measuring
+@measurement_rule
 def not_normalised(shown: ProbeResults) -> str | None:
     """Proportional to what is right, and of another sum."""
     rows = _rows(shown)
@@ -204,7 +204,7 @@ def not_normalised(shown: ProbeResults) -> str | None:
     return "non_normalisee" if all(scaled) else None
 
 
-@measuring
+@measurement_rule
 def walls_get_some(shown: ProbeResults) -> str | None:
     """Walls receive a probability in most answers."""
     rows = [row for row in _rows(shown) if row is not None]
@@ -212,7 +212,7 @@ def walls_get_some(shown: ProbeResults) -> str | None:
     return "murs_possibles" if rows and sum(walls) > len(rows) / 2 else None
 
 
-@measuring
+@measurement_rule
 def wrong_likelihood(shown: ProbeResults) -> str | None:
     """A belief of sum 1, on the cells that were possible, with other weights."""
     rows = _rows(shown)

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from graders.core.code.batch_judging import answer_value
 from graders.core.code.bench import Bench
 from graders.core.code.checks import Rejection
-from graders.core.code.drawable import drawable
+from graders.core.code.drawable import to_drawable_array
 from graders.core.compare.comparison import Mismatch, unreadable, wrong_shape
 from graders.core.contract.findings import FigureData
 from graders.core.contract.outcomes import Outcome
@@ -120,7 +120,7 @@ def _side_by_side(bench: Bench) -> Sequence[Sequence[Floats]]:
         for function, given in (("predire2d", moves), ("corriger2d", scans)):
             calls = [(walk[-1], *args) for walk, args in zip(beliefs, given, strict=True)]
             for walk, (_, answer) in zip(beliefs, bench.call_many(function, calls), strict=False):
-                belief = drawable(answer_value(answer), grid.free.shape)
+                belief = to_drawable_array(answer_value(answer), grid.free.shape)
                 if belief is None:
                     return ()
                 walk.append(belief)
@@ -140,10 +140,10 @@ def localise(bench: Bench) -> None:
             else:
                 _follow(bench, grid, episode, beliefs)
         except (Rejection, StudentFault):
-            bench.film(film(episode, beliefs))
+            bench.record_film(film(episode, beliefs))
             raise
         if failed is None and not bench.runner.reenacting:
-            bench.film(film(episode, beliefs))
+            bench.record_film(film(episode, beliefs))
         belief = beliefs[-1]
         believed = most_likely(belief)
         located = gap(believed, episode.end) <= NEAR

@@ -16,10 +16,10 @@ from graders.core.code.probes import (
     ProbeFault,
     ProbeResults,
     Probes,
-    array_or_reason,
-    as_array,
-    measuring,
-    undoing,
+    measurement_rule,
+    read_array_or_reason,
+    to_finite_array,
+    undo_rule,
 )
 from graders.core.contract.values import Arguments, Floats, UnreadableError, Value, read_array
 from graders.l20 import world
@@ -59,7 +59,7 @@ def read_copies(args: Arguments, value: Value) -> Value:
 
 
 def _counts(shown: ProbeResults, where: str) -> list[Floats] | None:
-    found = [as_array(shown.got[k]) for k in AT[where]]
+    found = [to_finite_array(shown.got[k]) for k in AT[where]]
     counts = [one for one in found if one is not None]
     return counts if len(counts) == len(found) else None
 
@@ -68,7 +68,7 @@ def _words(shown: ProbeResults) -> list[ProbeAnswer]:
     return [one for one in shown.got if isinstance(one, str)]
 
 
-@measuring
+@measurement_rule
 def grows(shown: ProbeResults) -> str | None:
     """More rows at each call with the same weights."""
     shapes = [re.match(r"forme \((\d+),", one) for one in _words(shown)]
@@ -76,7 +76,7 @@ def grows(shown: ProbeResults) -> str | None:
     return "memoire" if len(rows) > 8 and all(b > a for a, b in pairwise(rows)) else None
 
 
-@measuring
+@measurement_rule
 def remembers(shown: ProbeResults) -> str | None:
     """Right at first; then always what was right at first."""
     groups = [_counts(shown, where) for where in ("one", "uneven", "equal", "few")]
@@ -85,7 +85,7 @@ def remembers(shown: ProbeResults) -> str | None:
     return "memoire" if complete and all(np.array_equal(c, (0.0, 0.0, 4.0, 0.0)) for c in counts) else None
 
 
-@measuring
+@measurement_rule
 def changed_particles(shown: ProbeResults) -> str | None:
     """Rows of the right shape that are no copies, at most calls."""
     strange = sum(isinstance(one, list) and one[0] == STRANGE for one in shown.got)
@@ -93,7 +93,7 @@ def changed_particles(shown: ProbeResults) -> str | None:
     return "particules_modifiees" if strange > len(shown.got) / 3 and not raised else None
 
 
-@measuring
+@measurement_rule
 def left_alone(shown: ProbeResults) -> str | None:
     """One copy of each particle, whatever the weights, or wherever they are not too uneven."""
     uneven, few, one = (_counts(shown, where) for where in ("uneven", "few", "one"))
@@ -102,7 +102,7 @@ def left_alone(shown: ProbeResults) -> str | None:
     return "nuage_inchange" if all(np.all(c == 1.0) for c in (*few, *one)) else "seulement_si_necessaire"
 
 
-@measuring
+@measurement_rule
 def not_rigid(shown: ProbeResults) -> str | None:
     """With equal weights, the copies change from one call to another, and are not all of one particle."""
     equal, one = _counts(shown, "equal"), _counts(shown, "one")
@@ -114,7 +114,7 @@ def not_rigid(shown: ProbeResults) -> str | None:
     return "plusieurs_tirages" if len(uneven) >= 2 and len(different) >= 3 and are_apart else None
 
 
-@measuring
+@measurement_rule
 def frozen(shown: ProbeResults) -> str | None:
     """The same copies at each of the twelve calls, though right in number."""
     uneven, equal = _counts(shown, "uneven"), _counts(shown, "equal")
@@ -124,7 +124,7 @@ def frozen(shown: ProbeResults) -> str | None:
     return "peigne_fige" if bounded and all(np.array_equal(c, uneven[0]) for c in uneven) else None
 
 
-@undoing
+@undo_rule
 def out_of_the_cloud(shown: ProbeResults) -> str | None:
     """An index beyond the last particle."""
     faults = sum(isinstance(one, ProbeFault) and one.name == "IndexError" for one in shown.got)
@@ -136,7 +136,7 @@ PROBES = (
         function="n_eff",
         calls=tuple((np.array(weights),) for weights in WEIGHTS),
         kit=world.STILL,
-        read=array_or_reason,
+        read=read_array_or_reason,
     ),
     Probes(
         function="reechantillonner_systematique",

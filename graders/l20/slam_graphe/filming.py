@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from graders.core.code.drawable import drawable
+from graders.core.code.drawable import to_drawable_array
 from graders.core.contract.findings import FigureData
 from graders.core.contract.values import Value
 from graders.l20.slam_graphe.graphs import Graph
@@ -33,5 +33,5 @@ def film(graph: Graph, got: Value, first_steps: Sequence[Value], *, right: bool)
 
 
 def _poses(graph: Graph, got: Value) -> Value:
-    poses = drawable(got, graph.poses.shape)
+    poses = to_drawable_array(got, graph.poses.shape)
     return None if poses is None else np.round(poses, DECIMALS)

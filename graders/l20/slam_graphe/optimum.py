@@ -14,7 +14,7 @@ import numpy as np
 
 from graders.core.code.bench import Bench
 from graders.core.code.checks import Check, Rejection, fault_rejection, planned_calls_of
-from graders.core.code.drawable import drawable
+from graders.core.code.drawable import to_drawable_array
 from graders.core.code.simplifying import fails_alike, shrink_and_reject
 from graders.core.compare import words as render
 from graders.core.compare.comparison import TOLERANCE, Mismatch, unreadable, wrong_shape
@@ -95,7 +95,7 @@ def _angles(poses: Floats) -> Mismatch | None:
 
 def half_way(graph: Graph, got: Value) -> bool:
     """Did a single step, which is not judged, win at least half of what there was to win?"""
-    poses = drawable(got, graph.poses.shape)
+    poses = to_drawable_array(got, graph.poses.shape)
     if poses is None or _first_pose(graph, poses):
         return False
     start, least = graph.chi2(graph.poses), graph.solution.chi2[-1]
@@ -170,7 +170,7 @@ class Optimum(Check):
                 raise Rejection("")
         elif first is None:
             largest = max(right, key=lambda answer: len(answer.graph.edges))
-            bench.film(film(largest.graph, largest.got, [], right=True))
+            bench.record_film(film(largest.graph, largest.got, [], right=True))
         else:
             _reject(bench, first)
 
@@ -227,7 +227,7 @@ def _reject(bench: Bench, failure: Answered) -> NoReturn:
 
     def told(shown: Answered) -> Rejection:
         steps = [] if shown.fault else _first_steps(bench, shown.graph)
-        bench.film(film(shown.graph, shown.got, steps, right=False))
+        bench.record_film(film(shown.graph, shown.got, steps, right=False))
         return rejection(shown)
 
     shrink_and_reject(
@@ -314,7 +314,7 @@ def _edge_text(i: int, j: int, z: Floats, omega: Floats) -> str:
 
 def graph_figure(graph: Graph, got: Value) -> FigureData:
     """The graph before and after, and what remains of each edge's error: the square root of its share in chi2."""
-    poses = drawable(got, graph.poses.shape)
+    poses = to_drawable_array(got, graph.poses.shape)
     return {
         "kind": "graph",
         "start": graph.poses.tolist(),

@@ -7,7 +7,15 @@ from collections.abc import Callable
 
 import numpy as np
 
-from graders.core.code.probes import ProbeResults, Probes, ProgramTrial, as_array, borne_out_by, measuring, undoing
+from graders.core.code.probes import (
+    ProbeResults,
+    Probes,
+    ProgramTrial,
+    experiment_rule,
+    measurement_rule,
+    to_finite_array,
+    undo_rule,
+)
 from graders.core.contract.values import Arguments, Floats, UnreadableError, Value, read_array
 from graders.l20 import world
 from graders.l20.poses.probes import only_angle, only_position, only_turns, position
@@ -88,7 +96,7 @@ def _asked(args: Arguments) -> Graph:
 
 
 def _poses(shown: ProbeResults, k: int) -> Floats | None:
-    found = as_array(shown.got[k])
+    found = to_finite_array(shown.got[k])
     return None if found is None else found * COARSENESS
 
 
@@ -96,7 +104,7 @@ def _reached(poses: Floats | None, graph: Graph) -> bool:
     return poses is not None and _gap(graph, poses) < 1e-3
 
 
-@measuring
+@measurement_rule
 def singular(shown: ProbeResults) -> str | None:
     """The first pose goes along, wherever the system has a solution; elsewhere it has none, or any, far away.
 
@@ -115,7 +123,7 @@ def _first_moved(shown: ProbeResults, k: int, columns: int = 3) -> bool:
     return poses is not None and float(np.abs(gaps(GRAPHS[k].poses[:1], poses[:1])[:, :columns]).max()) > 1e-2
 
 
-@measuring
+@measurement_rule
 def at_the_origin(shown: ProbeResults) -> str | None:
     """The first pose ends at (0, 0, 0), wherever it was given."""
     found = [_poses(shown, k) for k in range(len(GRAPHS))]
@@ -123,21 +131,21 @@ def at_the_origin(shown: ProbeResults) -> str | None:
     return "premiere_pose_a_l_origine" if sum(there) >= len(there) - 3 else None
 
 
-@measuring
+@measurement_rule
 def first_moves(shown: ProbeResults) -> str | None:
     """The first pose is not where it was given."""
     moved = [_first_moved(shown, k) for k in range(len(GRAPHS))]
     return "premiere_pose_bouge" if sum(moved) >= len(moved) - 2 else None
 
 
-@measuring
+@measurement_rule
 def never_moves(shown: ProbeResults) -> str | None:
     found = [(_poses(shown, k), GRAPHS[k]) for k in range(len(GRAPHS))]
     still = [p is not None and float(np.abs(gaps(g.poses, p)).max()) < 1e-6 for p, g in found]
     return "poses_de_depart" if all(still) else None
 
 
-@measuring
+@measurement_rule
 def turns_only(shown: ProbeResults) -> str | None:
     """The optimum, with headings out of the interval."""
     found = [_poses(shown, k) for k in ENDED]
@@ -145,7 +153,7 @@ def turns_only(shown: ProbeResults) -> str | None:
     return "angles_jamais_ramenes" if any(out) and all(map(_reached, found, [GRAPHS[k] for k in ENDED])) else None
 
 
-@measuring
+@measurement_rule
 def weights_ignored(shown: ProbeResults) -> str | None:
     """What is reached is the optimum of equal weights."""
     equal = [
@@ -164,7 +172,7 @@ MISUSES: tuple[Callable[[Floats], Floats], ...] = (
 )
 
 
-@measuring
+@measurement_rule
 def weights_misused(shown: ProbeResults) -> str | None:
     """What is reached is the optimum of other weights: the squares, the roots, the inverses, or one number an edge."""
     found, graphs = [_poses(shown, PLAIN), _poses(shown, WRAPPING)], [GRAPHS[PLAIN], GRAPHS[WRAPPING]]
@@ -190,7 +198,7 @@ def goes_on_from_its_end(trial: ProgramTrial) -> bool:
     calls = [(end, *shown.calls[k][1:]) for end, k in zip(ends, (PLAIN, WRAPPING, DOUBLED), strict=True)]
     if any(end is None for end in ends):
         return False
-    again = [as_array(answer) for answer in trial.ask(calls)]
+    again = [to_finite_array(answer) for answer in trial.ask(calls)]
     if len(again) < len(calls):
         return False
     return all(
@@ -203,7 +211,7 @@ def _gap(graph: Graph, poses: Floats) -> float:
     return float(np.abs(gaps(graph.optimum, poses)).max())
 
 
-@borne_out_by(goes_on_from_its_end)
+@experiment_rule(goes_on_from_its_end)
 def one_step_only(shown: ProbeResults) -> str | None:
     """Ten iterations give what one gives."""
     pairs = [(_poses(shown, k), _poses(shown, one)) for k, one in ((PLAIN, 1), (WRAPPING, 2), (DOUBLED, 4))]
@@ -217,7 +225,7 @@ def _missed(shown: ProbeResults) -> set[int]:
     return {k for k in ENDED if not _reached(_poses(shown, k), GRAPHS[k])}
 
 
-@measuring
+@measurement_rule
 def one_of_a_pair(shown: ProbeResults) -> str | None:
     """Where a pair is measured twice, what is reached is the optimum with one of the two measurements."""
     single = [Graph(START, tuple(edge for edge in TWICE if edge is not left)) for left in (TWICE[0], TWICE[-1])]
@@ -225,14 +233,14 @@ def one_of_a_pair(shown: ProbeResults) -> str | None:
     return "aretes_par_paire" if reached and _missed(shown) == {DOUBLED} else None
 
 
-@undoing
+@undo_rule
 def wraps_badly(shown: ProbeResults) -> str | None:
     """Where headings pass the half turn, and only there, neither the first step nor the end is right."""
     first = [k for k in shown.wrong_indices() if k in STEPS]
     return "erreur_non_ramenee_dans_gn" if first == [2] and _missed(shown) == {WRAPPING} else None
 
 
-@measuring
+@measurement_rule
 def elsewhere(shown: ProbeResults) -> str | None:
     """It ends near the optimum, though not there."""
     poses = [_poses(shown, k) for k in (PLAIN, WRAPPING)]
@@ -244,7 +252,7 @@ def elsewhere(shown: ProbeResults) -> str | None:
     return "pas_le_minimum" if all(near) and missed else None
 
 
-@measuring
+@measurement_rule
 def runs_away(shown: ProbeResults) -> str | None:
     """From a start near the optimum, it ends far from it, and the first steps lead away: they are not all unsolved."""
     steps = [(_poses(shown, k), GRAPHS[k]) for k in STEPS]

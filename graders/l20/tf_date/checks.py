@@ -10,7 +10,7 @@ import numpy as np
 
 from graders.core.code.bench import Bench
 from graders.core.code.checks import Check, Failure, Rejection, fault_rejection, planned_calls_of
-from graders.core.code.drawable import drawable_as
+from graders.core.code.drawable import to_drawable_like
 from graders.core.code.simplifying import fails_alike, shrink_and_reject
 from graders.core.compare import words as render
 from graders.core.compare.comparison import Mismatch
@@ -59,7 +59,7 @@ class Answers(Check):
     def run(self, bench: Bench) -> None:
         first: Failure | None = None
         (asked,) = planned_calls_of(self, bench)
-        for args, answer in bench.answers(asked):
+        for args, answer in bench.iter_answers(asked):
             failure = self._judged(args, answer)
             fault = answer if isinstance(answer, StudentFault) else None
             value = None if isinstance(answer, StudentFault) else answer.value
@@ -102,7 +102,7 @@ class Answers(Check):
         raised = failure.fault.exception if failure.fault else None
         if failure.fault is not None and not (isinstance(failure.expected, str) and raised):
             return fault_rejection(failure.fault, inputs=inputs, expected=told, call=call)
-        figure = self.figure(failure.args, failure.expected, drawable_as(failure.expected, failure.got))
+        figure = self.figure(failure.args, failure.expected, to_drawable_like(failure.expected, failure.got))
         if isinstance(failure.expected, str):
             got = f"elle lève {raised}" if raised else f"elle renvoie {render.text(failure.got)}"
             why = WHY[failure.expected == UNKNOWN_FRAME]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from graders.core.code.probes import ProbeFault, ProbeResults, Probes, measuring
+from graders.core.code.probes import ProbeFault, ProbeResults, Probes, measurement_rule
 from graders.core.contract.values import Arguments, UnreadableError, Value, read_array
 from graders.l20 import world
 from graders.l20.tf_date import cases
@@ -78,7 +78,7 @@ def read_pose(args: Arguments, value: Value) -> Value:
     return found
 
 
-@measuring
+@measurement_rule
 def exchanged(shown: ProbeResults) -> str | None:
     """All that is wrong is the exception: one of the two for the other."""
     both = {UNKNOWN_FRAME, UNKNOWN_DATE}
@@ -88,7 +88,7 @@ def exchanged(shown: ProbeResults) -> str | None:
     return None
 
 
-@measuring
+@measurement_rule
 def never_refuses(shown: ProbeResults) -> str | None:
     """All is right but what must be refused, to which something is answered."""
     wrong = shown.wrong_indices()

@@ -282,7 +282,7 @@ def film(
     calibrated. `borrows`: it began with results of the course. `unjudged`: it is another case that has failed.
     """
     paths = {"before": before, "odometry": odometry, "matched": start, "solved": solved}
-    bench.film(
+    bench.record_film(
         {name: np.round(np.clip(path, -FAR, FAR), 3) for name, path in paths.items() if path is not None}
         | {
             "kind": "chaine",

@@ -67,7 +67,9 @@ def trace_solution_checks(
     for check in grader.checks:
         seen = CheckTrace(check)
         try:
-            failed = grader.first_failed(grader.solution.encode(), TracingLauncher(seen), seed=seed, checks=[check])
+            failed = grader.first_failed_check(
+                grader.solution.encode(), TracingLauncher(seen), seed=seed, checks=[check]
+            )
             seen.failure = "la solution n’y passe pas" if failed else ""
             seen.figure = _describe_figure(grader, check.id, seed, figure_descriptions)
         except Exception as error:  # whatever the author's check raises is shown in its place

@@ -96,7 +96,7 @@ def is_caught(grader: CodeGrader, mistake: Misconception) -> bool:
     """Whether a check fails; those of the mistake's own functions are asked first, alone before together."""
     own = {*mistake.functions}
     checks = sorted(grader.checks, key=lambda check: (own.isdisjoint(check.functions), len(check.functions)))
-    return grader.first_failed(mistake.source.encode(), LOCAL, seed=SEED, checks=checks) is not None
+    return grader.first_failed_check(mistake.source.encode(), LOCAL, seed=SEED, checks=checks) is not None
 
 
 @pytest.mark.slow

@@ -18,12 +18,12 @@ from graders.core.code.stored_answers import (
     PROJECTION_TOLERANCE,
     TOO_LARGE,
     deserialize_answers,
-    projection,
+    project_to_number,
     same_answer,
     same_answers,
     serialize_answers,
     structure_hash,
-    to_stored,
+    to_stored_answer,
 )
 from graders.core.contract.local import LOCAL
 from tests.support.quick import only, the_course
@@ -48,12 +48,12 @@ VALUES: Any = st.recursive(
 
 @given(VALUES)
 def test_any_answer_is_kept_whole_and_is_the_same_as_itself(value: Any) -> None:
-    kept = to_stored(value)
+    kept = to_stored_answer(value)
     assert same_answer(kept, kept)
     (again,) = deserialize_answers(serialize_answers((kept,)))
     assert same_answer(kept, again, tolerance=0.0)
     assert structure_hash((kept,)) == structure_hash((again,))
-    assert np.isfinite(projection((kept,)))
+    assert np.isfinite(project_to_number((kept,)))
 
 
 @given(
@@ -66,9 +66,14 @@ def test_answers_that_are_the_same_are_found_by_structure_and_projection(
     """The search never passes over a group whose representative is the same."""
     one = np.array(numbers)
     other = one + np.array(shifts[: len(numbers)]) * TOLERANCE * (1.0 + np.abs(one)) * 0.99
-    assert same_answer(to_stored(one), to_stored(other)) or same_answer(to_stored(other), to_stored(one))
-    assert structure_hash((to_stored(one),)) == structure_hash((to_stored(list(other)),))
-    assert abs(projection((to_stored(one),)) - projection((to_stored(other),))) < PROJECTION_TOLERANCE
+    assert same_answer(to_stored_answer(one), to_stored_answer(other)) or same_answer(
+        to_stored_answer(other), to_stored_answer(one)
+    )
+    assert structure_hash((to_stored_answer(one),)) == structure_hash((to_stored_answer(list(other)),))
+    assert (
+        abs(project_to_number((to_stored_answer(one),)) - project_to_number((to_stored_answer(other),)))
+        < PROJECTION_TOLERANCE
+    )
 
 
 def test_what_is_told_apart() -> None:
@@ -77,19 +82,19 @@ def test_what_is_told_apart() -> None:
         {"a": 0.0}, {"b": 0.0}, (np.zeros(2), np.zeros((2, 2))), [1.0, "a"],
         float("nan"), float("inf"), -float("inf"), 1j, 2j,
     ]  # fmt: skip
-    kept = [to_stored(one) for one in different]
-    assert not [(a, b) for k, a in enumerate(different) for b in range(k) if same_answer(to_stored(a), kept[b])]
-    assert same_answer(to_stored(True), to_stored(np.float64(1.0)))
-    assert same_answer(to_stored([1.0, 2.0]), to_stored(np.array([1, 2])))
-    assert to_stored(np.zeros(MAX_ITEMS)) == to_stored([[0.0] * MAX_ITEMS]) == TOO_LARGE
-    assert len(serialize_answers((to_stored("x" * 10**6),))) < 1000
+    kept = [to_stored_answer(one) for one in different]
+    assert not [(a, b) for k, a in enumerate(different) for b in range(k) if same_answer(to_stored_answer(a), kept[b])]
+    assert same_answer(to_stored_answer(True), to_stored_answer(np.float64(1.0)))
+    assert same_answer(to_stored_answer([1.0, 2.0]), to_stored_answer(np.array([1, 2])))
+    assert to_stored_answer(np.zeros(MAX_ITEMS)) == to_stored_answer([[0.0] * MAX_ITEMS]) == TOO_LARGE
+    assert len(serialize_answers((to_stored_answer("x" * 10**6),))) < 1000
 
 
 @pytest.mark.parametrize("exercise_id", CODE)
 def test_every_exercise_of_code_has_its_questions_and_its_solution_answers_them(exercise_id: str) -> None:
     exercise = the_course().exercises[exercise_id]
     asked = observer(exercise_id)
-    functions = {series.function for series in asked.series}
+    functions = {series.function for series in asked.all_series}
     assert functions == {one.name for one in exercise.functions}
     solution = exercise.solution.encode()
     behaviour = asked.observe(solution, LOCAL)
@@ -125,7 +130,7 @@ def test_a_function_without_probes_is_asked_what_the_checks_ask_the_solution() -
     assert isinstance(exercise.grader, CodeGrader)
     bare = replace(exercise.grader, prober=None)
     asked, again, other = BehaviourObserver(bare, "v1"), BehaviourObserver(bare, "v1"), BehaviourObserver(bare, "v2")
-    assert {one.function for one in asked.series} == {"composer", "inverse", "relatif"}
+    assert {one.function for one in asked.all_series} == {"composer", "inverse", "relatif"}
     wrong = exercise.solution.replace("ramener(ta + tb)", "ta + tb").encode()
     behaviour = asked.observe(wrong, LOCAL)
     assert behaviour.functions == ("composer", "relatif")

@@ -110,7 +110,7 @@ def stored_after(seconds: float, last: StudentFault) -> list[tuple[Reply | Stude
     calls.take_queued(0.0)
     now += seconds
     calls.store_answers({FIRST: REPLIES, SECOND: (*REPLIES[:3], last), LAST: ()})
-    return [None if told is None else tuple(told) for told in map(calls.answers, (FIRST, SECOND, LAST))]
+    return [None if told is None else tuple(told) for told in map(calls.stored_answers, (FIRST, SECOND, LAST))]
 
 
 def test_who_hangs_for_long_is_waited_for_once() -> None:

@@ -11,7 +11,11 @@ import pytest
 
 from graders.core.code.call_graph import find_callers
 from graders.core.code.diagnosis import lowercase_title
-from graders.core.code.evidence import are_telling, are_too_poor_for_two, say_nothing
+from graders.core.code.evidence import (
+    are_all_uninformative,
+    are_too_poor_for_two_mistakes,
+    has_informative_wrong_answer,
+)
 from graders.core.code.explaining import MistakeExplainer
 from graders.core.code.mutations import Edit, Model
 from graders.core.code.pair_search import PairSearch
@@ -22,11 +26,11 @@ from graders.core.code.probes import (
     ProbeFault,
     ProbeResults,
     Probes,
-    measuring,
-    read_answer,
+    measurement_rule,
+    read_compared_part,
     same_probe_answer,
 )
-from graders.core.code.recognised import Ground
+from graders.core.code.recognised import NamingGround
 from graders.core.code.reenacting import Reenactor
 from graders.core.code.runner import Runner
 from graders.core.code.running import run_checks
@@ -66,7 +70,7 @@ STYLE = edit("", "cote * autre", "float(cote * autre)")
 CALLS = tuple((float(a), float(b)) for a, b in ((1, 5), (2, 7), (4, 3), (0, 9)))
 
 
-@measuring
+@measurement_rule
 def shifted(shown: ProbeResults) -> str | None:
     gaps = {float(a) - float(b) for a, b in zip(shown.got, shown.right, strict=True) if isinstance(a, float)}
     return "decale" if len(gaps) == 1 else None
@@ -168,11 +172,11 @@ def test_pairs_that_the_verdict_leaves_untried_are_named_after_it(monkeypatch: p
     assert named(source, asked=prober()) == ()
     every = PairSearch(lambda: False, lambda probes, text: True)
     assert named(source, asked=prober(), search=every) == ("b_seul", "a_seul")
-    assert named(source, asked=prober(), search=replace(every, spent=lambda: True)) == ()
+    assert named(source, asked=prober(), search=replace(every, is_time_spent=lambda: True)) == ()
     with monkeypatch.context() as at_once:
         at_once.setattr("graders.core.code.pair_search.MAX_SECONDS", -1.0)
         assert named(source, asked=prober(), search=every) == ()
-    assert named(source, asked=prober(), search=replace(every, holds=lambda probes, text: False)) == ()
+    assert named(source, asked=prober(), search=replace(every, is_confirmed=lambda probes, text: False)) == ()
     twin = Prober(Model(MODEL, (*EDITS, edit("jumeau", "a + 1", "a + 0")), ()), PROBER.probes)
     assert named(source, asked=twin, search=every) == ()
 
@@ -181,9 +185,9 @@ def test_no_pair_is_searched_for_wrong_answers_that_many_pairs_give() -> None:
     """As a ray that reads the range, which it was given, wherever it should meet a wall."""
     right = [4.0, 9.0, 2.0, 7.0]
     given, none, own = [5.0, 7.0, 3.0, 7.0], [None, 9.0, "texte", 7.0], [5.0, 9.0, 6.0, 7.0]
-    assert not are_telling(ProbeResults(CALLS, given, right))
-    assert not are_telling(ProbeResults(CALLS, none, right))
-    assert are_telling(ProbeResults(CALLS, own, right))
+    assert not has_informative_wrong_answer(ProbeResults(CALLS, given, right))
+    assert not has_informative_wrong_answer(ProbeResults(CALLS, none, right))
+    assert has_informative_wrong_answer(ProbeResults(CALLS, own, right))
 
 
 FAULT = ProbeFault("IndexError")
@@ -204,7 +208,7 @@ FAULT = ProbeFault("IndexError")
 )
 def test_answers_that_tell_little(got: list[Any], silent: bool, poor: bool) -> None:
     shown = ProbeResults(CALLS, got, [4.0, 9.0, 2.0, 7.0])
-    assert (say_nothing(shown), are_too_poor_for_two(shown)) == (silent, poor)
+    assert (are_all_uninformative(shown), are_too_poor_for_two_mistakes(shown)) == (silent, poor)
 
 
 #: By exercise: a mistake that silences a function, and a part of the solution whose change silences it otherwise.
@@ -224,7 +228,7 @@ def test_a_mistake_named_on_answers_that_tell_nothing_is_undone_in_the_program(e
     head, tail = grader.solution.split(function)
     first, rest = tail.split(":\n", 1)
     other_named = grader.name_mistakes(f"{head}{function}{first}:\n{silencing}{rest}", LOCAL, 3)
-    assert Ground.RESEMBLANCE not in named.grounds.values()
+    assert NamingGround.RESEMBLANCE not in named.grounds.values()
     assert grader.describe_mistakes(named).title == mistake.title
     other = grader.describe_mistakes(other_named)
     assert other.title == f"Peut-être : {lowercase_title(mistake.title)}"
@@ -254,8 +258,8 @@ def test_a_pair_holds_where_the_checks_judge_its_program_likewise() -> None:
     run_checks(grader.checks, runner, grader.kit(stream(3, "kit")), 3)
     assert grader.prober is not None
     for probes in grader.prober.probes[:1]:
-        assert explainer.holds(runner, 3, probes, source.decode())
-        assert not explainer.holds(runner, 3, probes, grader.solution)
+        assert explainer.is_judged_alike(runner, 3, probes, source.decode())
+        assert not explainer.is_judged_alike(runner, 3, probes, grader.solution)
     runner.close()
 
 
@@ -305,7 +309,7 @@ def of(exercise: str) -> Prober:
 def asked_of_odd(prober: Prober) -> None:
     for function in some({probes.function for probes in prober.probes}):
         for odd in ODD:
-            functions = sorted(prober.functions)
+            functions = sorted(prober.probed_functions)
             source = "\n".join(f"def {name}(*args):\n    return {odd}\n" for name in functions)
             runner = Runner(LOCAL, source.encode(), world.STILL)
             with np.errstate(all="ignore"):
@@ -387,4 +391,4 @@ def test_what_was_seen_is_the_same_as_itself_only() -> None:
 
 def test_of_a_large_answer_nothing_is_kept() -> None:
     for value in (np.zeros(MAX_ITEMS + 1), ["masque", np.zeros(MAX_ITEMS + 1)]):
-        assert read_answer((), Reply(value), lambda args, value: value) == TOO_LARGE
+        assert read_compared_part((), Reply(value), lambda args, value: value) == TOO_LARGE

@@ -9,7 +9,7 @@ import pytest
 
 from graders.core.code.mutants import MutantAnswerCache
 from graders.core.code.probes import ProbeAnswer, ProbeFault, Probes
-from graders.core.code.reachability import PIECE_SEPARATOR, reachable_pieces
+from graders.core.code.reachability import PIECE_SEPARATOR, reachable_code_pieces
 from graders.core.contract.local import call_function, kit_names
 from tests.support.quick import only
 from tests.support.shipped import CODE
@@ -27,18 +27,18 @@ def test_what_is_mentioned_is_reached_however_deep() -> None:
     ]
     text = PIECE_SEPARATOR.join(pieces)
     kept = {
-        name: [pieces.index(piece.text) for piece in reachable_pieces(text, name)]
+        name: [pieces.index(piece.text) for piece in reachable_code_pieces(text, name)]
         for name in ("asked", "alone", "Other")
     }
     assert kept == {"asked": [0, 1, 2, 4], "alone": [0, 1, 3], "Other": [5, 6]}, (
         "one too many: LIMIT mentions `math` too"
     )
-    assert reachable_pieces(text, "nobody") == ()
+    assert reachable_code_pieces(text, "nobody") == ()
 
 
 def test_what_is_made_twice_is_kept_twice_in_its_order() -> None:
     text = PIECE_SEPARATOR.join(["def f(x):\n    return x", "right = f", "def f(x):\n    return -right(x)"])
-    assert len(reachable_pieces(text, "f")) == 3
+    assert len(reachable_code_pieces(text, "f")) == 3
 
 
 def _by_the_whole_text(text: str, probes: Probes) -> ProbeAnswer:

@@ -8,7 +8,7 @@ from typing import Any
 
 import pytest
 
-from graders.core.code.diagnosis import agree
+from graders.core.code.diagnosis import are_same_results
 from graders.core.code.grading import FRESH_REENACTOR, CodeGrader
 from graders.core.code.reenacting import Reenactor
 from graders.core.code.runner import Observation
@@ -23,7 +23,7 @@ GRADERS = pytest.mark.parametrize("name", ["l20/poses", "l20/kabsch", "l20/reech
 
 def same(one: Sequence[Observation], other: Sequence[Observation]) -> bool:
     return len(one) == len(other) and all(
-        (a.check, a.index, a.function) == (b.check, b.index, b.function) and agree(a, b)
+        (a.check, a.index, a.function) == (b.check, b.index, b.function) and are_same_results(a, b)
         for a, b in zip(one, other, strict=True)
     )
 

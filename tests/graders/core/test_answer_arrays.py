@@ -28,7 +28,7 @@ ANSWERS: list[Any] = [
 def test_each_pair_of_answers() -> None:
     for one, other in itertools.product(ANSWERS, ANSWERS):
         same = same_probe_answer(one, other)
-        assert AnswerSequence([one]).agreement(AnswerSequence([other])) == [same], (one, other)
+        assert AnswerSequence([one]).compare_answers(AnswerSequence([other])) == [same], (one, other)
         assert AnswerColumn([one]).indices_of(other) == ([0] if same else []), (one, other)
 
 
@@ -40,7 +40,7 @@ def test_many_answers() -> None:
         answers = [rng.integers(0, 2, shape) + 0.0 for shape in shapes]
         others = [one + rng.choice([0.0, 1e-9, 1.0], p=[0.4, 0.3, 0.3]) for one in answers]
         wanted = [same_probe_answer(*pair) for pair in zip(answers, others, strict=True)]
-        assert AnswerSequence(answers).agreement(AnswerSequence(others)) == wanted
+        assert AnswerSequence(answers).compare_answers(AnswerSequence(others)) == wanted
         seen.update(wanted)
     assert seen == {True, False}
     column = [ANSWERS[k] for k in rng.integers(0, len(ANSWERS), 80)]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from graders.core.code.evidence import shows
+from graders.core.code.evidence import shows_mistake
 from graders.core.code.probes import AnswerRule, ProbeResults
 from graders.core.contract.local import LOCAL
 from tests.support.shipped import CODE
@@ -64,4 +64,4 @@ def test_a_rule_names_nothing_in_a_function_that_calls_a_broken_one() -> None:
 def test_one_of_two_mistakes_shows_where_it_errs_alone(alone: list[list[float]], is_shown: bool) -> None:
     """Two mistakes that hide each other may answer as a program that has neither."""
     seen = ProbeResults([()] * 3, [1.0, 2.0, 4.0], [1.0, 2.0, 3.0])
-    assert shows(seen, alone) == is_shown
+    assert shows_mistake(seen, alone) == is_shown

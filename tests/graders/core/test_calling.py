@@ -2,7 +2,7 @@
 
 from dataclasses import replace
 
-from graders.core.code.calling import tell_once, tell_signatures
+from graders.core.code.calling import add_signatures_to_messages, shorten_repeated_reasons
 from graders.core.contract.findings import Finding
 from graders.core.contract.outcomes import Outcome
 from graders.core.contract.verdict import CheckResult
@@ -23,7 +23,9 @@ def test_the_signature_of_the_statement_is_told() -> None:
     more = "Il manque à l’appel de corriger\u00a0: z. [TypeError]"
     inner = "Ligne 3, dans « f » (odometrie(1)) : Il manque à l’appel d’odometrie : ds_g. [TypeError]"
     other = "« aide » prend 1 argument, et en reçoit 2. [TypeError]"
-    found = messages(tell_signatures([failed(str(k), it) for k, it in enumerate((few, more, inner, other))], SOLUTION))
+    found = messages(
+        add_signatures_to_messages([failed(str(k), it) for k, it in enumerate((few, more, inner, other))], SOLUTION)
+    )
     assert found[0] == f"L’énoncé demande odometrie(pose, ds_g, ds_d, L). {few}"
     assert found[1] == f"L’énoncé demande corriger(bel, sigma=0.5). {more}"
     assert found[2:] == [inner, other]
@@ -32,14 +34,14 @@ def test_the_signature_of_the_statement_is_told() -> None:
 def test_the_same_exception_is_told_once_with_its_line() -> None:
     text = "Ligne 4, dans « f » : les formes ne vont pas ensemble"
     findings = [failed("un", text), failed("deux", text), failed("trois", "autre"), failed("quatre", text)]
-    assert messages(tell_once(findings)) == [
+    assert messages(shorten_repeated_reasons(findings)) == [
         text,
         "La même erreur que pour « Un » (ligne 4).",
         "autre",
         "La même erreur que pour « Un » (ligne 4).",
     ]
     wrong = [failed("un", text, Outcome.WRONG_ANSWER), failed("deux", text, Outcome.WRONG_ANSWER)]
-    assert messages(tell_once(wrong)) == [text, text]
+    assert messages(shorten_repeated_reasons(wrong)) == [text, text]
 
 
 def test_one_cause_is_told_once_whatever_the_values_on_its_line() -> None:
@@ -51,7 +53,7 @@ def test_one_cause_is_told_once_whatever_the_values_on_its_line() -> None:
         failed("trois", "La fonction « f » est attendue", Outcome.MISSING_FUNCTION),
         failed("quatre", "La fonction « f » est attendue", Outcome.MISSING_FUNCTION),
     ]
-    told = [finding.result for finding in tell_once(findings)]
+    told = [finding.result for finding in shorten_repeated_reasons(findings)]
     assert [check.repeats for check in told] == [None, "un", None, "trois"]
     assert told[1].message == "La même erreur que pour « Un » (ligne 4)."
     assert told[3].message == "Cette fonction manque, comme pour « Trois »."

@@ -9,10 +9,17 @@ import numpy as np
 import pytest
 
 from graders.core.code.contrasts import find_contrast
-from graders.core.code.example_calls import like_call
+from graders.core.code.example_calls import convert_to_call_types
 from graders.core.code.experiments import Experimenter
-from graders.core.code.places import EXPERIMENT, SEEN_ALSO, describe_facts, join_place
-from graders.core.code.seen_facts import FactKind, FunctionTrial, ReturnedValue, Variation, VariedAnswers, are_coarse
+from graders.core.code.places import EXPERIMENT, SEEN_ALSO, add_place_to_diagnosis, diagnose_facts
+from graders.core.code.seen_facts import (
+    FactKind,
+    FunctionTrial,
+    ReturnedValue,
+    VariedAnswers,
+    VariedCall,
+    are_right_answers_whole,
+)
 from graders.core.compare.changed_arguments import replacements, variations
 from graders.core.compare.near_calls import near_calls
 from graders.core.compare.series import Series, tell_relations
@@ -256,10 +263,10 @@ def test_experiments_on_a_program(exercise: str, old: str, new: str, words: str)
     assert not Experimenter(grader, LOCAL, 3, lambda: False).find_facts(grader.solution, grader.functions)
     assert not Experimenter(grader, LOCAL, 3, lambda: True).find_facts(source, grader.functions)
     verdict = grader.grade(source.encode(), LOCAL, seed=3, version="v").verdict
-    seen = describe_facts(facts, grader.checks, verdict.checks)
+    seen = diagnose_facts(facts, grader.checks, verdict.checks)
     assert seen.id == EXPERIMENT
     assert seen.explains[0]
-    joined = join_place(Diagnosis("x", "Un nom", "Pourquoi."), seen)
+    joined = add_place_to_diagnosis(Diagnosis("x", "Un nom", "Pourquoi."), seen)
     assert joined.title == "Un nom"
     assert f"{SEEN_ALSO} : {facts[0].title}." in joined.explanation
 
@@ -279,12 +286,12 @@ def test_what_a_failed_check_belies_is_not_told() -> None:
 def test_a_shown_call_has_the_types_that_its_function_is_given() -> None:
     """A verdict keeps tables of booleans, whole numbers and tuples as lists of numbers."""
     call = (np.array([[True]]), (1, 2), [(0, np.array([1.5]))], 0.5)
-    made = like_call(call, (np.array([[1.0, 0.0]]), [3.0, 4.0], [[1, [2, 3]], [2, [4, 5]]], 1))
+    made = convert_to_call_types(call, (np.array([[1.0, 0.0]]), [3.0, 4.0], [[1, [2, 3]], [2, [4, 5]]], 1))
     assert made is not None
     assert (made[0].dtype, made[1], made[3]) == (np.dtype(bool), (3, 4), 1.0)
     assert [type(item) for item in made[2]] == [tuple, tuple]
     assert made[2][1][1].tolist() == [4.0, 5.0]
-    assert like_call(call, (1.0, 2.0, 3.0, 4.0)) is None
+    assert convert_to_call_types(call, (1.0, 2.0, 3.0, 4.0)) is None
 
 
 def test_what_further_calls_belie_is_not_told() -> None:
@@ -330,6 +337,6 @@ def test_one_right_answer_of_several_is_told_as_an_example() -> None:
 
 @pytest.mark.parametrize(("right", "coarse"), [([1.0, 2.0], True), ([1.5, 2.0], False)])
 def test_indices_may_depend_on_an_argument_and_not_move(right: list[float], coarse: bool) -> None:
-    variation = Variation(0, next(iter(variations(("x",), (1.5,))))[1], 0, (3.0,))
+    variation = VariedCall(0, next(iter(variations(("x",), (1.5,))))[1], 0, (3.0,))
     zero, numbers = np.zeros(2), np.array(right)
-    assert are_coarse([VariedAnswers(variation, zero, zero, numbers, numbers)]) == coarse
+    assert are_right_answers_whole([VariedAnswers(variation, zero, zero, numbers, numbers)]) == coarse

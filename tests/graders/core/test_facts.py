@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from graders.core.code.facts import MODIFIED_ARGUMENT, Fact, find_facts, is_told
+from graders.core.code.facts import MODIFIED_ARGUMENT, Fact, find_facts, is_stated_in_titles
 from graders.core.compare.slips import SLIPS
 from graders.core.contract.findings import Finding
 from graders.core.contract.local import LOCAL
@@ -139,4 +139,4 @@ def test_what_calls_a_named_function_is_not_said_to_be_unexplained() -> None:
 
 @pytest.mark.parametrize(("title", "told"), [("Les tableaux reçus sont modifiés", True), ("Un signe est faux", False)])
 def test_a_title_may_say_what_a_fact_does(title: str, told: bool) -> None:
-    assert is_told(Fact(SLIPS[MODIFIED_ARGUMENT], ("arguments",)), iter([title])) == told
+    assert is_stated_in_titles(Fact(SLIPS[MODIFIED_ARGUMENT], ("arguments",)), iter([title])) == told

@@ -10,10 +10,10 @@ import pytest
 from graders.core.code.diagnosis import combine_diagnoses
 from graders.core.code.folder import Misconception
 from graders.core.code.grading import CodeGrader
-from graders.core.code.isolation import isolate_functions, replacing_suffix
+from graders.core.code.isolation import isolate_failed_functions, solution_override_suffix
 from graders.core.code.places import find_place
 from graders.core.code.prober import Prober
-from graders.core.code.recognised import Ground
+from graders.core.code.recognised import NamingGround
 from graders.core.contract.local import LOCAL
 from tests.support.shipped import CODE
 from tests.support.verdicts import knowing
@@ -87,11 +87,11 @@ def test_a_mistake_that_another_function_hides_is_named_beside_a_right_one() -> 
     assert found is not None
     assert found.diagnosis.titles == ("C'est la racine carrée du NEES", "Les deux avis sont échangés")
     assert "qui se voit avec les autres fonctions justes : les deux avis" in found.diagnosis.explanation
-    isolated = isolate_functions(grader, source, LOCAL, 3, lambda: False)
+    isolated = isolate_failed_functions(grader, source, LOCAL, 3, lambda: False)
     assert isolated is not None
-    assert isolated.guilty() == ["nees"]
-    assert isolated.explained() == ["nees", "coherence"]
-    assert isolate_functions(grader, source, LOCAL, 3, lambda: True) is None
+    assert isolated.guilty_functions() == ["nees"]
+    assert isolated.explained_functions() == ["nees", "coherence"]
+    assert isolate_failed_functions(grader, source, LOCAL, 3, lambda: True) is None
 
 
 def test_a_wrong_function_fails_those_checks_of_others_that_the_program_runs_it_for() -> None:
@@ -100,7 +100,7 @@ def test_a_wrong_function_fails_those_checks_of_others_that_the_program_runs_it_
     apart = wrong.replace(
         "cout([case, voisine], couts)", "np.hypot(di, dj) * (1.0 + (couts[case] + couts[voisine]) / 2.0)"
     )
-    own, calling = (isolate_functions(grader, source, LOCAL, 3, lambda: False) for source in (apart, wrong))
+    own, calling = (isolate_failed_functions(grader, source, LOCAL, 3, lambda: False) for source in (apart, wrong))
     assert own is not None
     assert calling is not None
     prices = {check.id for check in grader.checks if check.functions == ("cout",)}
@@ -162,7 +162,7 @@ def test_the_solution_beside_itself_fails_nothing(exercise: str) -> None:
     for function in grader.functions:
         others = [name for name in grader.functions if name != function]
         assert not grader.name_mistakes(
-            grader.solution + replacing_suffix(grader, grader.solution, others), LOCAL, 3
+            grader.solution + solution_override_suffix(grader, grader.solution, others), LOCAL, 3
         ).failed
 
 
@@ -180,25 +180,28 @@ def test_beside_another_mistake_nothing_is_said_to_be_right() -> None:
     ("grounds", "begin"),
     [
         ({}, "On demande"),
-        ({"reecrit": Ground.ANSWERS}, "Vos réponses sont celles que donne cette erreur. On"),
-        ({"reecrit": Ground.RESEMBLANCE}, "Votre fonction répond comme avec cette erreur ; d'autres"),
-        ({"reecrit": Ground.ANSWERS, "autre": Ground.ANSWERS}, "Vos réponses sont celles que donnent ces erreurs. On"),
+        ({"reecrit": NamingGround.ANSWERS}, "Vos réponses sont celles que donne cette erreur. On"),
+        ({"reecrit": NamingGround.RESEMBLANCE}, "Votre fonction répond comme avec cette erreur ; d'autres"),
+        (
+            {"reecrit": NamingGround.ANSWERS, "autre": NamingGround.ANSWERS},
+            "Vos réponses sont celles que donnent ces erreurs. On",
+        ),
     ],
 )
-def test_a_name_says_what_it_is_founded_on(grounds: dict[str, Ground], begin: str) -> None:
+def test_a_name_says_what_it_is_founded_on(grounds: dict[str, NamingGround], begin: str) -> None:
     ids = list(grounds) or ["reecrit"]
     mistakes = [Misconception(name, ("f",), "Titre", "On demande autre chose.", "?", "") for name in ids]
     told = combine_diagnoses(ids, mistakes, grounds=grounds)
     assert told.explanation.startswith(begin)
     assert told.explanation.count("Vos réponses") <= 1
-    assert told.is_likely == (Ground.RESEMBLANCE in grounds.values())
+    assert told.is_likely == (NamingGround.RESEMBLANCE in grounds.values())
 
 
 def test_a_mistake_known_by_its_answers_says_so_and_one_known_by_a_rule_does_not() -> None:
     grader = CODE["l20/kabsch"]
     mistake = next(each for each in grader.misconceptions if each.id == "t_oppose")
     named = grader.name_mistakes(mistake.source, LOCAL, 3)
-    assert named.grounds == {"t_oppose": Ground.ANSWERS}
+    assert named.grounds == {"t_oppose": NamingGround.ANSWERS}
     (ruled,) = [each for each in CODE["l20/boucles"].misconceptions if each.id == "scan_brut"]
     named = CODE["l20/boucles"].name_mistakes(ruled.source, LOCAL, 3)
     assert named.ids == ("scan_brut",)
@@ -221,14 +224,14 @@ def test_checks_that_fail_through_a_function_that_is_told_are_not_left_without_e
     source = (
         grader.solution + "\n\n_juste = jacobiennes\ndef jacobiennes(*args):\n    return _juste(*args)[0], np.eye(3)\n"
     )
-    isolated = isolate_functions(grader, source, LOCAL, 3, lambda: False)
+    isolated = isolate_failed_functions(grader, source, LOCAL, 3, lambda: False)
     assert isolated is not None
-    assert isolated.guilty() == ["jacobiennes"]
+    assert isolated.guilty_functions() == ["jacobiennes"]
     own = {check.id for check in grader.checks if check.functions == ("jacobiennes",)} & isolated.whole.failed
     others = isolated.whole.failed - own
     assert others
-    assert isolated.consequences(own, grader.checks) == others
-    assert not isolated.consequences((), grader.checks)
+    assert isolated.consequential_checks(own, grader.checks) == others
+    assert not isolated.consequential_checks((), grader.checks)
 
 
 def test_numbers_that_are_nearly_right_are_told_once() -> None:

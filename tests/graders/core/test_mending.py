@@ -7,12 +7,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from graders.core.code.changes import ProgramChange, count_turns, find_changes, noted_line
-from graders.core.code.diagnosis import tell_remainder
-from graders.core.code.line_values import LineValues, compare_values, seen_at, seen_everywhere
-from graders.core.code.mending import Mending, MendingSearch, MendingStep, in_lines_of, time_limit
-from graders.core.code.places import describe_mendings, find_place, is_worth_searching, join_place
-from graders.core.code.related_lines import JudgedFunctions, tell_related_lines
+from graders.core.code.changes import ProgramChange, add_loop_counters, find_changes, insert_variable_recorder
+from graders.core.code.diagnosis import add_unexplained_checks
+from graders.core.code.line_values import LineEvidence, insert_all_recorders, insert_line_recorder, judge_line_by_values
+from graders.core.code.mending import Mending, MendingSearch, MendingStep, map_steps_to_original_lines, start_time_limit
+from graders.core.code.places import add_place_to_diagnosis, diagnose_mendings, find_place, is_worth_searching
+from graders.core.code.related_lines import JudgedFunctions, related_lines_sentence
 from graders.core.code.variants import VariantCaller
 from graders.core.contract.local import LOCAL
 from graders.core.contract.program import KitSettings, Reply
@@ -41,7 +41,7 @@ def verdict_of(source: str) -> Verdict:
 
 
 def mending_of(source: str) -> Mending | None:
-    return MendingSearch(BARE, LOCAL, 3, lambda: False).search(source)
+    return MendingSearch(BARE, LOCAL, 3, lambda: False).find_mending(source)
 
 
 def test_the_line_and_the_kind_of_thing_are_told_and_never_the_change() -> None:
@@ -62,7 +62,7 @@ def test_two_changes_are_found_one_after_the_other() -> None:
     assert mending is not None
     assert sorted(step.change.line for step in mending.steps) == [3, 6]
     assert mending.left == frozenset()
-    words = describe_mendings([mending], source, verdict_of(source).checks)
+    words = diagnose_mendings([mending], source, verdict_of(source).checks)
     first, second = words.titles
     assert first.startswith("Changer la ligne ")
     assert second.startswith("changer ensuite la ligne ")
@@ -86,7 +86,7 @@ def test_nothing_is_searched_where_a_certain_name_explains_all() -> None:
 @pytest.mark.parametrize("loop", ["while True:\n        if v > 0: pass", "for k in iter(int, 1): pass"])
 def test_a_changed_program_that_no_longer_ends_costs_nothing(loop: str) -> None:
     """The turns of each loop are counted, whatever stands first in its block."""
-    counted = count_turns(f"def f(v):\n    {loop}\n")
+    counted = add_loop_counters(f"def f(v):\n    {loop}\n")
     assert counted.count("_tour()") == 1
     compile(counted, "solution.py", "exec")
 
@@ -113,7 +113,7 @@ def test_a_function_that_draws_is_held_against_the_solution_with_the_same_draws(
     return np.array(garde)
 """
     )
-    mending = MendingSearch(grader, LOCAL, 3, lambda: False).search(source)
+    mending = MendingSearch(grader, LOCAL, 3, lambda: False).find_mending(source)
     assert mending is not None
     assert not mending.left
     assert source.splitlines()[mending.steps[0].change.line - 1].strip().startswith("garde.append")
@@ -127,7 +127,7 @@ def test_a_copy_that_changes_no_answer_mends_a_modified_argument(second_name: st
     body = f"    {second_name}\n    poids[:] = 1 / poids\n    return {returned}\n"
     rest = tail[tail.index("\ndef ") :]
     source = f"{head}def fusionner(mesures, variances):\n{body}\n{rest}"
-    mending = MendingSearch(grader, LOCAL, 3, lambda: False).search(source)
+    mending = MendingSearch(grader, LOCAL, 3, lambda: False).find_mending(source)
     assert mending is not None
     assert not mending.left
     assert "poids = " in source.splitlines()[mending.steps[0].change.line - 1]
@@ -140,7 +140,7 @@ def test_a_mistake_that_no_probe_shows_is_searched_on_the_calls_of_the_checks() 
     single = "    if len(mesures) == 1:\n        return mesures[0], 1 / variances[0]\n"
     source = grader.solution.replace(head, head + single)
     lines = source.splitlines()
-    mending = MendingSearch(grader, LOCAL, 3, lambda: False).search(source)
+    mending = MendingSearch(grader, LOCAL, 3, lambda: False).find_mending(source)
     assert mending is not None
     assert not mending.left
     (step,) = mending.steps
@@ -153,14 +153,14 @@ def test_one_check_that_a_second_change_mends_is_told_in_the_singular() -> None:
     steps = tuple(
         MendingStep(ProgramChange("", "", k, "angle"), frozenset({check})) for k, check in ((1, "a"), (2, "b"))
     )
-    words = describe_mendings([Mending(steps, frozenset({"c"}))], "def f(g):\n    return 2 * g\n", ())
+    words = diagnose_mendings([Mending(steps, frozenset({"c"}))], "def f(g):\n    return 2 * g\n", ())
     assert words.titles[1].endswith("réussir 1 autre vérification")
 
 
 def test_two_lines_that_only_together_mend_are_told_together() -> None:
     change = ProgramChange("", "", 2, "", "axes_echanges", (3,))
     mending = Mending((MendingStep(change, frozenset({"a"})),), frozenset())
-    words = describe_mendings([mending], "def f(g):\n    n, m = g.shape\n    return g[n - 1, 0]\n", ())
+    words = diagnose_mendings([mending], "def f(g):\n    n, m = g.shape\n    return g[n - 1, 0]\n", ())
     assert words.title == "Changer les lignes 2 et 3 suffit"
     assert "« n, m = g.shape »" in words.explanation
     assert "« return g[n - 1, 0] »" in words.explanation
@@ -201,9 +201,9 @@ def test_lines_that_have_to_do_with_a_changed_one_are_told(
     lines: tuple[int, ...], right: tuple[str, ...], told: str
 ) -> None:
     """What it reads is computed elsewhere, what it counts is read elsewhere, or a right function calls it too."""
-    found = tell_related_lines(SHARED, lines, JudgedFunctions(("second",), right))
+    found = related_lines_sentence(SHARED, lines, JudgedFunctions(("second",), right))
     assert found.startswith(told) if told else not found
-    borne_out = tell_related_lines(SHARED, lines, JudgedFunctions(("second",), right), is_borne_out=True)
+    borne_out = related_lines_sentence(SHARED, lines, JudgedFunctions(("second",), right), is_borne_out=True)
     assert borne_out == (found if right else "")
 
 
@@ -212,7 +212,7 @@ def test_two_lines_that_each_mend_all_are_both_told() -> None:
     source = PROGRAM.replace("return m + u, v + q", "w = -(v + q)\n    return m + u, w")
     mending = mending_of(source)
     assert mending is not None
-    told = describe_mendings([mending], source, verdict_of(source).checks)
+    told = diagnose_mendings([mending], source, verdict_of(source).checks)
     assert told.titles == ("Changer la ligne 3 ou 4 suffit",)
 
 
@@ -246,9 +246,9 @@ def sigma_dtheta(sigma_g, sigma_d, L):
 
 @pytest.mark.parametrize("unlikely", [True, False])
 def test_a_kind_of_change_that_may_make_up_for_another_line_says_so(unlikely: bool) -> None:
-    change = ProgramChange("", "", 2, "angle", unlikely=unlikely)
+    change = ProgramChange("", "", 2, "angle", is_unlikely=unlikely)
     mending = Mending((MendingStep(change, frozenset({"a"})),), frozenset())
-    words = describe_mendings([mending], "def f(g):\n    return 2 * g\n", ())
+    words = diagnose_mendings([mending], "def f(g):\n    return 2 * g\n", ())
     assert ("cherchez parmi les lignes qui calculent ou emploient les mêmes" in words.explanation) == unlikely
 
 
@@ -257,7 +257,7 @@ def test_what_the_last_name_explains_does_not_remain() -> None:
     name = Diagnosis("angle", "L'angle n'est pas ramené", "Il sort de l'intervalle.", None, (("b",),))
     mending = Mending((MendingStep(change, frozenset({"a"})),), frozenset({"b", "c"}), name)
     checks = tuple(CheckResult(letter, letter.upper(), False, 0.0, 1.0) for letter in "abc")
-    words = describe_mendings([mending], "def f(g):\n    return 2 * g\n", checks).explanation
+    words = diagnose_mendings([mending], "def f(g):\n    return 2 * g\n", checks).explanation
     assert "Ce qui reste, une fois l'autre ligne écrite autrement : L'angle n'est pas ramené." in words
     assert "Autre vérification qui échoue : « C »." in words
 
@@ -266,12 +266,15 @@ def test_points_of_checks_that_wait_or_may_fail_for_the_same_reason_are_not_coun
     named = Diagnosis("angle", "L'angle n'est pas ramené", "Il sort.", None, (("a",),))
     checks = [CheckResult(letter, letter.upper(), False, 0.0, 1.0) for letter in "abc"]
     checks.append(CheckResult("d", "D", False, 0.0, 8.0, neutral=True))
-    words = tell_remainder(named, checks, ["b"], mended=["a"]).explanation
+    words = add_unexplained_checks(named, checks, ["b"], mended=["a"]).explanation
     assert "Cela explique au moins 1 des 3 points perdus. Autre vérification qui échoue : « C »." in words
     assert "Les autres points attendent que le reste soit juste : « D »." in words
-    assert "Cela explique 2 des 3 points" in tell_remainder(named, checks, besides=["b"], mended=["a", "b"]).explanation
-    assert "points perdus" not in tell_remainder(named, checks, besides=["b"], mended=["b"]).explanation
-    assert tell_remainder(replace(named, explains=()), checks) == replace(named, explains=())
+    assert (
+        "Cela explique 2 des 3 points"
+        in add_unexplained_checks(named, checks, besides=["b"], mended=["a", "b"]).explanation
+    )
+    assert "points perdus" not in add_unexplained_checks(named, checks, besides=["b"], mended=["b"]).explanation
+    assert add_unexplained_checks(replace(named, explains=()), checks) == replace(named, explains=())
 
 
 @pytest.mark.parametrize(("operator", "count"), [("signe", 0), ("copie", 1)])
@@ -279,13 +282,15 @@ def test_what_a_function_passes_that_does_nothing_shows_no_place(operator: str, 
     grader = CODE["l19/gain"]
     intact = frozenset(check.id for check in grader.checks if check.requires_other_check)
     change = ProgramChange(grader.solution, grader.solution, 2, operator)
-    assert len(MendingSearch(grader, LOCAL, 3, lambda: False).borne_out(change, intact)) == count
+    assert len(MendingSearch(grader, LOCAL, 3, lambda: False).checks_mended_on_other_seeds(change, intact)) == count
 
 
 def test_a_check_that_passes_on_the_inputs_of_one_seed_only_is_not_mended(monkeypatch: pytest.MonkeyPatch) -> None:
     search, (first, second, *_) = MendingSearch(CODE[EXERCISE], LOCAL, 3, lambda: False), CODE[EXERCISE].checks
     monkeypatch.setattr(search, "failed_checks", lambda text, is_late, seed, checks: checks[1:] if seed == 5 else [])
-    assert search.borne_out(ProgramChange("", "", 2, "signe"), frozenset((first.id, second.id))) == {first.id}
+    assert search.checks_mended_on_other_seeds(ProgramChange("", "", 2, "signe"), frozenset((first.id, second.id))) == {
+        first.id
+    }
 
 
 DISTANCE = """def distance(x, y):
@@ -298,20 +303,24 @@ DISTANCE = """def distance(x, y):
     ("wrong", "changed", "expected"),
     [
         # The sum is wrong, and an absolute value of the difference, which is right, makes up for it.
-        (("d @ d", "d.sum() ** 2 / 2"), ("d = x - y", "d = np.abs(x - y)"), LineValues.RIGHT),
-        (("x - y", "x + y"), ("x + y", "x - y"), LineValues.WRONG),
-        (("x - y", "x + y"), ("x + y", "x + 2 * y"), LineValues.UNKNOWN),
+        (("d @ d", "d.sum() ** 2 / 2"), ("d = x - y", "d = np.abs(x - y)"), LineEvidence.RIGHT),
+        (("x - y", "x + y"), ("x + y", "x - y"), LineEvidence.WRONG),
+        (("x - y", "x + y"), ("x + y", "x + 2 * y"), LineEvidence.UNKNOWN),
     ],
 )
 def test_a_line_whose_values_the_solution_computes_too_is_right(
-    wrong: tuple[str, str], changed: tuple[str, str], expected: LineValues
+    wrong: tuple[str, str], changed: tuple[str, str], expected: LineEvidence
 ) -> None:
     source = DISTANCE.replace(*wrong)
-    texts = [seen_at(source, 2), seen_at(source.replace(*changed), 2), seen_everywhere(DISTANCE)]
+    texts = [
+        insert_line_recorder(source, 2),
+        insert_line_recorder(source.replace(*changed), 2),
+        insert_all_recorders(DISTANCE),
+    ]
     calls = [(np.array([1.5, k]), np.array([4.2, 0.3])) for k in (2.0, 3.0)]
-    seen = VariantCaller(LOCAL).seen([text or "" for text in texts], "distance", calls, KIT)
+    seen = VariantCaller(LOCAL).record_line_values([text or "" for text in texts], "distance", calls, KIT)
     rows = [[answer.value for answer in answers if isinstance(answer, Reply)] for answers in seen]
-    assert compare_values(*rows) is expected
+    assert judge_line_by_values(*rows) is expected
 
 
 @pytest.mark.parametrize(
@@ -319,7 +328,7 @@ def test_a_line_whose_values_the_solution_computes_too_is_right(
     [("a, b = x\n    return a", "a, b = x; _voir(a, b)"), ("return (x + 1)", "return (_voir(x + 1))"), ("pass", None)],
 )
 def test_a_statement_shows_what_it_sets_or_returns(statement: str, shown: str | None) -> None:
-    text = seen_at(f"def f(x):\n    {statement}\n", 2)
+    text = insert_line_recorder(f"def f(x):\n    {statement}\n", 2)
     assert (text is None) if shown is None else text is not None and text.splitlines()[1].strip() == shown
 
 
@@ -331,7 +340,7 @@ def test_an_unlikely_change_that_leaves_a_failure_proves_nothing(
     step = MendingStep(ProgramChange(PROGRAM, PROGRAM, 2, "variable"), frozenset((failed[0].id,)), (), doubtful)
     monkeypatch.setattr(search, "failed_checks", lambda source: failed)
     monkeypatch.setattr(search, "_search_steps", lambda *_: [step])
-    mending = search.search(PROGRAM)
+    mending = search.find_mending(PROGRAM)
     assert (0 if mending is None else len(mending.steps)) == count
 
 
@@ -339,7 +348,7 @@ def test_the_lines_of_a_second_change_are_those_of_the_program_as_it_was() -> No
     first = ProgramChange("a\nnew\nb\nc\n", "", 2, "copie")
     second = ProgramChange("a\nnew\nb\nd\n", "", 4, "signe")
     steps = (MendingStep(first, frozenset({"x"})), MendingStep(second, frozenset({"y"})))
-    assert [step.change.line for step in in_lines_of("a\nb\nc\n", steps)] == [2, 3]
+    assert [step.change.line for step in map_steps_to_original_lines("a\nb\nc\n", steps)] == [2, 3]
 
 
 def test_what_is_read_unsorted_is_sorted() -> None:
@@ -362,16 +371,16 @@ def test_missing_parentheses_are_put(line: str, mended: str) -> None:
 
 
 def test_a_line_notes_what_it_reads() -> None:
-    noted = noted_line(PROGRAM, 8)
+    noted = insert_variable_recorder(PROGRAM, 8)
     assert noted is not None
     assert noted[1] == ["moyenne", "a", "m", "b", "z"]
-    assert noted_line(PROGRAM, 5) is None
+    assert insert_variable_recorder(PROGRAM, 5) is None
 
 
 def test_a_place_is_joined_to_a_name() -> None:
     place = Diagnosis("lieu", "Changer la ligne 6 suffit", "Ligne 6 : « a ».\n\nQue vaut a ?")
-    assert join_place(None, place) is place
-    joined = join_place(Diagnosis("x", "Un nom", "Pourquoi."), place)
+    assert add_place_to_diagnosis(None, place) is place
+    joined = add_place_to_diagnosis(Diagnosis("x", "Un nom", "Pourquoi."), place)
     assert (joined.id, joined.title) == ("x", "Un nom")
     told = "Dans votre programme : changer la ligne 6 suffit. Ligne 6 : « a »."
     assert joined.explanation == f"Pourquoi.\n\n{told}"
@@ -379,10 +388,15 @@ def test_a_place_is_joined_to_a_name() -> None:
 
 def test_two_names_of_the_same_checks_give_way_to_one_place_that_mends_them() -> None:
     both = Diagnosis("x", "Un nom — et aussi : Un autre", "Pourquoi.", None, (("a", "b"), ("a", "b")), certain=True)
-    assert join_place(both, Diagnosis("lieu", "Changer la ligne 6 suffit", "Là.", None, (("a", "b"),))).id == "lieu"
-    assert join_place(both, Diagnosis("lieu", "Changer la ligne 6 suffit", "Là.", None, (("a",),))).id == "x"
+    assert (
+        add_place_to_diagnosis(both, Diagnosis("lieu", "Changer la ligne 6 suffit", "Là.", None, (("a", "b"),))).id
+        == "lieu"
+    )
+    assert (
+        add_place_to_diagnosis(both, Diagnosis("lieu", "Changer la ligne 6 suffit", "Là.", None, (("a",),))).id == "x"
+    )
     two_places = Diagnosis("lieu", "Ligne 6 — et aussi : ligne 7", "Là.", None, (("a",), ("b",)))
-    assert join_place(both, two_places).id == "x"
+    assert add_place_to_diagnosis(both, two_places).id == "x"
 
 
 def test_a_name_in_another_function_is_held_against_its_own_answers() -> None:
@@ -417,8 +431,8 @@ def test_a_search_spends_the_processor_time_of_its_programs_too() -> None:
             return self.spent
 
     programs = Metered()
-    is_spent = time_limit(1e9, 1e3, programs)  # type: ignore[arg-type]
+    is_spent = start_time_limit(1e9, 1e3, programs)  # type: ignore[arg-type]
     assert not is_spent()
     programs.spent = 1e3 + 1.0
     assert is_spent()
-    assert not time_limit(1e9, 1e3, LOCAL)()
+    assert not start_time_limit(1e9, 1e3, LOCAL)()

@@ -91,7 +91,7 @@ class _Watched:
 def test_a_right_program_is_asked_the_same_in_the_same_order(exercise: str) -> None:
     grader, ahead, in_its_turn = CODE[exercise], Watched(), Watched()
     assert grader.grade(grader.solution.encode(), ahead, seed=3, version="v").verdict.score == 1
-    assert grader.first_failed(grader.solution.encode(), in_its_turn, seed=3) is None
+    assert grader.first_failed_check(grader.solution.encode(), in_its_turn, seed=3) is None
     assert ahead.calls == in_its_turn.calls
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from graders.core.code.stale_answers import changed_calls
+from graders.core.code.stale_answers import make_changed_calls
 from graders.core.contract.local import LOCAL
 from tests.support.shipped import CODE
 
@@ -60,7 +60,7 @@ def test_a_whole_key_passes(gap: tuple[str, str, str, str]) -> None:
 
 def test_each_call_changes_one_argument_of_its_base() -> None:
     calls = [(np.eye(2), 3, [(0, 1)], "a"), (2.0 * np.eye(2), 4, [(0, 2)], "b"), (np.eye(2), 3)]
-    series = changed_calls(calls)
+    series = make_changed_calls(calls)
     bases = [changed for k, changed in enumerate(series) if changed.base == k]
     assert [changed.args for changed in bases] == calls[:2]
     assert {changed.index for changed in series if changed.base == 0} == {0, 1, 2, 3}

@@ -11,7 +11,7 @@ import pytest
 
 from graders.core.code import confined
 from graders.core.code.checks import Cases
-from graders.core.code.confined import ConfinedError, ConfinedWork, Unfinished
+from graders.core.code.confined import ConfinedWork, HelperProcessError, UnfinishedAnswer
 from graders.core.code.folder import Misconception
 from graders.core.code.grading import CodeGrader
 from graders.core.code.mutations import Edit, Model
@@ -137,8 +137,13 @@ def test_answers_made_before_a_fault_are_given_and_those_after_it() -> None:
     work = ConfinedWork(handle)
     items = [1, "mort", 2, 3, "mort", "mort", 4]
     answers = list(work.answer_each(items, "c"))
-    assert [answer if isinstance(answer, Unfinished) else answer[0] for answer in answers[::2]] == [1, 2, answers[4], 4]
-    assert [k for k, answer in enumerate(answers) if isinstance(answer, Unfinished)] == [1, 4, 5]
+    assert [answer if isinstance(answer, UnfinishedAnswer) else answer[0] for answer in answers[::2]] == [
+        1,
+        2,
+        answers[4],
+        4,
+    ]
+    assert [k for k, answer in enumerate(answers) if isinstance(answer, UnfinishedAnswer)] == [1, 4, 5]
     assert answers[0] == (1, "c", False)
 
 
@@ -146,7 +151,7 @@ def test_an_error_of_the_handler_is_ours() -> None:
     def handle(items: Any, context: Any) -> Any:
         yield 1 / 0
 
-    with pytest.raises(ConfinedError, match="ZeroDivisionError"):
+    with pytest.raises(HelperProcessError, match="ZeroDivisionError"):
         list(ConfinedWork(handle).answer_each([1]))
 
 
@@ -183,7 +188,7 @@ def test_a_work_may_vanish_while_a_helper_is_forked() -> None:
     del second
     helper = confined._HelperProcess()
     helper.stop()
-    assert helper.knows(first.number)
+    assert helper.has_work(first.number)
 
 
 def _no_answer(items: Sequence[Any], context: Any) -> Iterator[Any]:

@@ -111,4 +111,4 @@ def test_single_precision_gets_one_mark_whatever_is_drawn() -> None:
     )
     walk = [check for check in GRADER.checks if check.id == "poursuite"]
     for seed in range(20):
-        assert GRADER.first_failed(source.encode(), LOCAL, seed=seed, checks=walk) == "poursuite"
+        assert GRADER.first_failed_check(source.encode(), LOCAL, seed=seed, checks=walk) == "poursuite"

@@ -37,7 +37,7 @@ def played(source: bytes, number: int, seed: int) -> tuple[Run, Rejection | None
     bench = Bench(LOOP.id, Runner(LOCAL, source, world.STILL), np.random.default_rng(seed), world.STILL)
     run = Run(number, bench)
     try:
-        with bench.on(LOOP.kit(bench, number)) as run.bench:
+        with bench.run_with_kit(LOOP.kit(bench, number)) as run.bench:
             LOOP.play(run)
     except Rejection as lost:
         return run, lost

@@ -111,7 +111,7 @@ def outcome_of(check: ClosedLoop, source: bytes, number: int, seed: int) -> bool
     """Whether one run succeeds."""
     bench = Bench(check.id, Runner(LOCAL, source, world.STILL), np.random.default_rng(seed), world.STILL)
     try:
-        with bench.on(check.kit(bench, number)) as own:
+        with bench.run_with_kit(check.kit(bench, number)) as own:
             check.play(Run(number, own))
     except Rejection:
         return False
@@ -174,7 +174,7 @@ def test_a_lost_run_is_told_filmed_and_drawn(theme: str) -> None:
     (check,) = (loop for loop in LOOPS if loop.id == "suivi")
     bench = Bench(check.id, Runner(LOCAL, blind.encode(), world.STILL), np.random.default_rng(0), world.STILL)
     run = Run(0, bench)
-    with bench.on(check.kit(bench, 0)) as run.bench, pytest.raises(Rejection) as lost:
+    with bench.run_with_kit(check.kit(bench, 0)) as run.bench, pytest.raises(Rejection) as lost:
         check.play(run)
     assert "le robot est en" in lost.value.message
     assert lost.value.figure is not None

@@ -6,7 +6,7 @@ from typing import Any
 
 import pytest
 
-from graders.core.code.isolation import replacing_suffix
+from graders.core.code.isolation import solution_override_suffix
 from graders.core.contract.local import LOCAL
 from graders.plotting import counterexample
 from tests.support.quick import THEMES, one_in
@@ -48,7 +48,7 @@ def test_a_third_mistake_that_changes_nothing_is_not_named() -> None:
         "return np.pi - (np.pi - angle) % (2 * np.pi)", "return np.fmod(angle + np.pi, 2 * np.pi) - np.pi",
         "tb = b\n    c, s = np.cos(-ta), np.sin(-ta)", "tb = b\n    c, s = np.cos(-tb), np.sin(-tb)",
     )  # fmt: skip
-    beside_right_ones = source + replacing_suffix(GRADER, source, ["composer", "inverse"])
+    beside_right_ones = source + solution_override_suffix(GRADER, source, ["composer", "inverse"])
     assert set(GRADER.name_mistakes(beside_right_ones, LOCAL, 3).ids) == {"relatif_cap_de_b", "ramene_d_un_seul_cote"}
 
 

@@ -122,7 +122,7 @@ def bench(answer: Value, failed: frozenset[str] = frozenset()) -> Any:
     return SimpleNamespace(
         call=lambda function, *args: answer,
         observe=lambda *args, **more: None,
-        film=films.append,
+        record_film=films.append,
         films=films,
         runner=Told(failed),
     )
@@ -156,7 +156,7 @@ def test_a_wrong_map_is_told_by_one_cell_in_words_and_drawn() -> None:
 def test_a_wrong_graph_is_drawn_and_its_journey_filmed() -> None:
     """A small graph fails: what the whole journey comes to is looked at all the same."""
     assert rejection(small.graphs, small.CHAINED).message.startswith("Quatre poses, une boucle : la pose")
-    both = small.then(small.graphs, lambda bench: None, shown=lambda bench: bench.film({"kind": "x"}))
+    both = small.then(small.graphs, lambda bench: None, shown=lambda bench: bench.record_film({"kind": "x"}))
     on = bench(small.CHAINED)
     with pytest.raises(Rejection):
         both(on)
