@@ -78,7 +78,10 @@ def _differs_from_arguments(answer: ProbeAnswer, call: Arguments) -> bool:
 
 def _holds_only_zeros(answer: ProbeAnswer) -> bool:
     """Whether an answer holds zeros, False and no number only."""
-    return all(isinstance(leaf, int | float) and (leaf == 0 or math.isnan(leaf)) for leaf in _iter_leaves(answer))
+    return all(
+        (isinstance(leaf, int | float) and leaf == 0) or (isinstance(leaf, float) and math.isnan(leaf))
+        for leaf in _iter_leaves(answer)
+    )
 
 
 def _iter_leaves(value: Any) -> Iterator[Any]:

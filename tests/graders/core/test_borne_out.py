@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from graders.core.code.evidence import shows_mistake
+from graders.core.code.evidence import are_all_uninformative, shows_mistake
 from graders.core.code.probes import AnswerRule, ProbeResults
 from graders.core.contract.local import LOCAL
 from tests.support.shipped import CODE
@@ -65,3 +65,7 @@ def test_one_of_two_mistakes_shows_where_it_errs_alone(alone: list[list[float]],
     """Two mistakes that hide each other may answer as a program that has neither."""
     seen = ProbeResults([()] * 3, [1.0, 2.0, 4.0], [1.0, 2.0, 3.0])
     assert shows_mistake(seen, alone) == is_shown
+
+
+def test_an_integer_beyond_every_float_is_an_answer_of_its_own() -> None:
+    assert not are_all_uninformative(ProbeResults([(), ()], [10**400, 0], [1.0, 2.0]))
