@@ -88,15 +88,17 @@ def edge_residuals(graph: PoseGraph, poses: Floats) -> Floats:
 
 
 def edge_chi2(graph: PoseGraph, poses: Floats) -> Floats:
-    """The share (m,) of each edge in chi2: e' omega e."""
-    return _squares(edge_residuals(graph, poses), graph.information)
+    """The share (m,) of each edge in chi2: e' omega e; not finite for poses so far away that it overflows."""
+    with np.errstate(over="ignore", invalid="ignore"):
+        return _squares(edge_residuals(graph, poses), graph.information)
 
 
 def sighting_chi2(graph: PoseGraph, poses: Floats, landmarks: Floats) -> Floats:
-    """The share (k,) of each sighting in chi2, for landmarks (l, 2)."""
+    """The share (k,) of each sighting in chi2, for landmarks (l, 2); not finite where it overflows."""
     seen = graph.sightings
-    e = landmark_residuals(poses[seen.i], landmarks[seen.landmark], seen.p_i_l)
-    return _squares(e, seen.information)
+    with np.errstate(over="ignore", invalid="ignore"):
+        e = landmark_residuals(poses[seen.i], landmarks[seen.landmark], seen.p_i_l)
+        return _squares(e, seen.information)
 
 
 def chi2(graph: PoseGraph, poses: Floats, landmarks: Floats | None = None) -> float:

@@ -116,7 +116,8 @@ class AnswerRule:
     experiment: Experiment
 
     def __call__(self, shown: ProbeResults) -> str | None:
-        return self.recognise(shown)
+        with np.errstate(over="ignore", invalid="ignore"):  # a wrong answer may be as large as numbers go
+            return self.recognise(shown)
 
 
 def measurement_rule(recognise: Recognise) -> AnswerRule:
@@ -187,7 +188,8 @@ def read_number_or_reason(args: Arguments, value: Value) -> Value:
 def read_compared_part(args: Arguments, answer: Answer, read: Read) -> ProbeAnswer:
     """Return the compared part of an answer."""
     if isinstance(answer, Reply):
-        value = read(args, answer.value)
+        with np.errstate(over="ignore", invalid="ignore"):
+            value = read(args, answer.value)
         return (
             TOO_LARGE
             if any(isinstance(item, np.ndarray) and item.size > MAX_ITEMS for item in _as_sequence(value))

@@ -57,7 +57,8 @@ class SameSpan:
             return Mismatch(f"{_counted(len(found))}, au lieu de {len(wanted)}.")
         if not np.all(np.isfinite(found)):
             return Mismatch("Une des coordonnées n'est pas un nombre fini.", "nan")
-        told = _basis_fault(found) or _span_fault(wanted, found)
+        with np.errstate(over="ignore", invalid="ignore"):  # directions may be immense
+            told = _basis_fault(found) or _span_fault(wanted, found)
         return Mismatch(told) if told else None
 
 

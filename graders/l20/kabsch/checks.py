@@ -171,9 +171,10 @@ def clouds_figure(P: Floats, Q: Floats, best: RigidAlignment, assessment: Assess
     """The data of the figure: the clouds, P moved by the best transformation and, when it can be drawn, by theirs."""
     moved = None
     if assessment.R is not None and assessment.t is not None:
-        moved = P @ assessment.R.T + assessment.t
+        with np.errstate(over="ignore", invalid="ignore"):
+            moved = P @ assessment.R.T + assessment.t
         reach = DRAWN_WITHIN * max(1.0, float(np.max(np.abs(P))), float(np.max(np.abs(Q))))
-        moved = moved if float(np.max(np.abs(moved))) <= reach else None
+        moved = moved if bool(np.all(np.abs(moved) <= reach)) else None
     expected = P @ best.R_q_p.T + best.t_q_p
     return {"kind": "clouds", "P": P, "Q": Q, "expected": expected, "got": moved, "unique": best.unique}
 

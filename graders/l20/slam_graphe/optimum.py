@@ -78,6 +78,9 @@ def _minimum(graph: Graph, poses: Floats) -> Mismatch | None:
     reached, least = graph.chi2(poses), graph.solution.chi2[-1]
     if away[worst] <= SAME_VALLEY and reached <= least * (1.0 + CHI2_TOLERANCE):
         return None
+    if not np.isfinite(reached):
+        far = render.number(float(np.abs(poses).max()), 3)
+        return Mismatch(f"Les poses se sont envolées, jusqu'à {far} : χ² n'y est plus calculable.")
     if np.abs(gaps(graph.poses, poses)).max() <= TOLERANCE:
         return Mismatch(f"Ce sont les poses de départ, où χ² vaut {render.number(reached, 4)} : rien n'a bougé.")
     sums = "χ² y vaut {} ; au minimum, il vaut {}".format(*number_pair(reached, least, 4))

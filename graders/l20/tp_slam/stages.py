@@ -57,6 +57,10 @@ def read_poses(bench: Bench, function: str, value: Value, count: int) -> Floats:
     return poses
 
 
+def _right_so_far(count: int) -> str:
+    return "La pose 0 est juste" if count == 1 else f"Les {count} premières poses sont justes"
+
+
 def odometry(bench: Bench) -> None:
     """The path that the wheels count, pose by pose."""
     run, chain = journeys.simulated(), chain_of(bench)
@@ -68,7 +72,7 @@ def odometry(bench: Bench) -> None:
     if len(wrong):
         k = int(wrong[0])
         raise Rejection(
-            f"Les {k} premières poses sont justes, la pose {k} ne l’est plus.",
+            f"{_right_so_far(k)}, la pose {k} ne l’est plus." if k else "Dès la première, les poses sont fausses.",
             inputs={"roues (les dernières lues)": run.wheels[max(0, k - 1) : k], "L": parcours.TRACK},
             expected=wanted[k],
             got=got[k],

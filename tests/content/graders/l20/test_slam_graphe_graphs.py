@@ -79,6 +79,14 @@ def test_judgement_of_angles_and_of_the_first_pose() -> None:
     assert fingerprint(graph, moved) == fingerprint(graph, np.full((2, 3), np.nan)) == "perdu"
 
 
+def test_poses_that_ran_away_are_told_as_such() -> None:
+    """chi2 overflows there; nothing warns, and no infinite sum is shown."""
+    graph = asked.loops(np.random.default_rng(0))[0]
+    for size in (1e200, 1e308):
+        far = np.vstack([graph.poses[:1], graph.poses[1:] + np.array([size, -size, 0.0])])
+        assert "envolées" in judge(graph, far).message  # type: ignore[union-attr]
+
+
 def test_error_cases_wrap_only_where_they_should() -> None:
     for seed in range(20):
         rng = np.random.default_rng(seed)
