@@ -193,7 +193,7 @@ class Services:
 
     def tidy(self) -> None:
         with self.database.write() as db:
-            editing.delete_removed(db, utc_now())
+            editing.purge_removed_assignments(db, utc_now())
             accounts.delete_expired(db)
             behaviour.delete_empty_groups(db)
             federation.delete_expired(db, utc_now())

@@ -23,7 +23,7 @@ from server.assignments.exemption_service import explain_rules, find_exemption
 from server.assignments.models import Assignment, Exemption, LatePolicy, WeightedExercise
 from server.assignments.schemas import AssignmentInput, ExemptionInput, ExemptionTarget
 from server.assignments.student_assignments import StudentAssignment
-from server.assignments.team_repository import load_teams_of
+from server.assignments.team_repository import load_places_of_team_assignments
 from server.assignments.team_rules import team_rules_in_force
 from server.base import root_path
 from server.base.errors import Forbidden, NotFound
@@ -63,7 +63,7 @@ def _weighted(chosen: list[WeightedIn]) -> tuple[WeightedExercise, ...]:
 
 def _out(assignment: Assignment, wanted: AssignmentInput, **in_force: Any) -> AssignmentOut:
     """`in_force` is what a student sees otherwise."""
-    columns = wanted.columns()
+    columns = wanted.row_columns()
     columns["late"], columns["groups"] = _late(wanted.late, columns.pop("late_per_day")), list(wanted.groups)
     told = {
         "exercises": [WeightedIn(exercise=exercise.exercise, weight=exercise.weight) for exercise in wanted.exercises],
@@ -82,7 +82,7 @@ def _own(assigned: StudentAssignment) -> AssignmentOut:
     told["groups"] = None
     if assigned.hides_exercises:
         told["exercises"] = None
-    return _out(assigned.assignment, editing.assignment_input(assigned.assignment, assigned.exercises), **told)
+    return _out(assigned.assignment, editing.editable_fields(assigned.assignment, assigned.exercises), **told)
 
 
 @router.post(ALL, status_code=201, responses=problems(400, 401, 403, 404, 409, 413, 422))
@@ -97,7 +97,7 @@ def create(class_id: str, body: AssignmentIn, account: ApiAccount, course: Cours
     }
     made = editing.create_assignment(db, course, place.school_class, account.id, AssignmentInput(**told))
     warnings = list(load_time_warnings(db, made))
-    return _out(made, editing.load_assignment_input(db, made), warnings=warnings)
+    return _out(made, editing.load_editable_fields(db, made), warnings=warnings)
 
 
 @router.get(ALL, responses=problems(401, 403, 404))
@@ -115,7 +115,7 @@ def list_assignments(class_id: str, account: ApiAccount, db: Db) -> list[Assignm
     rows = repository.load_class_assignments(db, place.school_class.id)
     exercises = repository.load_exercises(db, [assignment.id for assignment in rows])
     return [
-        _out(assignment, editing.assignment_input(assignment, exercises.get(assignment.id, ()))) for assignment in rows
+        _out(assignment, editing.editable_fields(assignment, exercises.get(assignment.id, ()))) for assignment in rows
     ]
 
 
@@ -132,7 +132,7 @@ def read(class_id: str, aid: str, account: ApiAccount, db: Db) -> AssignmentOut:
     assignment = editing.find_assignment(db, place.school_class, aid)
     if place.has(Right.see_students):
         warnings = list(load_time_warnings(db, assignment))
-        return _out(assignment, editing.load_assignment_input(db, assignment), warnings=warnings)
+        return _out(assignment, editing.load_editable_fields(db, assignment), warnings=warnings)
     return _own(student_assignments.load_student_assignment(db, assignment, account.id, _seat(place).groups, utc_now()))
 
 
@@ -143,8 +143,8 @@ def change(
     """Changes what is sent, and leaves the rest. What students have sent stays."""
     place = rights.require_right(db, account, Right.manage_assignments, class_id)
     assignment = editing.find_assignment(db, place.school_class, aid, to_change=True)
-    before = editing.load_assignment_input(db, assignment)
-    told: dict[str, Any] = {**before.columns(), "exercises": before.exercises}
+    before = editing.load_editable_fields(db, assignment)
+    told: dict[str, Any] = {**before.row_columns(), "exercises": before.exercises}
     told |= {name: getattr(body, name) for name in body.model_fields_set}
     if "late" in body.model_fields_set:
         told |= _lateness(body.late)
@@ -153,7 +153,7 @@ def change(
     told["opens_at"], told["groups"] = told["opens_at"] or utc_now(), tuple(told["groups"])
     editing.update_assignment(db, course, place.school_class, account.id, assignment, AssignmentInput(**told))
     warnings = list(load_time_warnings(db, assignment))
-    return _out(assignment, editing.load_assignment_input(db, assignment), warnings=warnings)
+    return _out(assignment, editing.load_editable_fields(db, assignment), warnings=warnings)
 
 
 @router.delete(ONE, status_code=204, responses=problems(401, 403, 404, 409))
@@ -230,7 +230,7 @@ def read_rules(
     assignment = editing.find_assignment(db, place.school_class, aid)
     seat = _student(db, place, account, student)
     exemptions = repository.load_exemptions(db, [assignment.id]).get(assignment.id, ())
-    places = load_teams_of(db, [assignment]).get(assignment.id, ())
+    places = load_places_of_team_assignments(db, [assignment]).get(assignment.id, ())
     rules = team_rules_in_force(assignment, exemptions, seat.account_id, seat.groups, places)
     staff = place.has(Right.see_students)
     if not staff:
@@ -267,7 +267,7 @@ def _student(db: Db, place: ClassAccess, account: Account, name: str) -> Members
         if wanted != str(account.id):
             raise Forbidden(OTHERS)
         return _seat(place)
-    members = exemption_service.active_students(classes.load_members(db, place.school_class.id))
+    members = exemption_service.filter_active_students(classes.load_members(db, place.school_class.id))
     for member in members:
         if str(member.id) == wanted:
             return member.membership

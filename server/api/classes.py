@@ -20,7 +20,7 @@ from server.api.class_schemas import (
     StudentOut,
 )
 from server.api.documentation import problems
-from server.assignments.members import changing_members
+from server.assignments.members import recording_member_changes
 from server.base import root_path
 from server.base.errors import Invalid, NotFound
 from server.base.http import client_address
@@ -178,7 +178,7 @@ def _imported(
         if dry_run:
             plan, _ = classes.preview_import(place.school_class, account, content, choice, replace=replace)
         else:
-            around = partial(changing_members, by=account.id)
+            around = partial(recording_member_changes, by=account.id)
             import_list = partial(classes.import_list, around=around, choice=choice, replace=replace)
             plan, _ = import_list(place.school_class.id, account, content)
     except UnreadColumns as refused:

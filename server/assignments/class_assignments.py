@@ -13,8 +13,8 @@ from sqlalchemy import inspect, select
 from sqlalchemy.orm import Session
 
 from server.assignments.models import AssignedExercise, Assignment, Exemption, Mode, Sitting, WeightedExercise
-from server.assignments.team_repository import load_teams_of
-from server.assignments.team_rules import TeamPlace, list_shares
+from server.assignments.team_repository import load_places_of_team_assignments
+from server.assignments.team_rules import TeamPlace, list_partnerships
 from server.database import Base
 
 
@@ -29,9 +29,9 @@ class ClassAssignments:
     sittings: Mapping[UUID, Mapping[UUID, Sitting]]
     teams: Mapping[UUID, tuple[TeamPlace, ...]] = field(default_factory=dict)
 
-    def partners_of(self, students: Collection[UUID]) -> frozenset[UUID]:
+    def find_partners(self, students: Collection[UUID]) -> frozenset[UUID]:
         """Return those who hand in, or handed in, with some of these students."""
-        shares = (list_shares(places, student) for places in self.teams.values() for student in students)
+        shares = (list_partnerships(places, student) for places in self.teams.values() for student in students)
         return frozenset(share.partner.account_id for own in shares for share in own)
 
     @cached_property
@@ -39,15 +39,15 @@ class ClassAssignments:
         """Every value that was loaded: equal versions mean equal assignments."""
         sittings = chain.from_iterable(by_student.values() for by_student in self.sittings.values())
         return (
-            _values(self.assignments),
+            _row_values(self.assignments),
             tuple((name, tuple(exercises)) for name, exercises in self.exercises.items()),
-            _values(chain.from_iterable(self.exemptions.values())),
-            _values(sittings),
+            _row_values(chain.from_iterable(self.exemptions.values())),
+            _row_values(sittings),
             tuple(self.teams.items()),
         )
 
 
-def _values(rows: Iterable[Base]) -> Hashable:
+def _row_values(rows: Iterable[Base]) -> Hashable:
     return tuple(tuple(getattr(row, name) for name in inspect(type(row)).column_attrs.keys()) for row in rows)  # noqa: SIM118
 
 
@@ -72,7 +72,7 @@ def load_class_assignments(db: Session, class_id: UUID, only: Collection[UUID] |
         exercises=exercises,
         exemptions=_load_exemptions(db, class_id),
         sittings=_load_sittings(db, class_id, only) if has_tests else {},
-        teams=load_teams_of(db, assignments.values()),
+        teams=load_places_of_team_assignments(db, assignments.values()),
     )
 
 

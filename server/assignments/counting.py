@@ -21,10 +21,10 @@ class ScoredAttempt:
     score: float
 
 
-class TimeJudge(Protocol):
+class SendTimingJudge(Protocol):
     """`rules.Windows` of a student, or `rules.Rules` where there is no sitting."""
 
-    def judge(self, sent_at: datetime, /) -> SendTiming: ...
+    def judge_timing(self, sent_at: datetime, /) -> SendTiming: ...
 
 
 @dataclass(frozen=True)
@@ -48,7 +48,9 @@ class ExerciseResult:
 NO_RESULT = ExerciseResult(None, 0)
 
 
-def mark_attempts(times: TimeJudge, counts: AttemptSelection, attempts: Sequence[ScoredAttempt]) -> ExerciseResult:
+def mark_attempts(
+    times: SendTimingJudge, counts: AttemptSelection, attempts: Sequence[ScoredAttempt]
+) -> ExerciseResult:
     """Mark a student's attempts at one exercise, given in any order and without internal errors.
 
     Among equal marks the earliest is the best. Attempts that do not count by their time are ignored. Of the last one,
@@ -56,33 +58,35 @@ def mark_attempts(times: TimeJudge, counts: AttemptSelection, attempts: Sequence
     """
     if not attempts:
         return NO_RESULT
-    timed = _marks(times, sorted(attempts, key=lambda attempt: (attempt.sent_at, attempt.id.int)))
+    timed = _mark_counting_attempts(times, sorted(attempts, key=lambda attempt: (attempt.sent_at, attempt.id.int)))
     marks = [mark for mark, _ in timed]
     if counts is AttemptSelection.last:
-        counted = _last(timed)
+        counted = _last_mark(timed)
     elif counts is AttemptSelection.best_before_due:
-        counted = _best([mark for mark in marks if not mark.days_late])
+        counted = _best_mark([mark for mark in marks if not mark.days_late])
     else:
-        counted = _best(marks)
+        counted = _best_mark(marks)
     return ExerciseResult(counted, len(marks))
 
 
-def _marks(times: TimeJudge, attempts: Iterable[ScoredAttempt]) -> Sequence[tuple[AttemptMark, SendTiming]]:
+def _mark_counting_attempts(
+    times: SendTimingJudge, attempts: Iterable[ScoredAttempt]
+) -> Sequence[tuple[AttemptMark, SendTiming]]:
     marks = []
     for attempt in attempts:
         full_points = MAX_POINTS * attempt.score
-        timing = times.judge(attempt.sent_at)
-        adjusted = timing.adjust(full_points)
+        timing = times.judge_timing(attempt.sent_at)
+        adjusted = timing.apply_late_penalty(full_points)
         if adjusted.points is not None:
             marks.append((AttemptMark(attempt.id, adjusted.points, full_points, adjusted.days_late), timing))
     return marks
 
 
-def _best(marks: Sequence[AttemptMark]) -> AttemptMark | None:
+def _best_mark(marks: Sequence[AttemptMark]) -> AttemptMark | None:
     return max(marks, key=lambda mark: mark.points, default=None)
 
 
-def _last(timed: Sequence[tuple[AttemptMark, SendTiming]]) -> AttemptMark | None:
+def _last_mark(timed: Sequence[tuple[AttemptMark, SendTiming]]) -> AttemptMark | None:
     last = None
     for mark, timing in timed:
         if last is None or timing.counted_on_arrival or mark.points > last.points:

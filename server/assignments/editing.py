@@ -58,7 +58,7 @@ def find_assignment(
     return assignment
 
 
-def assignment_input(assignment: Assignment, exercises: Sequence[WeightedExercise]) -> AssignmentInput:
+def editable_fields(assignment: Assignment, exercises: Sequence[WeightedExercise]) -> AssignmentInput:
     """Return the editable fields of an assignment."""
     return AssignmentInput(
         title=assignment.title,
@@ -81,11 +81,11 @@ def assignment_input(assignment: Assignment, exercises: Sequence[WeightedExercis
     )
 
 
-def load_assignment_input(db: Session, assignment: Assignment) -> AssignmentInput:
-    return assignment_input(assignment, repository.load_exercises(db, [assignment.id]).get(assignment.id, ()))
+def load_editable_fields(db: Session, assignment: Assignment) -> AssignmentInput:
+    return editable_fields(assignment, repository.load_exercises(db, [assignment.id]).get(assignment.id, ()))
 
 
-def assignable_exercises(db: Session, course: Course, school_class: SchoolClass) -> Mapping[str, str]:
+def load_assignable_titles(db: Session, course: Course, school_class: SchoolClass) -> Mapping[str, str]:
     """Return the titles of the exercises of the class's module by id, in the course's order; then its teachers' own."""
     module = course.modules.get(school_class.module)
     if module is None:
@@ -105,16 +105,16 @@ def create_assignment(
 ) -> Assignment:
     """Create an assignment. Raises Conflict for an archived class, or InvalidFields."""
     require_open(school_class)
-    valid = validate_assignment(fields, assignable_exercises(db, course, school_class), load_groups(db, school_class))
-    assignment = _insert(db, school_class, by, valid)
+    valid = validate_assignment(fields, load_assignable_titles(db, course, school_class), load_groups(db, school_class))
+    assignment = _insert_assignment(db, school_class, by, valid)
     audit.record_event(
-        db, school_class.id, by, AuditAction.assignment_made, about=valid.title, after=_log_values(valid)
+        db, school_class.id, by, AuditAction.assignment_made, about=valid.title, after=_audit_values(valid)
     )
     return assignment
 
 
-def _insert(db: Session, school_class: SchoolClass, by: UUID, fields: AssignmentInput) -> Assignment:
-    assignment = Assignment(class_id=school_class.id, created_by=by, **fields.columns())
+def _insert_assignment(db: Session, school_class: SchoolClass, by: UUID, fields: AssignmentInput) -> Assignment:
+    assignment = Assignment(class_id=school_class.id, created_by=by, **fields.row_columns())
     db.add(assignment)
     db.flush()
     _set_exercises(db, assignment, fields.exercises)
@@ -137,35 +137,37 @@ def update_assignment(
     """
     require_open(school_class)
     safeguards.lock_test(db, assignment)
-    before = load_assignment_input(db, assignment)
+    before = load_editable_fields(db, assignment)
     current = {exercise: exercise for exercise, _ in before.exercises}
     labels = {*load_groups(db, school_class), *before.groups}
-    valid = validate_assignment(fields, current | dict(assignable_exercises(db, course, school_class)), labels)
+    valid = validate_assignment(fields, current | dict(load_assignable_titles(db, course, school_class)), labels)
     if valid == before:
         return
     now = utc_now()
-    safeguards.require_coherent(db, assignment, before, valid, now)
-    _require_team_size(db, assignment, before, valid)
-    keep_past_rules(assignment, valid, now)
-    for name, value in valid.columns().items():
+    safeguards.require_safe_test_change(db, assignment, before, valid, now)
+    _require_allowed_team_size(db, assignment, before, valid)
+    append_past_rules(assignment, valid, now)
+    for name, value in valid.row_columns().items():
         setattr(assignment, name, value)
     if valid.exercises != before.exercises:
         _set_exercises(db, assignment, valid.exercises)
     db.flush()
-    old, new = _log_values(before), _log_values(valid)
+    old, new = _audit_values(before), _audit_values(valid)
     audit.record_event(
         db, school_class.id, by, AuditAction.assignment_changed, about=valid.title, before=old, after=new
     )
 
 
-def _require_team_size(db: Session, assignment: Assignment, before: AssignmentInput, after: AssignmentInput) -> None:
+def _require_allowed_team_size(
+    db: Session, assignment: Assignment, before: AssignmentInput, after: AssignmentInput
+) -> None:
     """Raise InvalidFields where more students hand in together, or have, than a change would allow."""
-    largest = teams.load_largest_team(db, assignment.id) if after.team_size < before.team_size else 0
+    largest = teams.load_largest_team_size(db, assignment.id) if after.team_size < before.team_size else 0
     if after.team_size < largest:
         raise InvalidFields({"team_size": TEAMS_EXIST.format(count=largest)})
 
 
-def keep_past_rules(assignment: Assignment, after: AssignmentInput, now: datetime) -> None:
+def append_past_rules(assignment: Assignment, after: AssignmentInput, now: datetime) -> None:
     """Keep the rules on time that a change ends: attempts that arrived under them keep what they were told."""
     names = [each.name for each in dataclasses.fields(PastRules) if each.name != "until"]
     before = {name: getattr(assignment, name) for name in names}
@@ -181,8 +183,8 @@ def delete_assignment(db: Session, school_class: SchoolClass, by: UUID, assignme
     """
     require_open(school_class)
     safeguards.lock_test(db, assignment)
-    safeguards.require_nothing_held(db, assignment)
-    before = _log_values(load_assignment_input(db, assignment))
+    safeguards.require_no_withheld_feedback(db, assignment)
+    before = _audit_values(load_editable_fields(db, assignment))
     exemptions = len(repository.load_active_exemptions(db, assignment.id))
     deleted = before | ({"exemptions": exemptions} if exemptions else {})
     audit.record_event(db, school_class.id, by, AuditAction.assignment_deleted, about=assignment.title, before=deleted)
@@ -201,14 +203,14 @@ def restore_assignment(db: Session, school_class: SchoolClass, by: UUID, assignm
     if assignment is None:
         return find_assignment(db, school_class, wanted)  # restored already, by a double click or another teacher
     assignment.removed_at = None
-    values = _log_values(load_assignment_input(db, assignment))
+    values = _audit_values(load_editable_fields(db, assignment))
     audit.record_event(db, school_class.id, by, AuditAction.assignment_restored, about=assignment.title, after=values)
     return assignment
 
 
-def delete_removed(db: Session, now: datetime) -> None:
+def purge_removed_assignments(db: Session, now: datetime) -> None:
     """Delete for good what was removed too long ago to be restored."""
-    repository.delete_removed_before(db, now - RESTORABLE)
+    repository.purge_assignments_removed_before(db, now - RESTORABLE)
 
 
 def copy_assignments(
@@ -228,23 +230,23 @@ def copy_assignments(
     assignments = repository.load_class_assignments(db, original.id)
     exercises = repository.load_exercises(db, [assignment.id for assignment in assignments])
     for assignment in assignments:
-        fields = assignment_input(assignment, exercises.get(assignment.id, ()))
-        columns = fields.columns()
+        fields = editable_fields(assignment, exercises.get(assignment.id, ()))
+        columns = fields.row_columns()
         for name in ("opens_at", "due_at", "closes_at"):
             columns[name] = None if columns[name] is None else shift_date(columns[name])
         mapped = [(map_exercise(exercise), weight) for exercise, weight in fields.exercises]
         available = tuple(WeightedExercise(exercise, weight) for exercise, weight in mapped if exercise is not None)
         if available:
             copy = AssignmentInput(exercises=available, **columns)
-            _insert(db, target, by, copy)
+            _insert_assignment(db, target, by, copy)
             audit.record_event(
-                db, target.id, by, AuditAction.assignment_made, about=copy.title, after=_log_values(copy)
+                db, target.id, by, AuditAction.assignment_made, about=copy.title, after=_audit_values(copy)
             )
             copied += 1
     return copied
 
 
-def uncopied_exercises(
+def find_uncopied_exercises(
     db: Session, school_class: SchoolClass, map_exercise: Callable[[str], str | None]
 ) -> Sequence[tuple[str, str]]:
     """Return what `copy_assignments` leaves out: pairs of an assignment's title and an exercise."""
@@ -258,11 +260,11 @@ def uncopied_exercises(
     ]
 
 
-def _log_values(fields: AssignmentInput) -> dict[str, Any]:
+def _audit_values(fields: AssignmentInput) -> dict[str, Any]:
     """Return the values for the audit log, without None."""
     columns: dict[str, Any] = {
         name: value.value if isinstance(value, LatePolicy | AttemptSelection | Mode | Visibility) else value
-        for name, value in fields.columns().items()
+        for name, value in fields.row_columns().items()
         if value is not None and value != ()
     }
     if fields.team_size == 1:

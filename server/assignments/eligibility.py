@@ -34,13 +34,13 @@ NAMESAKE = (
 ENDED = "Ce compte est suspendu, ou va être effacé : il ne commence pas de contrôle."
 
 
-def begin_refusal(db: Session, test: Assignment, account: Account, membership: Membership) -> str:
+def explain_begin_refusal(db: Session, test: Assignment, account: Account, membership: Membership) -> str:
     """Return why an account may not begin a test now; empty where it may, or has begun it."""
     if sitting_repository.load_sitting(db, test.id, account.id) is not None:
         return ""
     if account.is_guest:
         return GUEST
-    if not membership.is_confirmed and (namesake := _find_namesake(db, test, account.id)) is not None:
+    if not membership.is_confirmed and (namesake := _find_conflicting_namesake(db, test, account.id)) is not None:
         return NAMESAKE.format(name=namesake.name)
     return ""
 
@@ -55,12 +55,12 @@ def require_may_begin(db: Session, test: Assignment, account: Account, membershi
     current = identity.lock_account(db, account.id)
     if current is None or current.disabled_at is not None:
         raise Forbidden(ENDED)
-    refusal = begin_refusal(db, test, account, membership)
+    refusal = explain_begin_refusal(db, test, account, membership)
     if refusal:
         raise Forbidden(refusal)
 
 
-def _find_namesake(db: Session, test: Assignment, account_id: UUID) -> Member | None:
+def _find_conflicting_namesake(db: Session, test: Assignment, account_id: UUID) -> Member | None:
     """Return another student of one of the account's names, who is of the list or has begun the test."""
     begun = sitting_repository.load_sittings(db, [test.id])
     namesakes = find_namesakes(classes.load_members(db, test.class_id), account_id)

@@ -31,14 +31,14 @@ UNKNOWN = "Cet aménagement n’existe pas."
 NO_STUDENT = "Cette personne n’est pas un élève de la classe."
 
 
-def active_students(members: Collection[Member]) -> Sequence[Member]:
+def filter_active_students(members: Collection[Member]) -> Sequence[Member]:
     """Return the active students among the members of a class."""
     return [member for member in members if member.role is ClassRole.student and member.status is Status.active]
 
 
-def student_labels(members: Collection[Member]) -> Sequence[str]:
+def list_student_labels(members: Collection[Member]) -> Sequence[str]:
     """Return the labels of the active students."""
-    return sorted({label for student in active_students(members) for label in student.groups}, key=str.casefold)
+    return sorted({label for student in filter_active_students(members) for label in student.groups}, key=str.casefold)
 
 
 def grant_exemptions(
@@ -57,9 +57,9 @@ def grant_exemptions(
     Raises InvalidFields, Conflict for an archived class, or WrongMoment where it would cut short a running sitting.
     """
     require_open(school_class)
-    if set(target.students) - {student.id for student in active_students(members)}:
+    if set(target.students) - {student.id for student in filter_active_students(members)}:
         raise InvalidFields({"student": NO_STUDENT})
-    validate_exemption(fields, assignment.opens_at, student_labels(members), target)
+    validate_exemption(fields, assignment.opens_at, list_student_labels(members), target)
     beneficiaries: list[dict[str, Any]] = [{"account_id": student} for student in dict.fromkeys(target.students)]
     if target.label:
         beneficiaries = [{"label": target.label}]
@@ -69,9 +69,9 @@ def grant_exemptions(
             assignment_id=assignment.id,
             created_by=by,
             created_at=now,
-            extends=is_extension(fields, assignment),
+            extends=never_moves_dates_earlier(fields, assignment),
             **beneficiary,
-            **fields.columns(),
+            **fields.row_columns(),
         )
         for beneficiary in beneficiaries
     ]
@@ -83,17 +83,17 @@ def grant_exemptions(
         and ({"account_id": exemption.account_id} in beneficiaries or {"label": exemption.label} in beneficiaries)
     ]
     remaining = [exemption for exemption in before if exemption not in replaced]
-    safeguards.require_exempted_go_on(db, assignment, before, [*remaining, *granted], now)
+    safeguards.require_no_sitting_cut_short(db, assignment, before, [*remaining, *granted], now)
     for exemption in replaced:
-        _revoke(db, school_class, by, assignment, exemption, now)
+        _revoke_and_record(db, school_class, by, assignment, exemption, now)
     db.add_all(granted)
     db.flush()
     for exemption in granted:
-        _record(db, school_class, by, AuditAction.exemption_made, assignment, exemption)
+        _record_exemption_event(db, school_class, by, AuditAction.exemption_made, assignment, exemption)
     return granted
 
 
-def is_extension(fields: ExemptionInput, common: CommonRules) -> bool:
+def never_moves_dates_earlier(fields: ExemptionInput, common: CommonRules) -> bool:
     """Return whether no date of an exemption is earlier than that of the others. Pure."""
     return not any(
         date is not None and (others is None or date < others)
@@ -101,11 +101,11 @@ def is_extension(fields: ExemptionInput, common: CommonRules) -> bool:
     )
 
 
-def _record(
+def _record_exemption_event(
     db: Session, school_class: SchoolClass, by: UUID, action: AuditAction, assignment: Assignment, exemption: Exemption
 ) -> None:
     values: dict[str, Any] = {} if exemption.label is None else {"label": exemption.label}
-    values |= exemption_effects(exemption)
+    values |= changed_fields(exemption)
     before, after = ({}, values) if action is AuditAction.exemption_made else (values, {})
     audit.record_event(
         db,
@@ -120,10 +120,10 @@ def _record(
     )
 
 
-def exemption_effects(exemption: Exemption) -> dict[str, Any]:
+def changed_fields(exemption: Exemption) -> dict[str, Any]:
     """Return the fields that an exemption changes, without its reason."""
     dates = (exemption.opens_at, exemption.due_at, exemption.closes_at)
-    return ExemptionInput(*dates, exemption.time_factor, exemption.excused).effects
+    return ExemptionInput(*dates, exemption.time_factor, exemption.excused).changed_fields
 
 
 def find_exemption(db: Session, assignment: Assignment, exemption_id: UUID | str) -> Exemption:
@@ -144,16 +144,16 @@ def revoke_exemption(
     before = repository.load_active_exemptions(db, assignment.id)
     after = [each for each in before if each.id != exemption.id]
     now = utc_now()
-    safeguards.require_exempted_go_on(db, assignment, before, after, now)
-    _revoke(db, school_class, by, assignment, exemption, now)
+    safeguards.require_no_sitting_cut_short(db, assignment, before, after, now)
+    _revoke_and_record(db, school_class, by, assignment, exemption, now)
 
 
-def _revoke(
+def _revoke_and_record(
     db: Session, school_class: SchoolClass, by: UUID, assignment: Assignment, exemption: Exemption, now: datetime
 ) -> None:
     exemption.revoked_at = now
     db.flush()
-    _record(db, school_class, by, AuditAction.exemption_revoked, assignment, exemption)
+    _record_exemption_event(db, school_class, by, AuditAction.exemption_revoked, assignment, exemption)
 
 
 def move_guest_exemptions(db: Session, guest_id: UUID, account_id: UUID) -> None:
@@ -178,12 +178,14 @@ def explain_rules(
 ) -> Mapping[Field, tuple[ExplainedValue, ...]]:
     """Return the values of each field, the one in force first, with the exemptions that they come from."""
     return {
-        name: tuple(_explain(name, value, exemptions, student) for value in values)
+        name: tuple(_explain_value(name, value, exemptions, student) for value in values)
         for name, values in rules.sources.items()
     }
 
 
-def _explain(name: Field, value: SourcedValue, exemptions: Collection[Exemption], student: UUID) -> ExplainedValue:
+def _explain_value(
+    name: Field, value: SourcedValue, exemptions: Collection[Exemption], student: UUID
+) -> ExplainedValue:
     for exemption in exemptions:
         if value.origin == "student":
             is_source = exemption.account_id == student

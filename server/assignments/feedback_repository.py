@@ -27,7 +27,7 @@ class AssignedExerciseRow:
     sitting: Sitting | None
 
 
-def _holding_rows() -> Select[UUID, Assignment, str, list[str], str, Sitting]:
+def _select_withholding_rows() -> Select[UUID, Assignment, str, list[str], str, Sitting]:
     """Select the assigned exercises that may hold back feedback, with the student and their sitting.
 
     Includes classes that a student left voluntarily: leaving a class, or asking to come back, does not end a test.
@@ -72,7 +72,7 @@ def _holding_rows() -> Select[UUID, Assignment, str, list[str], str, Sitting]:
 
 
 #: On the hot path of every page and attempt: built once.
-ALL_ROWS = _holding_rows()
+ALL_ROWS = _select_withholding_rows()
 #: The type is explicit: the column takes its own from the account table, which may not be imported yet.
 ACCOUNT_ROWS = ALL_ROWS.where(Membership.account_id == bindparam("account", type_=Uuid()))
 EXERCISE_ROWS = ACCOUNT_ROWS.where(AssignedExercise.exercise == bindparam("exercise"))
@@ -96,24 +96,24 @@ def load_student_rows(
     """Load the rows of an account, in one exercise or in all."""
     values = {"account": account_id, "now": now}
     if exercise is None:
-        return _rows(db.execute(ACCOUNT_ROWS, values))
+        return _build_rows(db.execute(ACCOUNT_ROWS, values))
     exercise_values = {**values, "exercise": exercise}
     return (
         ()
         if select_core(db, ANY_EXERCISE_ROW, exercise_values).first() is None
-        else _rows(db.execute(EXERCISE_ROWS, exercise_values))
+        else _build_rows(db.execute(EXERCISE_ROWS, exercise_values))
     )
 
 
-def load_rows_of_students(
+def load_students_rows(
     db: Session, accounts: Collection[UUID], exercise: str, now: datetime
 ) -> Sequence[AssignedExerciseRow]:
     """Load the rows of several accounts in one exercise."""
     query = ALL_ROWS.where(AssignedExercise.exercise == exercise, Membership.account_id.in_(accounts))
-    return _rows(db.execute(query, {"now": now}))
+    return _build_rows(db.execute(query, {"now": now}))
 
 
-def _rows(rows: Iterable[Row[UUID, Assignment, str, list[str], str, Sitting]]) -> Sequence[AssignedExerciseRow]:
+def _build_rows(rows: Iterable[Row[UUID, Assignment, str, list[str], str, Sitting]]) -> Sequence[AssignedExerciseRow]:
     return [
         AssignedExerciseRow(account_id, assignment, name, groups, status == Status.active, sitting)
         for account_id, assignment, name, groups, status, sitting in rows

@@ -14,7 +14,7 @@ from uuid import UUID
 from sqlalchemy.orm import Session
 
 from server.assignments import repository
-from server.assignments.members import changing_members
+from server.assignments.members import recording_member_changes
 from server.base.errors import Invalid, InvalidFields, NotFound
 from server.classes import repository as classes
 from server.classes.folding import normalise_name
@@ -39,14 +39,14 @@ IN_USE = "Le groupe « {label} » sert encore : {uses}. Changez d’abord à qui
 
 
 @dataclass(frozen=True)
-class GroupUse:
+class GroupUsage:
     """What depends on a group: titles of the assignments given to it, and of those with an exemption for it."""
 
     assignments: tuple[str, ...] = ()
     exemptions: tuple[str, ...] = ()
 
 
-def load_uses(db: Session, school_class: SchoolClass) -> Mapping[str, GroupUse]:
+def load_group_usage(db: Session, school_class: SchoolClass) -> Mapping[str, GroupUsage]:
     """Return what depends on each group of a class."""
     given, exempted = defaultdict(list), defaultdict(list)
     assignments = repository.load_class_assignments(db, school_class.id)
@@ -58,10 +58,10 @@ def load_uses(db: Session, school_class: SchoolClass) -> Mapping[str, GroupUse]:
         for label in {each.label for each in active if each.label is not None}:
             exempted[label].append(assignment.title)
     labels = given.keys() | exempted.keys()
-    return {label: GroupUse(tuple(given.get(label, ())), tuple(exempted.get(label, ()))) for label in labels}
+    return {label: GroupUsage(tuple(given.get(label, ())), tuple(exempted.get(label, ()))) for label in labels}
 
 
-def find_students(members: Sequence[Member], text: str) -> Sequence[UUID]:
+def find_named_students(members: Sequence[Member], text: str) -> Sequence[UUID]:
     """Return the active students whom the lines of a text name: by name in either order, by login or by e-mail.
 
     Raises InvalidFields for `names`, with every line that names nobody, or several.
@@ -69,12 +69,12 @@ def find_students(members: Sequence[Member], text: str) -> Sequence[UUID]:
     by_key: dict[str, set[UUID]] = defaultdict(set)
     for member in members:
         if member.is_active_student:
-            for key in _keys(member):
+            for key in _matching_keys(member):
                 by_key[key].add(member.id)
     lines = [line.strip() for line in text.splitlines() if line.strip()][:MAX_LINES]
     if not lines:
         raise InvalidFields({"names": NOBODY})
-    matches = [(line, by_key.get(_fold(line), set()) if len(line) <= MAX_LINE_LENGTH else set()) for line in lines]
+    matches = [(line, by_key.get(_fold_name(line), set()) if len(line) <= MAX_LINE_LENGTH else set()) for line in lines]
     for problem, wrong in (
         (UNKNOWN_LINES, [line for line, students in matches if not students]),
         (SEVERAL, [line for line, students in matches if len(students) > 1]),
@@ -84,24 +84,24 @@ def find_students(members: Sequence[Member], text: str) -> Sequence[UUID]:
     return list(dict.fromkeys(student for _, students in matches for student in students))
 
 
-def _keys(member: Member) -> Collection[str]:
+def _matching_keys(member: Member) -> Collection[str]:
     names = (member.name, member.plain_name, member.account.name)
     handles = (member.account.login or "", member.membership.email)
-    return {_fold(text) for text in (*names, *handles) if text}
+    return {_fold_name(text) for text in (*names, *handles) if text}
 
 
-def _fold(text: str) -> str:
+def _fold_name(text: str) -> str:
     return " ".join(sorted(normalise_name(text).split()))
 
 
-def make_group(db: Session, school_class: SchoolClass, by: UUID, name: str, students: Collection[UUID]) -> str:
+def create_group(db: Session, school_class: SchoolClass, by: UUID, name: str, students: Collection[UUID]) -> str:
     """Put students into a new group, and return its label. Raises Conflict or InvalidFields."""
-    label = _new_label(name, load_taken_names(db, school_class))
-    _add(db, school_class, by, {label: students})
+    label = _require_new_label(name, load_taken_group_names(db, school_class))
+    _add_students_to_groups(db, school_class, by, {label: students})
     return label
 
 
-def deal_groups(
+def create_random_groups(
     db: Session,
     school_class: SchoolClass,
     by: UUID,
@@ -118,14 +118,14 @@ def deal_groups(
         raise InvalidFields({"count": HOW_MANY})
     if len(students) < count:
         raise InvalidFields({"count": TOO_FEW.format(count=len(students))})
-    taken = load_taken_names(db, school_class)
-    labels = [_new_label(f"{name} {number}", taken) for number in range(1, count + 1)]
+    taken = load_taken_group_names(db, school_class)
+    labels = [_require_new_label(f"{name} {number}", taken) for number in range(1, count + 1)]
     shuffled = random.sample(list(students), len(students))
-    _add(db, school_class, by, {label: shuffled[index::count] for index, label in enumerate(labels)})
+    _add_students_to_groups(db, school_class, by, {label: shuffled[index::count] for index, label in enumerate(labels)})
     return labels
 
 
-def parse_label(name: str) -> str:
+def parse_group_label(name: str) -> str:
     """Return the label that a text writes. Raises InvalidFields for `name`."""
     try:
         labels = parse_groups(name)
@@ -136,30 +136,35 @@ def parse_label(name: str) -> str:
     return labels[0]
 
 
-def load_taken_names(db: Session, school_class: SchoolClass) -> frozenset[str]:
+def load_taken_group_names(db: Session, school_class: SchoolClass) -> frozenset[str]:
     """Load the names of the groups of a class, and of those that something still depends on, as `normalise_name` folds
     them."""
-    labels = _labels(classes.load_members(db, school_class.id)) | load_uses(db, school_class).keys()
+    labels = (
+        _labels_of_active_students(classes.load_members(db, school_class.id))
+        | load_group_usage(db, school_class).keys()
+    )
     return frozenset(map(normalise_name, labels))
 
 
-def _new_label(name: str, taken: Collection[str]) -> str:
+def _require_new_label(name: str, taken: Collection[str]) -> str:
     """Return the label of a group to make; `taken` are folded names. Raises InvalidFields."""
-    label = parse_label(name)
+    label = parse_group_label(name)
     if normalise_name(label) in taken:
         raise InvalidFields({"name": TAKEN.format(label=label)})
     return label
 
 
-def _labels(members: Sequence[Member]) -> frozenset[str]:
+def _labels_of_active_students(members: Sequence[Member]) -> frozenset[str]:
     return frozenset(label for member in members if member.is_active_student for label in member.groups)
 
 
-def _add(db: Session, school_class: SchoolClass, by: UUID, groups: Mapping[str, Collection[UUID]]) -> None:
+def _add_students_to_groups(
+    db: Session, school_class: SchoolClass, by: UUID, groups: Mapping[str, Collection[UUID]]
+) -> None:
     require_open(school_class)
     classes.lock_class(db, school_class.id)
     members = {member.id: member for member in classes.load_members(db, school_class.id)}
-    with changing_members(db, school_class.id, by):
+    with recording_member_changes(db, school_class.id, by):
         for label, students in groups.items():
             for student in students:
                 member = members[student]
@@ -173,22 +178,22 @@ def rename_group(db: Session, school_class: SchoolClass, by: UUID, label: str, n
     require_open(school_class)
     classes.lock_class(db, school_class.id)
     members = classes.load_members(db, school_class.id)
-    if label not in _labels(members):
+    if label not in _labels_of_active_students(members):
         raise NotFound(NO_GROUP)
-    new = label if name.strip() == label else _new_label(name, load_taken_names(db, school_class))
-    with changing_members(db, school_class.id, by):
+    new = label if name.strip() == label else _require_new_label(name, load_taken_group_names(db, school_class))
+    with recording_member_changes(db, school_class.id, by):
         for member in members:
             if label in member.groups:
-                member.membership.groups = _replace(member.groups, label, new)
-        repository.rename_label(db, school_class.id, label, new)
+                member.membership.groups = _replace_label(member.groups, label, new)
+        repository.rename_group_label(db, school_class.id, label, new)
     return new
 
 
-def _replace(labels: Collection[str], old: str, new: str) -> list[str]:
+def _replace_label(labels: Collection[str], old: str, new: str) -> list[str]:
     return [new if label == old else label for label in labels]
 
 
-def dissolve_group(db: Session, school_class: SchoolClass, by: UUID, label: str) -> None:
+def delete_group(db: Session, school_class: SchoolClass, by: UUID, label: str) -> None:
     """Take all students out of a group. Raises NotFound, Conflict for an archived class, or InvalidFields where an
     assignment or an exemption is given to the group."""
     require_open(school_class)
@@ -196,11 +201,11 @@ def dissolve_group(db: Session, school_class: SchoolClass, by: UUID, label: str)
     members = [member for member in classes.load_members(db, school_class.id) if label in member.groups]
     if not members:
         raise NotFound(NO_GROUP)
-    use = load_uses(db, school_class).get(label)
+    use = load_group_usage(db, school_class).get(label)
     if use is not None:
         words = [f"devoir « {title} »" for title in use.assignments]
         words += [f"aménagement du devoir « {title} »" for title in use.exemptions]
         raise InvalidFields({"name": IN_USE.format(label=label, uses=", ".join(words))})
-    with changing_members(db, school_class.id, by):
+    with recording_member_changes(db, school_class.id, by):
         for member in members:
             member.membership.groups = [own for own in member.groups if own != label]

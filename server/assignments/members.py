@@ -26,22 +26,22 @@ CUTS_SHORT = (
 
 
 @contextmanager
-def changing_members(db: Session, class_id: UUID, by: UUID) -> Iterator[None]:
+def recording_member_changes(db: Session, class_id: UUID, by: UUID) -> Iterator[None]:
     """Record the changes of memberships within the block, as `recording_membership_changes`.
 
     Raises WrongMoment where they would bring forward the end of a running sitting.
     """
-    before = _sittings_of_class(db, class_id)
+    before = _load_unfinished_sittings(db, class_id)
     with recording_membership_changes(db, class_id, by):
         yield
     db.flush()
-    for key, sitting in _sittings_of_class(db, class_id).items() if before else ():
-        if key in before and _is_cut_short(db, before[key], sitting):
+    for key, sitting in _load_unfinished_sittings(db, class_id).items() if before else ():
+        if key in before and _is_sitting_cut_short(db, before[key], sitting):
             (member,) = load_members(db, class_id, [sitting.sitting.account_id])
             raise WrongMoment(CUTS_SHORT.format(name=member.name))
 
 
-def _sittings_of_class(db: Session, class_id: UUID) -> dict[tuple[UUID, UUID], UnfinishedSitting]:
+def _load_unfinished_sittings(db: Session, class_id: UUID) -> dict[tuple[UUID, UUID], UnfinishedSitting]:
     unfinished = sitting_repository.load_unfinished_sittings(db)
     return {
         (work.assignment.id, work.sitting.account_id): work
@@ -50,7 +50,7 @@ def _sittings_of_class(db: Session, class_id: UUID) -> dict[tuple[UUID, UUID], U
     }
 
 
-def _is_cut_short(db: Session, before: UnfinishedSitting, after: UnfinishedSitting) -> bool:
+def _is_sitting_cut_short(db: Session, before: UnfinishedSitting, after: UnfinishedSitting) -> bool:
     if set(before.groups) <= set(after.groups):
         return False
     exemptions = repository.load_active_exemptions(db, after.assignment.id)
@@ -59,5 +59,5 @@ def _is_cut_short(db: Session, before: UnfinishedSitting, after: UnfinishedSitti
     )
     if not is_sitting_running(old, before.sitting, utc_now()):
         return False
-    old_end, new_end = (rules.end_of_sitting(before.sitting.began_at) for rules in (old, new))
+    old_end, new_end = (rules.latest_sitting_end(before.sitting.began_at) for rules in (old, new))
     return new_end is not None and (old_end is None or new_end < old_end)

@@ -13,7 +13,7 @@ from uuid import UUID
 from sqlalchemy.orm import Session
 
 from server.assignments import repository, sitting_repository
-from server.assignments.feedback import SittingStage, forget_holds, sitting_stage
+from server.assignments.feedback import SittingStage, clear_holds_memo, sitting_stage
 from server.assignments.models import Assignment, EndedBy
 from server.assignments.rules import is_sitting_running, rules_in_force
 from server.audit import service as audit
@@ -53,34 +53,34 @@ def load_release_effects(db: Session, test: Assignment, now: datetime) -> Releas
     def stage_of(student: ActiveStudent) -> SittingStage | None:
         rules = rules_in_force(test, exemptions, student.id, student.groups)
         sitting = sittings.get((test.id, student.id))
-        return None if rules.is_free and sitting is None else sitting_stage(test, rules, sitting, now)
+        return None if rules.is_exempt and sitting is None else sitting_stage(test, rules, sitting, now)
 
     return ReleaseEffects(at_stage(SittingStage.may_begin), at_stage(SittingStage.running))
 
 
 def release_feedback(db: Session, test: Assignment, by: UUID, now: datetime) -> None:
     """Release the results of a test. Raises Conflict where they are released already."""
-    _lock(db, test)
+    _lock_test(db, test)
     if test.released_at is not None and test.released_at <= now:
         raise Conflict(ALREADY_RELEASED)
     _set_release(db, test, by, now, AuditAction.feedback_released)
 
 
-def may_withdraw_release(test: Assignment, now: datetime) -> bool:
+def can_still_withdraw_release(test: Assignment, now: datetime) -> bool:
     return test.released_at is not None and now - test.released_at < WITHDRAWAL_TIME
 
 
 def withdraw_release(db: Session, test: Assignment, by: UUID, now: datetime) -> None:
     """Withhold the results again: whoever had not begun may begin. Raises Conflict, WrongMoment after a day."""
-    _lock(db, test)
+    _lock_test(db, test)
     if test.released_at is None:
         raise Conflict(NOT_RELEASED)
-    if not may_withdraw_release(test, now):
+    if not can_still_withdraw_release(test, now):
         raise WrongMoment(TOO_LATE_TO_WITHDRAW)
     _set_release(db, test, by, None, AuditAction.release_withdrawn)
 
 
-def _lock(db: Session, test: Assignment) -> None:
+def _lock_test(db: Session, test: Assignment) -> None:
     classes.lock_class(db, test.class_id)
     db.refresh(test)
 
@@ -89,21 +89,21 @@ def _set_release(db: Session, test: Assignment, by: UUID, at: datetime | None, a
     before, test.released_at = test.released_at, at
     values = {"released_at": before}, {"released_at": at}
     audit.record_event(db, test.class_id, by, action, about=test.title, before=values[0], after=values[1])
-    forget_holds(db)
+    clear_holds_memo(db)
 
 
-def load_copies_handed_in(db: Session, test: Assignment) -> Collection[UUID]:
+def load_students_handed_in(db: Session, test: Assignment) -> Collection[UUID]:
     """Return the students who handed in themselves."""
     sittings = sitting_repository.load_sittings(db, [test.id])
     return [account_id for (_, account_id), sitting in sittings.items() if sitting.ended_by == EndedBy.student]
 
 
-def reopen_copy(db: Session, test: Assignment, by: UUID, student: ActiveStudent, now: datetime) -> None:
+def reopen_sitting(db: Session, test: Assignment, by: UUID, student: ActiveStudent, now: datetime) -> None:
     """Let a student who handed in by mistake go on to their own end; the clock has not stopped meanwhile.
 
     Raises WrongMoment without a sitting, once released, or where their time is over.
     """
-    _lock(db, test)
+    _lock_test(db, test)
     sitting = sitting_repository.lock_sitting(db, test.id, student.id)
     if sitting is None:
         raise WrongMoment(NO_COPY)
@@ -127,4 +127,4 @@ def reopen_copy(db: Session, test: Assignment, by: UUID, student: ActiveStudent,
         before={"handed_in_at": handed_in_at},
         after={"handed_in_at": None},
     )
-    forget_holds(db)
+    clear_holds_memo(db)

@@ -13,7 +13,7 @@ from sqlalchemy.orm import Session
 
 from server.assignments import editing, exemption_service, groups, repository
 from server.assignments.models import Assignment, Exemption, Mode, WeightedExercise
-from server.assignments.rules import concerns
+from server.assignments.rules import is_assigned_to
 from server.assignments.schemas import AssignmentInput, ExemptionInput, ExemptionTarget
 from server.base.errors import InvalidFields
 from server.classes import repository as classes
@@ -29,7 +29,7 @@ OTHERS = "Ce devoir n’est pas donné à {name} : décochez cet élève, ou don
 MAX_NAMES = 100
 
 
-def give_exercise(
+def assign_exercise_to_students(
     db: Session,
     course: Course,
     school_class: SchoolClass,
@@ -44,17 +44,17 @@ def give_exercise(
 
     Raises Conflict for an archived class, or InvalidFields.
     """
-    _check(students, due_at, now)
-    label = _group_of(db, school_class, students)
+    _require_students_and_date(students, due_at, now)
+    label = _find_exact_group(db, school_class, students)
     if label is None:
-        label = groups.make_group(db, school_class, by, _free_name(db, school_class, name), students)
-    titles = editing.assignable_exercises(db, course, school_class)
+        label = groups.create_group(db, school_class, by, _number_until_free(db, school_class, name), students)
+    titles = editing.load_assignable_titles(db, course, school_class)
     title = f"Reprise : {titles.get(exercise, exercise)}"
     fields = AssignmentInput(title, (WeightedExercise(exercise),), now, due_at, groups=(label,))
     return editing.create_assignment(db, course, school_class, by, fields)
 
 
-def _check(students: Collection[UUID], until: datetime | None, now: datetime) -> None:
+def _require_students_and_date(students: Collection[UUID], until: datetime | None, now: datetime) -> None:
     problems = {} if students else {"students": NOBODY}
     if until is None or until <= now:
         problems["due_at"] = NO_DATE if until is None else PAST
@@ -62,7 +62,7 @@ def _check(students: Collection[UUID], until: datetime | None, now: datetime) ->
         raise InvalidFields(problems)
 
 
-def _group_of(db: Session, school_class: SchoolClass, students: Collection[UUID]) -> str | None:
+def _find_exact_group(db: Session, school_class: SchoolClass, students: Collection[UUID]) -> str | None:
     """Return a group that has these students and no others."""
     members: dict[str, set[UUID]] = {}
     for student in classes.load_active_students(db, school_class.id):
@@ -71,25 +71,25 @@ def _group_of(db: Session, school_class: SchoolClass, students: Collection[UUID]
     return next((label for label, own in sorted(members.items()) if own == set(students)), None)
 
 
-def _free_name(db: Session, school_class: SchoolClass, name: str) -> str:
+def _number_until_free(db: Session, school_class: SchoolClass, name: str) -> str:
     """Return the name, numbered where groups have it already."""
-    taken = groups.load_taken_names(db, school_class)
+    taken = groups.load_taken_group_names(db, school_class)
     names = [name, *(f"{name} ({number})" for number in range(2, MAX_NAMES))]
     return next((each for each in names if normalise_name(each) not in taken), name)
 
 
-def list_reopenable(db: Session, school_class: SchoolClass, now: datetime) -> Sequence[Assignment]:
+def list_reopenable_assignments(db: Session, school_class: SchoolClass, now: datetime) -> Sequence[Assignment]:
     """Return the assignments whose date limit or closing has gone by, the latest first; tests are no such."""
     given = repository.load_class_assignments(db, school_class.id)
-    over = [row for row in given if row.mode != Mode.test and _is_over(row, now)]
+    over = [row for row in given if row.mode != Mode.test and _has_passed_date(row, now)]
     return sorted(over, key=lambda row: row.opens_at, reverse=True)
 
 
-def _is_over(assignment: Assignment, now: datetime) -> bool:
+def _has_passed_date(assignment: Assignment, now: datetime) -> bool:
     return any(date is not None and date <= now for date in (assignment.due_at, assignment.closes_at))
 
 
-def reopen_for(
+def reopen_for_students(
     db: Session,
     school_class: SchoolClass,
     by: UUID,
@@ -102,11 +102,11 @@ def reopen_for(
 
     Raises InvalidFields, or Conflict for an archived class.
     """
-    _check(students, until, now)
+    _require_students_and_date(students, until, now)
     assert until is not None
     members = classes.load_members(db, school_class.id)
     for member in members:
-        if member.id in students and not concerns(assignment, member.groups):
+        if member.id in students and not is_assigned_to(assignment, member.groups):
             raise InvalidFields({"students": OTHERS.format(name=member.name)})
     closes_at = assignment.closes_at
     fields = ExemptionInput(
@@ -114,7 +114,7 @@ def reopen_for(
         closes_at=until if closes_at is not None and closes_at < until else None,
         reason="rouvert",
     )
-    if not fields.effects:
+    if not fields.changed_fields:
         raise InvalidFields({"due_at": OPEN})
     target = ExemptionTarget(tuple(students))
     return exemption_service.grant_exemptions(db, school_class, by, assignment, members, target, fields)

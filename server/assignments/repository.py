@@ -22,7 +22,7 @@ def find_assignment(db: Session, class_id: UUID, assignment_id: UUID) -> Assignm
 
 
 @prepared_statement
-def _of_class(class_id: UUID) -> Select[Assignment]:
+def _select_class_assignments(class_id: UUID) -> Select[Assignment]:
     query = select(Assignment).where(Assignment.class_id == class_id, Assignment.removed_at.is_(None))
     return query.order_by(Assignment.opens_at, Assignment.title, Assignment.id)
 
@@ -33,18 +33,18 @@ def load_removed_assignments(db: Session, class_id: UUID) -> Sequence[Assignment
     return db.execute(query.order_by(Assignment.removed_at.desc(), Assignment.id)).scalars().all()
 
 
-def delete_removed_before(db: Session, before: datetime) -> None:
+def purge_assignments_removed_before(db: Session, before: datetime) -> None:
     """Delete for good the assignments that were removed before that time."""
     db.execute(delete(Assignment).where(Assignment.removed_at < before))
 
 
 def load_class_assignments(db: Session, class_id: UUID) -> Sequence[Assignment]:
     """Load the assignments of a class in the order in which they open."""
-    return db.execute(*_of_class(class_id)).scalars().all()
+    return db.execute(*_select_class_assignments(class_id)).scalars().all()
 
 
 @prepared_statement
-def _exercises(assignments: Collection[UUID]) -> Select[UUID, str, float]:
+def _select_exercises(assignments: Collection[UUID]) -> Select[UUID, str, float]:
     query = select(AssignedExercise.assignment_id, AssignedExercise.exercise, AssignedExercise.weight)
     return query.where(AssignedExercise.assignment_id.in_(assignments)).order_by(AssignedExercise.position)
 
@@ -52,7 +52,7 @@ def _exercises(assignments: Collection[UUID]) -> Select[UUID, str, float]:
 def load_exercises(db: Session, assignments: Collection[UUID]) -> Mapping[UUID, Sequence[WeightedExercise]]:
     """Load the exercises of each assignment, in order."""
     exercises: dict[UUID, list[WeightedExercise]] = defaultdict(list)
-    for assignment, exercise, weight in select_core(db, *_exercises(assignments)):
+    for assignment, exercise, weight in select_core(db, *_select_exercises(assignments)):
         exercises[assignment].append(WeightedExercise(exercise, weight))
     return exercises
 
@@ -65,7 +65,7 @@ def load_class_exercises(db: Session, class_id: UUID) -> Sequence[str]:
 
 
 @prepared_statement
-def _exemptions(assignments: Collection[UUID]) -> Select[Exemption]:
+def _select_exemptions(assignments: Collection[UUID]) -> Select[Exemption]:
     query = select(Exemption).where(Exemption.assignment_id.in_(assignments))
     return query.order_by(Exemption.created_at, Exemption.id)
 
@@ -73,13 +73,13 @@ def _exemptions(assignments: Collection[UUID]) -> Select[Exemption]:
 def load_exemptions(db: Session, assignments: Collection[UUID]) -> Mapping[UUID, Sequence[Exemption]]:
     """Load the exemptions of each assignment, revoked ones included, oldest first."""
     exemptions: dict[UUID, list[Exemption]] = defaultdict(list)
-    for exemption in db.execute(*_exemptions(assignments)).scalars():
+    for exemption in db.execute(*_select_exemptions(assignments)).scalars():
         exemptions[exemption.assignment_id].append(exemption)
     return exemptions
 
 
 @prepared_statement
-def _opened(class_id: UUID, now: datetime) -> Select[str | None, bool, tuple[str, ...]]:
+def _select_opened_exercises(class_id: UUID, now: datetime) -> Select[str | None, bool, tuple[str, ...]]:
     assignments, exercises = table_of(Assignment), table_of(AssignedExercise)
     query = select(exercises.c.exercise, assignments.c.opens_at <= now, assignments.c.groups)
     rows = assignments.outerjoin(exercises, exercises.c.assignment_id == assignments.c.id)
@@ -89,7 +89,7 @@ def _opened(class_id: UUID, now: datetime) -> Select[str | None, bool, tuple[str
 def load_opened_exercises(db: Session, class_id: UUID, now: datetime) -> Mapping[str, frozenset[str]] | None:
     """Load the exercises of the class's open or past assignments, each with the groups to which alone it is given, none
     for the whole class; None where the class has no assignment at all."""
-    rows = select_core(db, *_opened(class_id, now)).all()
+    rows = select_core(db, *_select_opened_exercises(class_id, now)).all()
     opened = [(name, frozenset(groups)) for name, is_open, groups in rows if name and is_open]
     for_all = {name for name, groups in opened if not groups}
     labels: dict[str, frozenset[str]] = dict.fromkeys(for_all, frozenset())
@@ -119,7 +119,7 @@ def move_exemptions(db: Session, guest_id: UUID, account_id: UUID) -> None:
     db.execute(update(Exemption).where(Exemption.account_id == guest_id).values(account_id=account_id))
 
 
-def rename_label(db: Session, class_id: UUID, old: str, new: str) -> None:
+def rename_group_label(db: Session, class_id: UUID, old: str, new: str) -> None:
     """Rename a group in the assignments of a class, deleted ones included, and in their exemptions."""
     for assignment in db.execute(select(Assignment).where(Assignment.class_id == class_id)).scalars():
         if old in assignment.groups:
@@ -130,7 +130,7 @@ def rename_label(db: Session, class_id: UUID, old: str, new: str) -> None:
 
 
 @prepared_statement
-def _exemption_counts(assignments: Collection[UUID]) -> Select[UUID, int]:
+def _select_exemption_counts(assignments: Collection[UUID]) -> Select[UUID, int]:
     query = select(Exemption.assignment_id, func.count()).where(
         Exemption.assignment_id.in_(assignments), Exemption.revoked_at.is_(None)
     )
@@ -139,11 +139,11 @@ def _exemption_counts(assignments: Collection[UUID]) -> Select[UUID, int]:
 
 def count_exemptions(db: Session, assignments: Collection[UUID]) -> Mapping[UUID, int]:
     """Count the exemptions in force of each assignment."""
-    return {row[0]: row[1] for row in select_core(db, *_exemption_counts(assignments))}
+    return {row[0]: row[1] for row in select_core(db, *_select_exemption_counts(assignments))}
 
 
 @prepared_statement
-def _student_assignments(
+def _select_student_assignments(
     account_id: UUID, opened_by: datetime, exercise: str, *, everything: bool
 ) -> Select[*tuple[Any, ...]]:
     earlier = select(Exemption.assignment_id).where(Exemption.opens_at <= opened_by, Exemption.revoked_at.is_(None))
@@ -173,7 +173,9 @@ def load_student_assignments(
     """Load the assignments of a student's classes, archived ones excepted, that may have opened by then, also by an
     exemption; with `exercise`, those that contain it. Each has the student's groups, and whether there are exemptions.
     """
-    rows = select_core(db, *_student_assignments(account_id, opened_by, exercise or "", everything=exercise is None))
+    rows = select_core(
+        db, *_select_student_assignments(account_id, opened_by, exercise or "", everything=exercise is None)
+    )
     return [(assignment, groups, exempted) for assignment, (groups, exempted) in detached_instances(Assignment, rows)]
 
 

@@ -95,21 +95,21 @@ def sourced_values(name: Field, common: Any, exemptions: Sequence[ExemptionField
         best = MOST_FAVOURABLE[name]([value for value, _, _ in labelled])
         ranked = sorted(labelled, key=lambda row: (row[0] != best, row[1]))
         values += [SourcedValue("label", value, label, extends) for value, label, extends in ranked]
-    return _in_force_first([*values, SourcedValue("assignment", common)])
+    return _sort_in_force_first([*values, SourcedValue("assignment", common)])
 
 
-def _in_force_first(values: Sequence[SourcedValue]) -> tuple[SourcedValue, ...]:
+def _sort_in_force_first(values: Sequence[SourcedValue]) -> tuple[SourcedValue, ...]:
     """Put the value in force first: one that extends gives way to a later date, and to none at all."""
     first, *others = values
     if not others:
         return (first,)
-    best, *rest = _in_force_first(others)
+    best, *rest = _sort_in_force_first(others)
     if first.extends and (best.value is None or best.value > first.value):
         return (best, first, *rest)
     return (first, best, *rest)
 
 
-def adjusted_closing(
+def closing_dates_adjusted_for_extra_time(
     sources: Mapping[Field, tuple[SourcedValue, ...]], duration: timedelta | None, factor: float, *, is_test: bool
 ) -> tuple[SourcedValue, ...]:
     """Return the closing dates, with one late enough for extra time that was granted and for the due date.
@@ -125,11 +125,11 @@ def adjusted_closing(
     if length is not None and factor > 1.0:
         end += max(length, timedelta()) * (factor - 1.0)
     if due.value is not None:
-        end = max(end, due.value + _time_after_due(sources, duration, factor, is_test=is_test))
+        end = max(end, due.value + _guaranteed_time_after_due(sources, duration, factor, is_test=is_test))
     return closes if end == closes[0].value else (SourcedValue("adjusted", end), *closes)
 
 
-def _time_after_due(
+def _guaranteed_time_after_due(
     sources: Mapping[Field, tuple[SourcedValue, ...]], duration: timedelta | None, factor: float, *, is_test: bool
 ) -> timedelta:
     """Return the time that a due date of one's own leaves at least to who begins a test at that date."""

@@ -27,7 +27,7 @@ from server.assignments.rule_sources import (
     ExemptionFields,
     Field,
     SourcedValue,
-    adjusted_closing,
+    closing_dates_adjusted_for_extra_time,
     sourced_values,
 )
 from server.base import school_time
@@ -73,12 +73,12 @@ class SendTiming:
     def counts(self) -> bool:
         return self.kind in {TimingKind.on_time, TimingKind.late}
 
-    def adjust(self, points: float) -> LateAdjustedPoints:
+    def apply_late_penalty(self, points: float) -> LateAdjustedPoints:
         """Return what is left of these points out of 20."""
         return LateAdjustedPoints(max(0.0, points - self.penalty), self.days_late) if self.counts else NOT_COUNTED
 
     @property
-    def favour(self) -> tuple[bool, float, int]:
+    def favour_sort_key(self) -> tuple[bool, float, int]:
         """Sorts the more favourable last."""
         return self.counts, -self.penalty, -self.days_late
 
@@ -117,54 +117,54 @@ class Rules:
     zone: tzinfo = field(default_factory=school_time.time_zone)
     earlier: tuple[EarlierRules, ...] = ()
     is_concerned: bool = True
-    shared: tuple[SharedRules, ...] = ()
+    shared: tuple[TeammateRules, ...] = ()
 
     @property
-    def is_free(self) -> bool:
+    def is_exempt(self) -> bool:
         """Whether nothing is asked of the student, who is excused or in none of the groups."""
         return self.excused or not self.is_concerned
 
-    def end_of_sitting(self, began: datetime) -> datetime | None:
+    def latest_sitting_end(self, began: datetime) -> datetime | None:
         """Return when a test begun at that time ends: no earlier than any end that was told since.
 
         One that had no end for a time does not end before that time.
         """
-        end = self._own_end(began)
+        end = self._own_sitting_end(began)
         if end is None:
             return None
-        told = [past.rules._own_end(began) or past.until for past in self.earlier if past.until > began]
+        told = [past.rules._own_sitting_end(began) or past.until for past in self.earlier if past.until > began]
         return max([end, *told])
 
-    def _own_end(self, began: datetime) -> datetime | None:
+    def _own_sitting_end(self, began: datetime) -> datetime | None:
         end = None if self.duration is None else began + self.duration
         return min((each for each in (self.closes_at, end) if each is not None), default=None)
 
-    def may_begin(self, at: datetime) -> bool:
+    def can_begin_at(self, at: datetime) -> bool:
         """Whether a test may be begun then: it is open, and not past a due date after which it is refused."""
         if at < self.opens_at or (self.closes_at is not None and at >= self.closes_at):
             return False
         return self.late is not LatePolicy.refuse or self.due_at is None or at <= self.due_at
 
     @property
-    def of_today(self) -> Rules:
+    def without_earlier_rules(self) -> Rules:
         """The rules in force, without those before them."""
         return replace(self, earlier=())
 
-    def judge(self, at: datetime) -> SendTiming:
+    def judge_timing(self, at: datetime) -> SendTiming:
         """Return how an attempt that arrived at that time, or a test that was begun then, stands to the dates.
 
         An attempt that arrived before the opening is on time: exercises may be done before they are assigned.
         """
-        now = self._judge(at)
+        now = self._judge_by_own_dates(at)
         if not self.earlier and not self.shared:
             return now
-        then = next((past.rules._judge(at) for past in self.earlier if past.since <= at < past.until), now)
-        team = [each.rules.judge(at) for each in self.shared if each.covers(at)]
-        best = max(now, then, *team, key=lambda timing: timing.favour)
+        then = next((past.rules._judge_by_own_dates(at) for past in self.earlier if past.since <= at < past.until), now)
+        team = [each.rules.judge_timing(at) for each in self.shared if each.covers(at)]
+        best = max(now, then, *team, key=lambda timing: timing.favour_sort_key)
         counted = then.counts or any(timing.counts and timing.counted_on_arrival for timing in team)
         return replace(best, counted_on_arrival=counted or not best.counts)
 
-    def _judge(self, at: datetime) -> SendTiming:
+    def _judge_by_own_dates(self, at: datetime) -> SendTiming:
         if at >= self.opens_at and self.closes_at is not None and at > self.closes_at:
             return SendTiming(TimingKind.closed)
         days = self.count_days_late(at)
@@ -179,7 +179,7 @@ class Rules:
         return 0 if self.due_at is None else school_time.count_days_begun(self.due_at, at, self.zone)
 
     @property
-    def last_counted_at(self) -> datetime | None:
+    def latest_counting_time(self) -> datetime | None:
         """Until when an attempt counts; for a test, until when it may be begun."""
         ends = [self.closes_at] if self.late is not LatePolicy.refuse else [self.closes_at, self.due_at]
         return min((end for end in ends if end is not None), default=None)
@@ -195,7 +195,7 @@ class EarlierRules:
 
 
 @dataclass(frozen=True)
-class SharedRules:
+class TeammateRules:
     """The rules of a member of the student's team, while both are in it; `until` is None for a team of today."""
 
     since: datetime
@@ -216,14 +216,14 @@ class SendingWindow:
     @property
     def ends_at(self) -> datetime | None:
         """The end that the student is told: of their sitting, or of the last time to begin or to send."""
-        return self.rules.last_counted_at if self.sitting is None else sitting_end(self.rules, self.sitting)
+        return self.rules.latest_counting_time if self.sitting is None else sitting_end(self.rules, self.sitting)
 
     @property
     def concerns_student(self) -> bool:
         """Whether the assignment is given to the student, or they sat it before they left its groups."""
         return self.rules.is_concerned or self.sitting is not None
 
-    def judge(self, sent_at: datetime) -> SendTiming:
+    def judge_timing(self, sent_at: datetime) -> SendTiming:
         """Return how an attempt stands to the dates. In a test, whatever is sent in one sitting is as late as it began.
 
         Attempts outside the sitting may lie between the test's dates: those of a guest who later signed in. Of students
@@ -232,13 +232,13 @@ class SendingWindow:
         if not self.concerns_student:
             return OUTSIDE
         if not self.rules.is_test:
-            return self.rules.judge(sent_at)
+            return self.rules.judge_timing(sent_at)
         if self.sitting is None or sent_at < self.sitting.began_at:
             return OUTSIDE
         end = self.sitting.handed_in_at or sitting_end(self.rules, self.sitting)
         if end is not None and sent_at > end:
             return OUTSIDE
-        timing = self.rules.judge(self.sitting.began_at)
+        timing = self.rules.judge_timing(self.sitting.began_at)
         # It was allowed to begin, and its page told no refusal.
         return timing if timing.counts else SendTiming(TimingKind.late, timing.days_late)
 
@@ -247,7 +247,7 @@ def is_sitting_running(rules: Rules, sitting: SittingTimes, now: datetime) -> bo
     """Whether a sitting is neither handed in nor past its end."""
     if sitting.ended_by == EndedBy.student:
         return False
-    end = rules.end_of_sitting(sitting.began_at)
+    end = rules.latest_sitting_end(sitting.began_at)
     return end is None or now < end
 
 
@@ -255,7 +255,7 @@ def sitting_end(rules: Rules, sitting: SittingTimes) -> datetime | None:
     """Return when a sitting has ended, or will; None where only its student ends it."""
     if sitting.ended_by == EndedBy.student:
         return sitting.handed_in_at
-    return rules.end_of_sitting(sitting.began_at)
+    return rules.latest_sitting_end(sitting.began_at)
 
 
 def rules_in_force(
@@ -271,27 +271,27 @@ def rules_in_force(
     Exemptions of others are ignored; revoked ones were in force until they were revoked, and so were the assignment's
     `past_rules`.
     """
-    own = [each for each in exemptions if _applies_to(each, student, labels)]
+    own = [each for each in exemptions if _exemption_applies_to(each, student, labels)]
     zone = zone or school_time.time_zone()
     is_test = getattr(common, "mode", Mode.practice) == Mode.test
     active = [each for each in own if each.revoked_at is None]
-    rules = _combine(common, active, is_test=is_test, zone=zone)
-    earlier = tuple(_earlier_rules(common, own, is_test=is_test, zone=zone))
+    rules = _combine_with_exemptions(common, active, is_test=is_test, zone=zone)
+    earlier = tuple(_iter_earlier_rules(common, own, is_test=is_test, zone=zone))
     rules = replace(rules, earlier=earlier) if earlier else rules
-    return rules if concerns(common, labels) else replace(rules, is_concerned=False)
+    return rules if is_assigned_to(common, labels) else replace(rules, is_concerned=False)
 
 
-def concerns(common: CommonRules, labels: Collection[str]) -> bool:
+def is_assigned_to(common: CommonRules, labels: Collection[str]) -> bool:
     """Return whether an assignment is given to a student who has these labels."""
     groups: Sequence[str] = getattr(common, "groups", None) or ()
     return not groups or any(label in groups for label in labels)
 
 
-def _applies_to(exemption: ExemptionFields, student: UUID, labels: Collection[str]) -> bool:
+def _exemption_applies_to(exemption: ExemptionFields, student: UUID, labels: Collection[str]) -> bool:
     return exemption.account_id == student or exemption.label in labels
 
 
-def _earlier_rules(
+def _iter_earlier_rules(
     common: CommonRules, own: Sequence[ExemptionFields], *, is_test: bool, zone: tzinfo
 ) -> Iterator[EarlierRules]:
     """Yield the rules that were in force before, oldest first, from when the assignment was made."""
@@ -299,21 +299,23 @@ def _earlier_rules(
     made: datetime | None = getattr(common, "created_at", None)
     if made is None or not (past or own):
         return
-    spans = [(each, *_span(each)) for each in own]
+    spans = [(each, *_exemption_period(each)) for each in own]
     changes = {each.until for each in past} | {time for _, *span in spans for time in span if time is not None}
     since = made
     for until in sorted(change for change in changes if change > made):
         then = next((each for each in past if since < each.until), common)
         active = [each for each, start, end in spans if (start is None or start <= since) and (not end or since < end)]
-        yield EarlierRules(since, until, _combine(then, active, is_test=is_test, zone=zone))
+        yield EarlierRules(since, until, _combine_with_exemptions(then, active, is_test=is_test, zone=zone))
         since = until
 
 
-def _span(exemption: ExemptionFields) -> tuple[datetime | None, datetime | None]:
+def _exemption_period(exemption: ExemptionFields) -> tuple[datetime | None, datetime | None]:
     return getattr(exemption, "created_at", None), exemption.revoked_at
 
 
-def _combine(common: CommonRules, own: Sequence[ExemptionFields], *, is_test: bool, zone: tzinfo) -> Rules:
+def _combine_with_exemptions(
+    common: CommonRules, own: Sequence[ExemptionFields], *, is_test: bool, zone: tzinfo
+) -> Rules:
     """Return the rules from those for everyone and the exemptions of one student."""
     sources: dict[Field, tuple[SourcedValue, ...]] = {
         "opens_at": sourced_values("opens_at", common.opens_at, own),
@@ -325,7 +327,7 @@ def _combine(common: CommonRules, own: Sequence[ExemptionFields], *, is_test: bo
     factor = float(sources["time_factor"][0].value)
     minutes = common.duration_minutes
     duration = None if minutes is None else timedelta(minutes=minutes)
-    sources["closes_at"] = adjusted_closing(sources, duration, factor, is_test=is_test)
+    sources["closes_at"] = closing_dates_adjusted_for_extra_time(sources, duration, factor, is_test=is_test)
     return Rules(
         opens_at=sources["opens_at"][0].value,
         due_at=sources["due_at"][0].value,

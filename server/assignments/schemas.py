@@ -56,7 +56,7 @@ class AssignmentInput:
     team_size: int = 1
     teams_by_students: bool = False
 
-    def columns(self) -> dict[str, Any]:
+    def row_columns(self) -> dict[str, Any]:
         """Return the columns of the assignment's row: all fields but the exercises."""
         return {name: value for name, value in asdict(self).items() if name != "exercises"}
 
@@ -72,11 +72,11 @@ class ExemptionInput:
     excused: bool | None = None
     reason: str = ""
 
-    def columns(self) -> dict[str, Any]:
+    def row_columns(self) -> dict[str, Any]:
         return asdict(self)
 
     @property
-    def effects(self) -> dict[str, Any]:
+    def changed_fields(self) -> dict[str, Any]:
         """The fields that change something, without the reason."""
         return {name: value for name, value in asdict(self).items() if name != "reason" and value is not None}
 
@@ -103,7 +103,7 @@ def validate_assignment(
         tidy = replace(tidy, late_per_day=None)
     if tidy.team_size == 1:
         tidy = replace(tidy, teams_by_students=False)
-    _refuse(
+    _raise_if_problems(
         [
             *_check_fields(tidy),
             *_check_exercises(tidy.exercises, exercises),
@@ -118,12 +118,12 @@ def validate_exemption(
     fields: ExemptionInput, opens_at: datetime, labels: Collection[str], target: ExemptionTarget
 ) -> None:
     """Check an exemption against the opening of its assignment and the labels of the class. Raises InvalidFields."""
-    _refuse(
+    _raise_if_problems(
         [*_check_target(target, labels), *_check_effects(fields), *_check_order(fields.opens_at or opens_at, fields)]
     )
 
 
-def _refuse(problems: list[Problem]) -> None:
+def _raise_if_problems(problems: list[Problem]) -> None:
     if problems:
         raise InvalidFields(dict(reversed(problems)))  # the first problem of a field wins
 
@@ -199,7 +199,7 @@ def _check_target(target: ExemptionTarget, labels: Collection[str]) -> Iterator[
 
 
 def _check_effects(fields: ExemptionInput) -> Iterator[Problem]:
-    if not fields.effects:
+    if not fields.changed_fields:
         yield "due_at", "Dites ce qui change : une date, le temps, ou une dispense."
     low, high = TIME_FACTORS
     if fields.time_factor is not None and not low <= fields.time_factor <= high:

@@ -18,7 +18,7 @@ class CountingExercises:
     names: tuple[str, ...]
     groups: Mapping[str, frozenset[str]] = field(default_factory=dict)
 
-    def for_student(self, labels: Collection[str]) -> tuple[str, ...]:
+    def counting_for_student(self, labels: Collection[str]) -> tuple[str, ...]:
         """Return those that count for a student who has these labels."""
         return tuple(name for name in self.names if name not in self.groups or not self.groups[name].isdisjoint(labels))
 
@@ -42,6 +42,6 @@ def load_counting_exercises(db: Session, course: Course, school_class: SchoolCla
     return CountingExercises(counting, {name: groups for name, groups in opened.items() if groups})
 
 
-def counting_exercises(db: Session, course: Course, school_class: SchoolClass, now: datetime) -> Sequence[str]:
+def list_counting_exercises(db: Session, course: Course, school_class: SchoolClass, now: datetime) -> Sequence[str]:
     """Return the exercises that count for a class, or for some groups of it."""
     return load_counting_exercises(db, course, school_class, now).names

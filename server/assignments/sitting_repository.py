@@ -35,7 +35,7 @@ def lock_sitting(db: Session, assignment_id: UUID, account_id: UUID) -> Sitting 
     return db.execute(query).scalar_one_or_none()
 
 
-def insert_sitting(db: Session, assignment_id: UUID, account_id: UUID, now: datetime) -> None:
+def insert_sitting_once(db: Session, assignment_id: UUID, account_id: UUID, now: datetime) -> None:
     """Insert a sitting unless it exists: of two tabs, the first one's time holds."""
     row = {"assignment_id": assignment_id, "account_id": account_id, "began_at": now}
     db.execute(upsert_statement(db, Sitting).on_conflict_do_nothing(), row)
@@ -58,14 +58,14 @@ def load_saved_work(db: Session, assignment_id: UUID, account_id: UUID) -> Seque
     return db.execute(query.order_by(SavedWork.exercise)).scalars().all()
 
 
-def load_save_times(db: Session, assignment_id: UUID, account_id: UUID) -> Mapping[str, datetime]:
+def load_last_save_times(db: Session, assignment_id: UUID, account_id: UUID) -> Mapping[str, datetime]:
     """Return when each exercise was saved last."""
     query = select(SavedWork.exercise, SavedWork.saved_at)
     query = query.where(SavedWork.assignment_id == assignment_id, SavedWork.account_id == account_id)
     return dict(db.execute(query).all())
 
 
-def load_tested_exercises(db: Session, account_id: UUID, at: datetime) -> frozenset[str]:
+def load_exercises_in_sat_tests(db: Session, account_id: UUID, at: datetime) -> frozenset[str]:
     """Return the exercises of the tests that an account sat at a time."""
     query = (
         select(AssignedExercise.exercise)
@@ -119,7 +119,7 @@ def load_sittings(db: Session, assignments: Collection[UUID]) -> Mapping[tuple[U
     return {(sitting.assignment_id, sitting.account_id): sitting for sitting in db.execute(query).scalars()}
 
 
-def count_sittings(db: Session, assignment_id: UUID) -> tuple[int, int]:
+def count_begun_and_ended_sittings(db: Session, assignment_id: UUID) -> tuple[int, int]:
     """Count the sittings that have begun, and those of them that have ended."""
     query = select(func.count(), func.count(Sitting.handed_in_at)).where(Sitting.assignment_id == assignment_id)
     begun, ended = db.execute(query).one()

@@ -14,7 +14,7 @@ from uuid import UUID
 from sqlalchemy.orm import Session
 
 from server.assignments import feedback, repository, sitting_repository
-from server.assignments.feedback import OVER, FeedbackHolds, HoldingTest, SittingStage, sitting_stage
+from server.assignments.feedback import OVER, FeedbackHolds, SittingStage, WithholdingTest, sitting_stage
 from server.assignments.models import Assignment, EndedBy, Mode, SavedWork, Sitting
 from server.assignments.rules import Rules, rules_in_force, sitting_end
 from server.base.errors import Conflict, NotFound, WrongMoment
@@ -63,7 +63,7 @@ class StudentTest:
         return None if self.sitting is None else sitting_end(self.rules, self.sitting)
 
     @property
-    def is_to_collect(self) -> bool:
+    def is_over_but_not_ended(self) -> bool:
         """Whether the time of the sitting is over, and its row does not say so yet."""
         sitting = self.sitting
         return sitting is not None and self.stage is not SittingStage.running and sitting.handed_in_at is None
@@ -97,7 +97,7 @@ def begin_sitting(
     refusal = CANNOT_BEGIN.get(test.stage)
     if refusal:
         raise WrongMoment(refusal)
-    sitting_repository.insert_sitting(db, assignment.id, account_id, now)
+    sitting_repository.insert_sitting_once(db, assignment.id, account_id, now)
 
 
 def require_may_submit(db: Session, account_id: UUID, exercise: str, now: datetime) -> FeedbackHolds:
@@ -106,9 +106,9 @@ def require_may_submit(db: Session, account_id: UUID, exercise: str, now: dateti
     Raises WrongMoment before a test is begun, and from its end to its release.
     """
     holds = feedback.load_holds_at(db, account_id, exercise, now)
-    if holds.refusal:
-        raise WrongMoment(holds.refusal)
-    if holds.running_tests and not _lock_running(db, holds.running_tests, account_id):
+    if holds.submission_refusal:
+        raise WrongMoment(holds.submission_refusal)
+    if holds.running_tests and not _lock_running_sittings(db, holds.running_tests, account_id):
         raise WrongMoment(OVER.format(title=holds.running_tests[0].title))
     return holds
 
@@ -125,13 +125,13 @@ def require_no_tested_imports(db: Session, account_id: UUID, source: bytes, reus
             raise WrongMoment(NO_HELP.format(title=running[0].title))
 
 
-def load_tested_exercises(db: Session, account_id: UUID, at: datetime) -> frozenset[str]:
+def load_exercises_in_sat_tests(db: Session, account_id: UUID, at: datetime) -> frozenset[str]:
     """Return the exercises that the tests asked for which an account sat at a time: no program of theirs gets the
     course's functions of these, whatever its text says."""
-    return sitting_repository.load_tested_exercises(db, account_id, at)
+    return sitting_repository.load_exercises_in_sat_tests(db, account_id, at)
 
 
-def version_of(saved: SavedWork | None) -> str:
+def saved_work_version(saved: SavedWork | None) -> str:
     """Return the version of saved work, as forms carry it; empty where nothing is saved."""
     return "" if saved is None else saved.saved_at.isoformat()
 
@@ -145,16 +145,23 @@ def save_work(
     running, and StaleWorkError where other work was saved since `base_version`.
     """
     holds = feedback.load_holds_at(db, account_id, exercise, now)
-    running = _lock_running(db, holds.running_tests, account_id)
+    running = _lock_running_sittings(db, holds.running_tests, account_id)
     if not running:
-        raise WrongMoment(holds.refusal or (OVER.format(title=holds.tests[0].title) if holds.tests else NOT_SITTING))
+        raise WrongMoment(
+            holds.submission_refusal or (OVER.format(title=holds.tests[0].title) if holds.tests else NOT_SITTING)
+        )
     saved = sitting_repository.load_last_saved_work(db, running, account_id, exercise)
-    if base_version is not None and saved is not None and base_version != version_of(saved) and saved.source != source:
+    if (
+        base_version is not None
+        and saved is not None
+        and base_version != saved_work_version(saved)
+        and saved.source != source
+    ):
         raise StaleWorkError(saved)
     sitting_repository.upsert_saved_work(db, running, account_id, exercise, source, now)
 
 
-def _lock_running(db: Session, tests: Collection[HoldingTest], account_id: UUID) -> list[UUID]:
+def _lock_running_sittings(db: Session, tests: Collection[WithholdingTest], account_id: UUID) -> list[UUID]:
     """Lock the sittings of these tests; return the tests not handed in. A sitting that was given more time resumes."""
     running = []
     for test in sorted(tests, key=lambda test: test.assignment_id):

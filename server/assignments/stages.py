@@ -20,6 +20,6 @@ class AssignmentStage(StrEnum):
 def assignment_stage(rules: Rules, now: datetime) -> AssignmentStage:
     if now < rules.opens_at:
         return AssignmentStage.upcoming
-    if rules.last_counted_at is not None and now > rules.last_counted_at:
+    if rules.latest_counting_time is not None and now > rules.latest_counting_time:
         return AssignmentStage.closed
     return AssignmentStage.late if rules.due_at is not None and now > rules.due_at else AssignmentStage.open

@@ -21,7 +21,7 @@ from server.identity.models import Account
 MINE, OTHER = aliased(TeamMember), aliased(TeamMember)
 
 
-def load_teams(db: Session, assignments: Collection[UUID]) -> Mapping[UUID, tuple[TeamPlace, ...]]:
+def load_team_places(db: Session, assignments: Collection[UUID]) -> Mapping[UUID, tuple[TeamPlace, ...]]:
     """Load the places in teams of each assignment, ended ones included, oldest first."""
     query = (
         select(TeamMember, Membership.given_name, Membership.family_name, Account.name, Membership.groups)
@@ -49,9 +49,11 @@ def load_teams(db: Session, assignments: Collection[UUID]) -> Mapping[UUID, tupl
     return {assignment: tuple(rows) for assignment, rows in places.items()}
 
 
-def load_teams_of(db: Session, assignments: Collection[Assignment]) -> Mapping[UUID, tuple[TeamPlace, ...]]:
+def load_places_of_team_assignments(
+    db: Session, assignments: Collection[Assignment]
+) -> Mapping[UUID, tuple[TeamPlace, ...]]:
     """Load the places of those assignments that are handed in by teams: without any, no query is made."""
-    return load_teams(db, [assignment.id for assignment in assignments if assignment.team_size > 1])
+    return load_team_places(db, [assignment.id for assignment in assignments if assignment.team_size > 1])
 
 
 def load_current_members(db: Session, assignment_id: UUID) -> Sequence[TeamMember]:
@@ -59,7 +61,7 @@ def load_current_members(db: Session, assignment_id: UUID) -> Sequence[TeamMembe
     return db.execute(query.order_by(TeamMember.since, TeamMember.id)).scalars().all()
 
 
-def select_pairs(*columns: Any) -> Select[*tuple[Any, ...]]:
+def select_teammate_pairs(*columns: Any) -> Select[*tuple[Any, ...]]:
     """Select columns of two places in one team, `MINE` and `OTHER`, and of their assignment, which is joined."""
     pair = and_(
         OTHER.team_id == MINE.team_id,
@@ -78,7 +80,7 @@ def join_partner_names(pairs: Select[*tuple[Any, ...]]) -> Select[*tuple[Any, ..
 def select_shared_work(at: datetime | InstrumentedAttribute[datetime], *columns: Any) -> Select[*tuple[Any, ...]]:
     """Select columns of the pairs that are held at a time, each with an exercise that its assignment asks."""
     return (
-        select_pairs(*columns)
+        select_teammate_pairs(*columns)
         .join(AssignedExercise, AssignedExercise.assignment_id == MINE.assignment_id)
         .where(
             Assignment.removed_at.is_(None),
@@ -98,7 +100,7 @@ def is_teammate(db: Session, reader: UUID, author: UUID, exercise: str, sent_at:
 
 def find_teammate_name(db: Session, reader: UUID, author: UUID) -> str:
     """Return the name, in a class that they share, of somebody with whom the reader hands in, or handed in."""
-    pairs = select_pairs(Membership.given_name, Membership.family_name, Account.name)
+    pairs = select_teammate_pairs(Membership.given_name, Membership.family_name, Account.name)
     query = join_partner_names(pairs).where(MINE.account_id == reader, OTHER.account_id == author)
     row = db.execute(query.limit(1)).first()
     return "" if row is None else display_name(*row)
@@ -118,7 +120,7 @@ def delete_proposals(db: Session, assignment_id: UUID, accounts: Collection[UUID
     db.execute(query.execution_options(synchronize_session="fetch"))
 
 
-def load_account_places(db: Session, account_id: UUID) -> Sequence[Row[TeamMember, Assignment, str]]:
+def load_team_history(db: Session, account_id: UUID) -> Sequence[Row[TeamMember, Assignment, str]]:
     """Load every place that an account had in a team, each with its assignment and the name of the class."""
     query = (
         select(TeamMember, Assignment, SchoolClass.name)
@@ -136,7 +138,7 @@ def load_account_proposals(db: Session, account_id: UUID) -> Sequence[Row[TeamPr
     return db.execute(query.order_by(TeamProposal.proposed_at)).all()
 
 
-def move_places(db: Session, old: UUID, new: UUID) -> None:
+def move_team_places(db: Session, old: UUID, new: UUID) -> None:
     """Move places from a guest to an account, which keeps its own where both have one; drop the proposals."""
     own = select(TeamMember.assignment_id).where(TeamMember.account_id == new, TeamMember.until.is_(None))
     moved = update(TeamMember).where(TeamMember.account_id == old, TeamMember.assignment_id.not_in(own))

@@ -13,7 +13,7 @@ from datetime import datetime
 from uuid import UUID
 
 from server.assignments.rule_sources import CommonRules, ExemptionFields, Field, SourcedValue
-from server.assignments.rules import Rules, SharedRules, rules_in_force
+from server.assignments.rules import Rules, TeammateRules, rules_in_force
 
 MAX_TEAM_SIZE = 6
 
@@ -31,7 +31,7 @@ class TeamPlace:
 
 
 @dataclass(frozen=True)
-class TeamShare:
+class Partnership:
     """A partner, and the time during which the attempts of both count for both."""
 
     partner: TeamPlace
@@ -42,7 +42,7 @@ class TeamShare:
         return self.since <= at and (self.until is None or at < self.until)
 
 
-def list_shares(places: Collection[TeamPlace], student: UUID) -> tuple[TeamShare, ...]:
+def list_partnerships(places: Collection[TeamPlace], student: UUID) -> tuple[Partnership, ...]:
     """Return the partners of a student, former ones included, oldest first."""
     own = [place for place in places if place.account_id == student]
     shares = []
@@ -50,15 +50,15 @@ def list_shares(places: Collection[TeamPlace], student: UUID) -> tuple[TeamShare
         for other in places:
             if other.team_id == mine.team_id and other.account_id != student:
                 ends = [end for end in (mine.until, other.until) if end is not None]
-                share = TeamShare(other, max(mine.since, other.since), min(ends, default=None))
+                share = Partnership(other, max(mine.since, other.since), min(ends, default=None))
                 if share.until is None or share.since < share.until:
                     shares.append(share)
     return tuple(sorted(shares, key=lambda share: (share.since, share.partner.name, share.partner.account_id)))
 
 
-def list_partners(places: Collection[TeamPlace], student: UUID) -> tuple[TeamPlace, ...]:
+def list_current_partners(places: Collection[TeamPlace], student: UUID) -> tuple[TeamPlace, ...]:
     """Return those with whom a student hands in today, by name."""
-    partners = [share.partner for share in list_shares(places, student) if share.until is None]
+    partners = [share.partner for share in list_partnerships(places, student) if share.until is None]
     return tuple(sorted(partners, key=lambda place: (place.name, place.account_id)))
 
 
@@ -76,11 +76,11 @@ def team_rules_in_force(
 ) -> Rules:
     """Return the rules for a student, with the most favourable dates of their team."""
     own = rules_in_force(common, exemptions, student, labels)
-    shares = list_shares(places, student) if places else ()
+    shares = list_partnerships(places, student) if places else ()
     if not shares:
         return own
     shared = tuple(
-        SharedRules(
+        TeammateRules(
             share.since,
             share.until,
             rules_in_force(common, exemptions, share.partner.account_id, share.partner.groups),
@@ -88,10 +88,10 @@ def team_rules_in_force(
         for share in shares
     )
     current = [each.rules for each in shared if each.until is None]
-    return replace(_with_team_dates(own, current), shared=shared)
+    return replace(_with_favourable_team_dates(own, current), shared=shared)
 
 
-def _with_team_dates(own: Rules, partners: Sequence[Rules]) -> Rules:
+def _with_favourable_team_dates(own: Rules, partners: Sequence[Rules]) -> Rules:
     sources: dict[Field, tuple[SourcedValue, ...]] = dict(own.sources)
     dates: dict[str, datetime | None] = {}
     names: Mapping[Field, bool] = {"opens_at": False, "due_at": True, "closes_at": True}
@@ -100,13 +100,13 @@ def _with_team_dates(own: Rules, partners: Sequence[Rules]) -> Rules:
         best = value
         for rules in partners:
             other: datetime | None = getattr(rules, name)
-            best = _later(best, other) if is_end else min(best or other, other or best)  # type: ignore[type-var]
+            best = _later_or_none(best, other) if is_end else min(best or other, other or best)  # type: ignore[type-var]
         if best != value:
             dates[name] = best
             sources[name] = (SourcedValue("team", best), *sources[name])
     return replace(own, sources=sources, **dates) if dates else own  # type: ignore[arg-type]
 
 
-def _later(first: datetime | None, second: datetime | None) -> datetime | None:
+def _later_or_none(first: datetime | None, second: datetime | None) -> datetime | None:
     """Return the later date; None, which has no end, is the latest."""
     return None if first is None or second is None else max(first, second)

@@ -16,7 +16,7 @@ from sqlalchemy.orm import Session
 
 from server.assignments import repository, team_repository
 from server.assignments.models import Assignment, TeamMember, TeamProposal
-from server.assignments.rules import concerns
+from server.assignments.rules import is_assigned_to
 from server.assignments.stages import AssignmentStage, assignment_stage
 from server.assignments.team_rules import team_rules_in_force, team_word
 from server.audit import service as audit
@@ -42,25 +42,25 @@ MANY_PROPOSALS = "Vous avez déjà proposé à {count} élèves : retirez d’ab
 MAX_PROPOSALS = 10
 
 
-def require_teams(assignment: Assignment) -> None:
+def require_team_assignment(assignment: Assignment) -> None:
     """Raise NotFound for an assignment that everybody hands in alone."""
     if assignment.team_size < 2:
         raise NotFound(NOT_BY_TEAMS)
 
 
-def eligible_students(db: Session, assignment: Assignment) -> Mapping[UUID, Member]:
+def load_eligible_students(db: Session, assignment: Assignment) -> Mapping[UUID, Member]:
     """Return the active students to whom the assignment is given."""
     return {
         member.id: member
         for member in classes.load_members(db, assignment.class_id)
-        if member.is_active_student and concerns(assignment, member.groups)
+        if member.is_active_student and is_assigned_to(assignment, member.groups)
     }
 
 
-def load_largest_team(db: Session, assignment_id: UUID) -> int:
+def load_largest_team_size(db: Session, assignment_id: UUID) -> int:
     """Return the most students that ever were in one team of an assignment; 0 without any."""
     members = defaultdict(set)
-    for place in team_repository.load_teams(db, [assignment_id]).get(assignment_id, ()):
+    for place in team_repository.load_team_places(db, [assignment_id]).get(assignment_id, ()):
         members[place.team_id].add(place.account_id)
     return max(map(len, members.values()), default=0)
 
@@ -77,8 +77,8 @@ def form_teams(
     """Form teams of students who have none. `earlier`: the attempts that they have sent since the opening count for all
     of them too. Raise Invalid, NotFound or Conflict; then nothing is formed."""
     require_open(school_class)
-    require_teams(assignment)
-    students = eligible_students(db, assignment)
+    require_team_assignment(assignment)
+    students = load_eligible_students(db, assignment)
     taken = {member.account_id for member in team_repository.load_current_members(db, assignment.id)}
     now = utc_now()
     since = min(assignment.opens_at, now) if earlier else now
@@ -109,18 +109,18 @@ def _add_members(
 ) -> None:
     for student in students:
         db.add(TeamMember(assignment_id=assignment.id, team_id=team_id, account_id=student, since=since))
-        _record(db, school_class, by, assignment, AuditAction.team_formed, student, team_id)
+        _record_team_event(db, school_class, by, assignment, AuditAction.team_formed, student, team_id)
     team_repository.delete_proposals(db, assignment.id, students)
     db.flush()
 
 
-def deal_teams(db: Session, school_class: SchoolClass, by: UUID, assignment: Assignment, random: Random) -> int:
+def form_random_teams(db: Session, school_class: SchoolClass, by: UUID, assignment: Assignment, random: Random) -> int:
     """Put at random the students without a team into teams of the assignment's size; return how many were formed.
 
     A last one who would stay alone joins nobody: the teacher decides.
     """
     taken = {member.account_id for member in team_repository.load_current_members(db, assignment.id)}
-    free = sorted(student for student in eligible_students(db, assignment) if student not in taken)
+    free = sorted(student for student in load_eligible_students(db, assignment) if student not in taken)
     random.shuffle(free)
     size = assignment.team_size
     teams = [free[start : start + size] for start in range(0, len(free), size)]
@@ -135,19 +135,19 @@ def end_team(db: Session, school_class: SchoolClass, by: UUID, assignment: Assig
     members = [row for row in team_repository.load_current_members(db, assignment.id) if row.team_id == team_id]
     if not members:
         raise NotFound(NO_TEAM.format(word=team_word(assignment.team_size)))
-    _end(db, school_class, by, assignment, members)
+    _end_memberships(db, school_class, by, assignment, members)
 
 
-def _end(
+def _end_memberships(
     db: Session, school_class: SchoolClass, by: UUID, assignment: Assignment, members: Collection[TeamMember]
 ) -> None:
     for member in members:
         member.until = max(utc_now(), member.since)
-        _record(db, school_class, by, assignment, AuditAction.team_ended, member.account_id, member.team_id)
+        _record_team_event(db, school_class, by, assignment, AuditAction.team_ended, member.account_id, member.team_id)
     db.flush()
 
 
-def _record(
+def _record_team_event(
     db: Session,
     school_class: SchoolClass,
     by: UUID,
@@ -163,45 +163,49 @@ def _record(
     )
 
 
-def _require_students_may(db: Session, school_class: SchoolClass, assignment: Assignment, student: UUID) -> None:
+def _require_student_may_form_team(
+    db: Session, school_class: SchoolClass, assignment: Assignment, student: UUID
+) -> None:
     require_open(school_class)
-    require_teams(assignment)
+    require_team_assignment(assignment)
     word = team_word(assignment.team_size)
-    own = eligible_students(db, assignment).get(student)
+    own = load_eligible_students(db, assignment).get(student)
     if own is None:
         raise NotFound(NO_CLASSMATE)
     if not assignment.teams_by_students:
         raise Conflict(BY_TEACHER.format(word=word))
     exemptions = repository.load_exemptions(db, [assignment.id]).get(assignment.id, ())
-    places = team_repository.load_teams(db, [assignment.id]).get(assignment.id, ())
+    places = team_repository.load_team_places(db, [assignment.id]).get(assignment.id, ())
     rules = team_rules_in_force(assignment, exemptions, student, own.groups, places)
     if assignment_stage(rules, utc_now()) is AssignmentStage.closed:
         raise WrongMoment(OVER.format(word=word))
 
 
-def propose(db: Session, school_class: SchoolClass, assignment: Assignment, student: UUID, partner: UUID) -> None:
+def propose_teammate(
+    db: Session, school_class: SchoolClass, assignment: Assignment, student: UUID, partner: UUID
+) -> None:
     """Propose to a classmate to hand in together; if they have proposed the same, form the team at once.
 
     Raise NotFound, Conflict or WrongMoment.
     """
-    _require_students_may(db, school_class, assignment, student)
-    if partner == student or partner not in eligible_students(db, assignment):
+    _require_student_may_form_team(db, school_class, assignment, student)
+    if partner == student or partner not in load_eligible_students(db, assignment):
         raise NotFound(NO_CLASSMATE)
     proposals = team_repository.load_proposals(db, assignment.id)
     if any((row.account_id, row.partner_id) == (partner, student) for row in proposals):
-        accept(db, school_class, assignment, student, partner)
+        accept_proposal(db, school_class, assignment, student, partner)
         return
     own = [row for row in proposals if row.account_id == student]
     if any(row.partner_id == partner for row in own):
         return
     if len(own) >= MAX_PROPOSALS:
         raise Conflict(MANY_PROPOSALS.format(count=MAX_PROPOSALS))
-    _require_room(db, assignment, student)
+    _require_free_place(db, assignment, student)
     db.add(TeamProposal(assignment_id=assignment.id, account_id=student, partner_id=partner))
     db.flush()
 
 
-def _require_room(db: Session, assignment: Assignment, student: UUID) -> tuple[UUID | None, int]:
+def _require_free_place(db: Session, assignment: Assignment, student: UUID) -> tuple[UUID | None, int]:
     """Return the team of a student, None without one, and how many it has. Raise Conflict for a full one."""
     current = team_repository.load_current_members(db, assignment.id)
     team_id = next((row.team_id for row in current if row.account_id == student), None)
@@ -211,11 +215,13 @@ def _require_room(db: Session, assignment: Assignment, student: UUID) -> tuple[U
     return team_id, count
 
 
-def accept(db: Session, school_class: SchoolClass, assignment: Assignment, student: UUID, proposer: UUID) -> None:
+def accept_proposal(
+    db: Session, school_class: SchoolClass, assignment: Assignment, student: UUID, proposer: UUID
+) -> None:
     """Accept a classmate's proposal: the student joins their team, or a new one. Raise NotFound, Conflict or
     WrongMoment."""
-    _require_students_may(db, school_class, assignment, student)
-    students = eligible_students(db, assignment)
+    _require_student_may_form_team(db, school_class, assignment, student)
+    students = load_eligible_students(db, assignment)
     proposals = team_repository.load_proposals(db, assignment.id)
     if not any((row.account_id, row.partner_id) == (proposer, student) for row in proposals):
         raise NotFound(NO_PROPOSAL)
@@ -225,14 +231,14 @@ def accept(db: Session, school_class: SchoolClass, assignment: Assignment, stude
     if student in taken:
         word = team_word(assignment.team_size)
         raise Conflict(ALREADY.format(name=students[student].name, word=word))
-    team_id, _ = _require_room(db, assignment, proposer)
+    team_id, _ = _require_free_place(db, assignment, proposer)
     if team_id is None:
         form_teams(db, school_class, student, assignment, [(proposer, student)])
     else:
         _add_members(db, school_class, student, assignment, team_id, [student], utc_now())
 
 
-def withdraw(db: Session, assignment: Assignment, proposer: UUID, partner: UUID) -> None:
+def delete_proposal(db: Session, assignment: Assignment, proposer: UUID, partner: UUID) -> None:
     """Take back, or decline, a proposal; one that is gone already changes nothing."""
     for row in team_repository.load_proposals(db, assignment.id):
         if (row.account_id, row.partner_id) == (proposer, partner):
@@ -240,13 +246,13 @@ def withdraw(db: Session, assignment: Assignment, proposer: UUID, partner: UUID)
     db.flush()
 
 
-def leave(db: Session, school_class: SchoolClass, assignment: Assignment, student: UUID) -> None:
+def leave_team(db: Session, school_class: SchoolClass, assignment: Assignment, student: UUID) -> None:
     """Take a student out of their team; who would remain alone is out too. Raise NotFound, Conflict or WrongMoment."""
-    _require_students_may(db, school_class, assignment, student)
+    _require_student_may_form_team(db, school_class, assignment, student)
     current = team_repository.load_current_members(db, assignment.id)
     team_id = next((row.team_id for row in current if row.account_id == student), None)
     if team_id is None:
         raise NotFound(NO_TEAM.format(word=team_word(assignment.team_size)))
     team = [row for row in current if row.team_id == team_id]
     leaving = team if len(team) == 2 else [row for row in team if row.account_id == student]
-    _end(db, school_class, student, assignment, leaving)
+    _end_memberships(db, school_class, student, assignment, leaving)

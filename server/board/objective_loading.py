@@ -123,13 +123,13 @@ def load_student_states(
     if module is None:
         return ()
     membership = classes.find_membership(db, school_class.id, student)
-    counted = load_counting_exercises(db, course, school_class, now).for_student(
+    counted = load_counting_exercises(db, course, school_class, now).counting_for_student(
         membership.groups if membership else ()
     )
     attempts = load_attempts(db, load_revisions(db, [student]), counted, until)
     own = group_by_account(attempts).get(student, {})
     if as_student:
-        own = hide_held_attempts(own, feedback.load_all_holds(db, student))
+        own = hide_held_attempts(own, feedback.load_holds_by_exercise(db, student))
     return find_states(counting_objectives(module, frozenset(counted)), own, MisconceptionLookup(course))
 
 
@@ -144,7 +144,7 @@ def load_own_states(
             return load_student_states(db, course, school_class, account_id, now, None, as_student=True)
     counted = [exercise.id for exercise in module.exercises]
     own = group_by_account(load_attempts(db, load_revisions(db, [account_id]), counted, None)).get(account_id, {})
-    own = hide_held_attempts(own, feedback.load_all_holds(db, account_id))
+    own = hide_held_attempts(own, feedback.load_holds_by_exercise(db, account_id))
     return find_states(counting_objectives(module, frozenset(counted)), own, MisconceptionLookup(course))
 
 
@@ -153,7 +153,7 @@ def hide_held_attempts(own: Mapping[str, Attempts], holds: Mapping[str, Feedback
     shown: dict[str, Attempts] = {}
     for exercise, series in own.items():
         hold = holds.get(exercise, NO_HOLDS)
-        visible = [attempt for attempt in series if hold.test_holding(attempt.sent_at) is None]
+        visible = [attempt for attempt in series if hold.find_withholding_test(attempt.sent_at) is None]
         if hold.diagnosis is not None:
             visible = [replace(attempt, diagnosis=None) for attempt in visible]
         if visible:

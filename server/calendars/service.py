@@ -128,7 +128,7 @@ def _assignment_events(
             url=url,
         )
 
-    last = rules.last_counted_at
+    last = rules.latest_counting_time
     if is_test and last is not None and rules.opens_at < last <= rules.opens_at + MAX_TEST_EVENT:
         yield event("controle", rules.opens_at, "Contrôle", last)
     else:

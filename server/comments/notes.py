@@ -115,7 +115,7 @@ def send_note(
 
 def _without_held(db: Session, accounts: Sequence[UUID], exercise: str) -> Sequence[UUID]:
     """Leave out the accounts whose diagnosis is held back: the note would reveal it."""
-    holds = feedback.load_students_with_holds(db, accounts, exercise)
+    holds = feedback.load_holds_by_student(db, accounts, exercise)
     return [account for account in accounts if account not in holds or holds[account].diagnosis is None]
 
 

@@ -135,7 +135,7 @@ def record_sittings(db: Session, room: Classroom, test: Assignment, steps: Seque
     end = test.opens_at + LESSON_DURATION
     came = sorted({step.pupil for step in steps if test.opens_at <= step.sent_at <= end})
     for pupil in came:
-        sitting_repository.insert_sitting(db, test.id, room.students[pupil], test.opens_at)
+        sitting_repository.insert_sitting_once(db, test.id, room.students[pupil], test.opens_at)
         sitting = sitting_repository.load_sitting(db, test.id, room.students[pupil])
         assert sitting is not None
         sitting_repository.end_sitting(db, sitting, end, EndedBy.time)

@@ -241,7 +241,7 @@ def build_settings_page(db: Session, course: Course, access: ClassAccess, base: 
     for edition in editions.later_editions(course, school_class.module):
         is_in_edition = partial(editions.exercise_in_edition, course, module=edition.slug)
         same = edition.slug == school_class.module
-        choices.append((edition, () if same else editing.uncopied_exercises(db, school_class, is_in_edition)))
+        choices.append((edition, () if same else editing.find_uncopied_exercises(db, school_class, is_in_edition)))
     return {
         "head": class_head(course, access, "/reglages"),
         "approval": school_class.approval,

@@ -11,7 +11,7 @@ from uuid import UUID
 
 from sqlalchemy.orm import Session
 
-from server.assignments.members import changing_members
+from server.assignments.members import recording_member_changes
 from server.audit import service as audit
 from server.audit.models import AuditAction
 from server.base.errors import Conflict, NotFound
@@ -72,7 +72,7 @@ def _enrol_unless_removed(
     membership = classes.find_membership(db, school_class.id, account.id)
     if person.role not in SEATS or (membership is not None and not _may_join_again(membership)):
         return
-    with changing_members(db, school_class.id, account.id):
+    with recording_member_changes(db, school_class.id, account.id):
         enrol_account(db, provider, school_class, account, person)
 
 

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 from sqlalchemy.orm import Session
 
-from server.assignments.members import changing_members
+from server.assignments.members import recording_member_changes
 from server.classes import repository as classes
 from server.classes.models import SchoolClass, Status
 from server.federation import contexts, repository
@@ -72,7 +72,7 @@ def enrol_planned_people(
     An account that is made here opens when its person comes from the platform.
     """
     seated = 0
-    with changing_members(db, school_class.id, by.id):
+    with recording_member_changes(db, school_class.id, by.id):
         for person in plan.entering:
             _, account = identities.find_or_create(db, external_person(provider, person))
             if account.disabled_at is None and not account.is_administrator:

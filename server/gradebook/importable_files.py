@@ -41,7 +41,7 @@ def load_tested_exercises(db: Session, course: Course, submission: Submission | 
     """Load the exercises of the tests that the author sat when they sent an attempt, if it may import anything."""
     if not course.reused(submission.exercise):
         return frozenset()
-    return sittings.load_tested_exercises(db, submission.account_id, submission.created_at)
+    return sittings.load_exercises_in_sat_tests(db, submission.account_id, submission.created_at)
 
 
 def importable_file_times(db: Session, account_id: UUID, exercises: Collection[str]) -> Mapping[str, datetime]:
@@ -70,7 +70,9 @@ def _select_importable(
 
 def _not_withheld(db: Session, account_id: UUID, exercises: Collection[str]) -> list[ColumnElement[bool]]:
     """Return conditions for attempts whose verdict is not withheld: an import must not reveal it."""
-    held_since = {exercise: holds.held_since for exercise, holds in feedback.load_all_holds(db, account_id).items()}
+    held_since = {
+        exercise: holds.held_since for exercise, holds in feedback.load_holds_by_exercise(db, account_id).items()
+    }
     free = [exercise for exercise in exercises if held_since.get(exercise) is None]
     earlier = [
         and_(Submission.exercise == exercise, Submission.created_at < since)

@@ -68,12 +68,12 @@ def load_attempts_with_feedback(
     rows: Sequence[Any] = db.execute(
         query.order_by(Submission.created_at.desc(), Submission.id.desc()).limit(MAX_ATTEMPTS)
     ).all()
-    holds = feedback.load_all_holds(db, account_id) if rows else {}
+    holds = feedback.load_holds_by_exercise(db, account_id) if rows else {}
     attempts = [
         attempt
         for attempt in (GradedAttempt(*row) for row in reversed(rows))
         if (held := holds.get(attempt.exercise)) is None
-        or (held.diagnosis is None and held.test_holding(attempt.sent_at) is None)
+        or (held.diagnosis is None and held.find_withholding_test(attempt.sent_at) is None)
     ]
     by_exercise = attrgetter("exercise")
     return {name: tuple(series) for name, series in groupby(sorted(attempts, key=by_exercise), by_exercise)}

@@ -7,7 +7,7 @@ from uuid import UUID
 
 from graders.core.contract.findings import Judgement
 from graders.core.contract.verdict import Verdict
-from server.assignments.feedback import NO_HOLDS, FeedbackHolds, HoldingTest
+from server.assignments.feedback import NO_HOLDS, FeedbackHolds, WithholdingTest
 from server.database import utc_now
 from server.gradebook.models import Grading
 from server.submissions.models import Submission
@@ -46,8 +46,8 @@ class Attempt:
     shared: bool = False
 
     @property
-    def held(self) -> HoldingTest | None:
-        return self.feedback.test_holding(self.submission.created_at)
+    def held(self) -> WithholdingTest | None:
+        return self.feedback.find_withholding_test(self.submission.created_at)
 
     @property
     def held_text(self) -> str:
@@ -72,7 +72,7 @@ class Attempt:
         """The verdict without what is withheld from the account."""
         if self.grading is None:
             return None
-        return self.feedback.redact(Verdict.from_json(self.grading.verdict))
+        return self.feedback.remove_withheld_parts(Verdict.from_json(self.grading.verdict))
 
 
 HELD = "Reçu. Le résultat paraîtra quand l’enseignant publiera ceux du contrôle « {title} »."

@@ -129,14 +129,14 @@ def _shared_attempt(db: Session, account_id: UUID, attempt: StoredAttempt) -> At
         raise NotFound(UNKNOWN_SUBMISSION)
     holds = feedback.load_holds(db, author, exercise)
     own = feedback.load_holds(db, account_id, exercise)
-    if holds.test_holding(sent_at) is not None or own.test_holding(sent_at) is not None:
+    if holds.find_withholding_test(sent_at) is not None or own.find_withholding_test(sent_at) is not None:
         raise NotFound(UNKNOWN_SUBMISSION)
     return Attempt(submission, attempt.grading, own, shared=True)
 
 
 def _attempt_seen_by(db: Session, account_id: UUID, attempt: StoredAttempt) -> Attempt:
     if not attempt.may_be_held:
-        feedback.remember_no_holds(db, attempt.submission.account_id, attempt.submission.exercise)
+        feedback.memoise_no_holds(db, attempt.submission.account_id, attempt.submission.exercise)
     return attempt_seen_by(db, account_id, attempt.submission, attempt.grading)
 
 
@@ -145,7 +145,7 @@ def attempt_seen_by(db: Session, account_id: UUID, submission: Submission, gradi
     if submission.account_id != account_id:
         return Attempt(submission, grading)
     holds = feedback.load_holds(db, account_id, submission.exercise)
-    if holds.test_holding(submission.created_at) is None:
+    if holds.find_withholding_test(submission.created_at) is None:
         return Attempt(submission, grading, holds)
     failed = grading is not None and grading.outcome == Outcome.INTERNAL_ERROR
     load_error = "" if grading is None else grading.verdict.get("load_error", "")
@@ -164,7 +164,7 @@ def list_attempts(db: Session, account: Account | None, exercise_id: str, limit:
         return AttemptList()
     rows = repository.list_attempts_with_total(db, account.id, exercise_id, limit=limit, offset=offset)
     holds = feedback.load_holds(db, account.id, exercise_id)
-    held = {row.id for row in rows if holds.test_holding(row.created_at)}
+    held = {row.id for row in rows if holds.find_withholding_test(row.created_at)}
     not_loaded = repository.load_ids_not_loaded(db, held) if held else frozenset()
     lines = (
         AttemptLine(
@@ -186,7 +186,7 @@ def find_duplicate(db: Session, account: Account, exercise_id: str, code: str, v
     """
     source = code.encode(errors="surrogatepass")
     holds = feedback.load_holds(db, account.id, exercise_id)
-    if holds.refusal or LIBRARY_MENTION in source:
+    if holds.submission_refusal or LIBRARY_MENTION in source:
         return None
     file = repository.SentFile(account.id, exercise_id, code_digest(code), source)
     return repository.find_duplicate(db, file, version, holds.held_since)
@@ -195,7 +195,7 @@ def find_duplicate(db: Session, account: Account, exercise_id: str, code: str, v
 def previous_verdict(db: Session, attempt: Attempt) -> Verdict | None:
     """Return the verdict of the attempt just before this one, of the same author at the same exercise."""
     verdict = repository.load_previous_verdict(db, attempt.submission)
-    return None if verdict is None else attempt.feedback.redact(Verdict.from_json(verdict))
+    return None if verdict is None else attempt.feedback.remove_withheld_parts(Verdict.from_json(verdict))
 
 
 def attempt_number(db: Session, submission: Submission) -> int:
@@ -236,7 +236,7 @@ def load_visible_standings(db: Session, account_id: UUID, exercise_id: str | Non
 def load_withholding_times(db: Session, account_id: UUID, exercise_id: str | None = None) -> dict[str, datetime]:
     """Return from when on attempts are withheld, by exercise, where some are."""
     if exercise_id is None:
-        holds = feedback.load_all_holds(db, account_id)
+        holds = feedback.load_holds_by_exercise(db, account_id)
     else:
         holds = {exercise_id: feedback.load_holds(db, account_id, exercise_id)}
     return {exercise: own.held_since for exercise, own in holds.items() if own.held_since is not None}

@@ -12,7 +12,7 @@ from sqlalchemy.orm import Session
 from server.assignments import feedback
 from server.assignments import repository as assignments
 from server.assignments.models import Mode
-from server.assignments.service import counting_exercises
+from server.assignments.service import list_counting_exercises
 from server.audit import service as audit
 from server.audit.models import AuditAction
 from server.base.errors import Conflict, Invalid, NotFound
@@ -70,7 +70,7 @@ def available_exercises(db: Session, course: Course, school_class: SchoolClass, 
 
     Those of assignments that are open now come first, the assignment that opened last before the others.
     """
-    counting = counting_exercises(db, course, school_class, now)
+    counting = list_counting_exercises(db, course, school_class, now)
     counting = [*counting, *(name for name in studio.list_class_exercises(db, school_class) if name not in counting)]
     given = assignments.load_class_assignments(db, school_class.id)
     exercises = assignments.load_exercises(db, [assignment.id for assignment in given])
@@ -170,7 +170,7 @@ HELD = (
 
 def load_projection_rules(db: Session, students: Collection[UUID], exercise: str) -> ProjectionRules:
     """Return the rules for these students: held diagnoses and tests forbid all, held solutions the right program."""
-    holds = feedback.load_students_with_holds(db, students, exercise).values()
+    holds = feedback.load_holds_by_student(db, students, exercise).values()
     diagnoses = [hold.diagnosis for hold in holds if hold.diagnosis is not None]
     refusal = HELD.format(title=diagnoses[0].title) if diagnoses else ""
     return ProjectionRules(refusal, all(hold.solution is None for hold in holds))

@@ -102,7 +102,7 @@ def load_inputs(
     students = classes.list_students(db, school_class.id, only)
     assigned = load_class_assignments(db, school_class.id, only)
     columns, typed = columns_repository.load_columns(db, school_class.id, only)
-    senders = {*(student.id for student in students), *assigned.partners_of([student.id for student in students])}
+    senders = {*(student.id for student in students), *assigned.find_partners([student.id for student in students])}
     return GradebookInputs(
         course=course,
         school_class=school_class,

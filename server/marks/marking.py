@@ -9,11 +9,11 @@ from functools import cached_property
 from uuid import UUID
 
 from server.assignments.class_assignments import ClassAssignments
-from server.assignments.counting import TimeJudge, mark_attempts
+from server.assignments.counting import SendTimingJudge, mark_attempts
 from server.assignments.feedback import SittingStage, sitting_stage
 from server.assignments.models import Assignment, AttemptSelection, Mode, Sitting, WeightedExercise
-from server.assignments.rules import OUTSIDE, Rules, SendingWindow, concerns, rules_in_force
-from server.assignments.team_rules import TeamPlace, TeamShare, list_shares, team_rules_in_force
+from server.assignments.rules import OUTSIDE, Rules, SendingWindow, is_assigned_to, rules_in_force
+from server.assignments.team_rules import Partnership, TeamPlace, list_partnerships, team_rules_in_force
 from server.classes.schemas import StudentRecord
 from server.gradebook.histories import Attempts, cached_per_history
 from server.marks.schemas import ActiveDecision, ActiveOverride, AssignmentMark, ExerciseMark, OverrideKey
@@ -69,7 +69,7 @@ class AssignmentMarker:
         rules = {
             student.id: team_rules_in_force(assignment, exemptions, student.id, student.groups, teams)
             if exemptions or teams
-            else (common if concerns(assignment, student.groups) else unconcerned)
+            else (common if is_assigned_to(assignment, student.groups) else unconcerned)
             for student in students
         }
         exercises = tuple(assigned.exercises.get(assignment.id, ()))
@@ -81,7 +81,7 @@ class AssignmentMarker:
         for student, rules in self.rules.items():
             yield from (rules.opens_at, rules.due_at, rules.closes_at)
             if sitting := self.sittings.get(student):
-                yield rules.end_of_sitting(sitting.began_at)
+                yield rules.latest_sitting_end(sitting.began_at)
 
     def mark(
         self,
@@ -92,7 +92,7 @@ class AssignmentMarker:
     ) -> AssignmentMark:
         """Return the mark of one student; `attempts`: by account and exercise."""
         rules, sitting = self.rules[student], self.sittings.get(student)
-        shares = list_shares(self.teams, student) if self.teams else ()
+        shares = list_partnerships(self.teams, student) if self.teams else ()
         partners = tuple(sorted(share.partner.name for share in shares if share.until is None))
         own, decision = attempts.get(student, NO_ATTEMPTS), choices.decisions.get((student, self.assignment.id))
         is_test, counts = self.assignment.mode == Mode.test, AttemptSelection(self.assignment.counts)
@@ -119,7 +119,7 @@ NO_ATTEMPTS: Mapping[str, Attempts] = {}
 
 def _sent_in(windows: SendingWindow, attempts: Attempts) -> Attempts:
     """Return what a student sent in the sitting of a test."""
-    return [attempt for attempt in attempts if windows.judge(attempt.sent_at) is not OUTSIDE]
+    return [attempt for attempt in attempts if windows.judge_timing(attempt.sent_at) is not OUTSIDE]
 
 
 @cached_per_history
@@ -155,7 +155,7 @@ def _put_together(
 
 
 def add_team_attempts(
-    own: Attempts, exercise: str, attempts: Mapping[UUID, Mapping[str, Attempts]], shares: Sequence[TeamShare]
+    own: Attempts, exercise: str, attempts: Mapping[UUID, Mapping[str, Attempts]], shares: Sequence[Partnership]
 ) -> Attempts:
     """Return a student's attempts with those that partners sent while they handed in together, oldest first."""
     others = (
@@ -172,7 +172,7 @@ def mark_exercise(
     exercise: str,
     weight: float,
     attempts: Attempts,
-    times: TimeJudge,
+    times: SendTimingJudge,
     counts: AttemptSelection,
     override: ActiveOverride | None,
 ) -> ExerciseMark:
@@ -214,7 +214,7 @@ def mark_state(
         return over
     if now < rules.opens_at and not has_begun_test:
         return MarkState.upcoming
-    end = rules.last_counted_at or rules.due_at
+    end = rules.latest_counting_time or rules.due_at
     begun = any(mark.points is not None for mark in marks)
     if rules.is_test or (end is not None and now <= end) or (end is None and not begun):
         return MarkState.open

@@ -14,8 +14,8 @@ from uuid import UUID
 from sqlalchemy.orm import Session
 
 from server.assignments.models import Assignment
-from server.assignments.team_repository import load_teams_of
-from server.assignments.team_rules import list_partners
+from server.assignments.team_repository import load_places_of_team_assignments
+from server.assignments.team_rules import list_current_partners
 from server.base.errors import Conflict, Invalid, NotFound
 from server.classes import repository as classes
 from server.classes.models import SchoolClass
@@ -145,6 +145,6 @@ def save_marking(
 
 def _load_partners(db: Session, school_class: SchoolClass, assignment: Assignment, student: UUID) -> Sequence[UUID]:
     """Return the active students who hand in with this one."""
-    places = load_teams_of(db, [assignment]).get(assignment.id, ())
-    partners = [partner.account_id for partner in list_partners(places, student)]
+    places = load_places_of_team_assignments(db, [assignment]).get(assignment.id, ())
+    partners = [partner.account_id for partner in list_current_partners(places, student)]
     return [each.id for each in classes.list_students(db, school_class.id, partners)] if partners else []

@@ -180,7 +180,7 @@ class AssignmentMark:
     @property
     def endless(self) -> bool:
         """Whether it has neither a due or closing date nor another end."""
-        return not self.ended and self.rules.last_counted_at is None and self.rules.due_at is None
+        return not self.ended and self.rules.latest_counting_time is None and self.rules.due_at is None
 
     @property
     def in_average(self) -> float | None:

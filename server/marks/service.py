@@ -11,10 +11,10 @@ from sqlalchemy.orm import Session
 
 from server.assignments.class_assignments import load_class_assignments
 from server.assignments.models import Assignment
-from server.assignments.rules import concerns
+from server.assignments.rules import is_assigned_to
 from server.assignments.sitting_repository import load_sitting
-from server.assignments.team_repository import load_teams_of
-from server.assignments.team_rules import list_shares
+from server.assignments.team_repository import load_places_of_team_assignments
+from server.assignments.team_rules import list_partnerships
 from server.audit import service as audit
 from server.audit.models import AuditAction
 from server.base.errors import Invalid, NotFound
@@ -188,7 +188,7 @@ def _lock_override(
 
 def require_concerned(db: Session, assignment: Assignment, membership: Membership) -> None:
     """Raise Invalid for a student whom an assignment does not concern, and who has not sat it."""
-    if not concerns(assignment, membership.groups) and not load_sitting(db, assignment.id, membership.account_id):
+    if not is_assigned_to(assignment, membership.groups) and not load_sitting(db, assignment.id, membership.account_id):
         raise Invalid(NOT_CONCERNED.format(groups=" ou ".join(f"« {label} »" for label in assignment.groups)))
 
 
@@ -264,8 +264,8 @@ def load_own_marks(db: Session, course: Course, school_class: SchoolClass, stude
 
 def _load_partners(db: Session, assignments: Collection[Assignment], student: UUID) -> frozenset[UUID]:
     """Load those whose attempts count for a student in some assignment."""
-    teams = load_teams_of(db, assignments).values()
-    return frozenset(share.partner.account_id for places in teams for share in list_shares(places, student))
+    teams = load_places_of_team_assignments(db, assignments).values()
+    return frozenset(share.partner.account_id for places in teams for share in list_partnerships(places, student))
 
 
 def adopt_marks(db: Session, guest_id: UUID, account_id: UUID) -> None:

@@ -52,7 +52,7 @@ def require_same_tests(db: Session, account: Account, exercise: Exercise, form: 
     """Raise RunningTestsChanged for a form drawn while other tests ran, or none."""
     holds = feedback.load_holds_at(db, account.id, exercise.id, arrival_time())
     key = running_tests_key(holds)
-    if form.get(TESTS_FIELD, key) == key or holds.refusal:  # whoever may not send at all is told so
+    if form.get(TESTS_FIELD, key) == key or holds.submission_refusal:  # whoever may not send at all is told so
         return
     running = holds.running_tests
     raise RunningTestsChanged(
@@ -73,7 +73,7 @@ def build_stale_work_refusal(
         typed_fields(form),
         account=account,
         button=SAVE_MINE,
-        replacements={VERSION_FIELD: sittings.version_of(error.saved)},
+        replacements={VERSION_FIELD: sittings.saved_work_version(error.saved)},
         other_text=other_text,
     )
 

@@ -100,7 +100,7 @@ def _list_reusable_exercises(reader: Reader, exercise: Exercise) -> Iterator[Reu
     )
     tested = frozenset[str]()
     if reader.account and earlier:
-        tested = sittings.load_tested_exercises(reader.db, reader.account.id, utc_now())
+        tested = sittings.load_exercises_in_sat_tests(reader.db, reader.account.id, utc_now())
     for reused in earlier:
         functions = tuple(function.name for function in reused.functions)
         offered = offers_course_functions(exercise, reused, tested)

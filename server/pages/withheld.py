@@ -72,7 +72,7 @@ def build_test_banner(reader: Reader, exercise: Exercise, saved: SavedWork | Non
     last = None if account is None else sittings.load_last_saved_work(reader.db, account.id, exercise.id)
     return TestBanner(
         title=test.title,
-        href=test.path,
+        href=test.sitting_path,
         stage=SHOWN_STAGES[test.stage],
         now=utc_now(),
         ends=test.ends_at,
@@ -80,5 +80,5 @@ def build_test_banner(reader: Reader, exercise: Exercise, saved: SavedWork | Non
         saved=saved.saved_at if saved else None,
         restored=saved is not None,
         tests=form_state.running_tests_key(holds),
-        version=sittings.version_of(last),
+        version=sittings.saved_work_version(last),
     )

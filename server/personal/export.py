@@ -12,7 +12,7 @@ from sqlalchemy.orm import Session
 from graders.core.contract.verdict import Verdict
 from server.assignments import feedback, sitting_repository
 from server.assignments import repository as assignments
-from server.assignments.exemption_service import exemption_effects
+from server.assignments.exemption_service import changed_fields
 from server.assignments.feedback import FeedbackHolds
 from server.calendars import repository as calendars
 from server.classes import repository as classes
@@ -83,7 +83,7 @@ def _attempt(database: Database, course: Course, name: UUID) -> Iterator[File]:
         if submission is None:
             return
         feedback_rules = feedback.load_holds(db, submission.account_id, submission.exercise)
-        held = feedback_rules.test_holding(submission.created_at) is not None
+        held = feedback_rules.find_withholding_test(submission.created_at) is not None
         history = (
             []
             if held
@@ -104,7 +104,7 @@ def _grading(submission: Submission, grading: Grading, feedback_rules: FeedbackH
         "counts": grading.id == submission.grading_id,
         "started_at": format_time(grading.started_at),
         "finished_at": format_time(grading.finished_at),
-        "verdict": feedback_rules.redact(Verdict.from_json(grading.verdict)).to_json(),
+        "verdict": feedback_rules.remove_withheld_parts(Verdict.from_json(grading.verdict)).to_json(),
     }
 
 
@@ -169,7 +169,7 @@ def _exercises(db: Session, account_id: UUID) -> dict[str, Any]:
     sums = gradebook.load_visible_standings(db, account_id)
     hidden_diagnoses = {
         name
-        for name, feedback_rules in feedback.load_all_holds(db, account_id).items()
+        for name, feedback_rules in feedback.load_holds_by_exercise(db, account_id).items()
         if feedback_rules.diagnosis is not None
     }
     return {
@@ -273,7 +273,7 @@ def _classes(db: Session, account_id: UUID) -> list[dict[str, Any]]:
             "left_at": format_time(joined_class.membership.left_at),
             "last_seen_at": format_time(joined_class.membership.last_seen_at),
             "exemptions": [
-                {"assignment": title, **{name: _plain(value) for name, value in exemption_effects(exemption).items()}}
+                {"assignment": title, **{name: _plain(value) for name, value in changed_fields(exemption).items()}}
                 for title, exemption in assignments.load_student_exemptions(
                     db, account_id, joined_class.school_class.id
                 )

@@ -85,7 +85,7 @@ def teams_data(db: Session, account_id: UUID) -> dict[str, Any]:
                 "since": format_time(place.since),
                 "until": format_time(place.until),
             }
-            for place, assignment, name in team_repository.load_account_places(db, account_id)
+            for place, assignment, name in team_repository.load_team_history(db, account_id)
         ],
         "team_proposals": [
             {"assignment": title, "by_you": row.account_id == account_id, "at": format_time(row.proposed_at)}

@@ -9,7 +9,7 @@ from sqlalchemy.orm import Session
 
 from server.assignments import repository as assignments
 from server.assignments import team_repository
-from server.assignments.team_rules import list_shares
+from server.assignments.team_rules import list_partnerships
 from server.gradebook import service as gradebook
 from server.submissions.models import Submission
 
@@ -19,13 +19,13 @@ def hand_over_team_attempts(db: Session, account_id: UUID, class_id: UUID | None
     they were sent; nothing says any more who sent them."""
     given = {
         assignment.id
-        for _, assignment, _ in team_repository.load_account_places(db, account_id)
+        for _, assignment, _ in team_repository.load_team_history(db, account_id)
         if class_id in {None, assignment.class_id}
     }
     exercises = assignments.load_exercises(db, given) if given else {}
-    for assignment_id, places in team_repository.load_teams(db, given).items():
+    for assignment_id, places in team_repository.load_team_places(db, given).items():
         names = [row.exercise for row in exercises.get(assignment_id, ())]
-        for share in reversed(list_shares(places, account_id)):
+        for share in reversed(list_partnerships(places, account_id)):
             query = select(Submission.id).where(
                 Submission.account_id == account_id,
                 Submission.exercise.in_(names),

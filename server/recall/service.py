@@ -65,7 +65,7 @@ def load_recall(
     """
     now = utc_now()
     today = school_time.to_local(now).date()
-    held = feedback.load_all_holds(db, account_id) if solved else {}
+    held = feedback.load_holds_by_exercise(db, account_id) if solved else {}
     tested = {name for name, holds in held.items() if holds.tests}
     asked = [course.exercises[name] for name in course.exercises if name in solved and name not in tested]
     past = mistakes.load_past_mistakes(db, account_id, [exercise.id for exercise in asked]) if asked else ()

@@ -21,7 +21,7 @@ from server.assignments import counting, rules, sitting_repository
 from server.assignments import repository as assignments
 from server.assignments.counting import ScoredAttempt
 from server.assignments.models import Assignment, AttemptSelection, Mode
-from server.assignments.team_repository import load_teams_of
+from server.assignments.team_repository import load_places_of_team_assignments
 from server.assignments.team_rules import team_rules_in_force
 from server.base.errors import Conflict, Invalid, NotFound
 from server.base.validation import parse_uuid
@@ -188,7 +188,7 @@ def _marker(db: Session, regrade: Regrade) -> Marker:
 def _assignment_marker(db: Session, assignment: Assignment) -> Marker:
     """Return a marker by the rules of the gradebook: attempts at a test count within the sitting."""
     exemptions = assignments.load_exemptions(db, [assignment.id]).get(assignment.id, [])
-    places = load_teams_of(db, [assignment]).get(assignment.id, ())
+    places = load_places_of_team_assignments(db, [assignment]).get(assignment.id, ())
     labels = {member.id: member.groups for member in classes.load_members(db, assignment.class_id)}
     sittings = sitting_repository.load_sittings(db, [assignment.id]) if assignment.mode == Mode.test else {}
 

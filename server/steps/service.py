@@ -91,7 +91,7 @@ class StepService:
                 return _program_request(exercise.grader, source, new.stdin)
             sittings.require_no_tested_imports(db, account.id, whole, self._reused_exercises(exercise.id))
             own = importable_files.load_importable_files_now(db, self.course, account.id, exercise.id, whole)
-            tested = sittings.load_tested_exercises(db, account.id, utc_now())
+            tested = sittings.load_exercises_in_sat_tests(db, account.id, utc_now())
             return CallTraceRequest(
                 exercise=exercise.id,
                 source=source,
@@ -130,7 +130,7 @@ class StepService:
             sittings.require_no_tested_imports(db, account.id, submission.source, self._reused_exercises(exercise.id))
             own = importable_files.load_importable_files(db, self.course, submission)
             tested = importable_files.load_tested_exercises(db, self.course, submission)
-            tested |= sittings.load_tested_exercises(db, account.id, utc_now())
+            tested |= sittings.load_exercises_in_sat_tests(db, account.id, utc_now())
             return ReplayTraceRequest(
                 exercise=exercise.id,
                 source=submission.source,

@@ -40,7 +40,7 @@ class SittingCollector:
             self._end(db, assignment, sitting, max(now, utc_now()), EndedBy.student)  # after what went before it
         else:
             self._end_by_time(db, assignment, sitting, rules, now)
-        feedback.forget_holds(db)
+        feedback.clear_holds_memo(db)
 
     def collect_expired(self, database: Database, now: datetime) -> int:
         """End every sitting whose time is over; return how many. Failures are left for the next time."""
@@ -79,7 +79,7 @@ class SittingCollector:
         )
 
     def _end_by_time(self, db: Session, assignment: Assignment, sitting: Sitting, rules: Rules, now: datetime) -> None:
-        self._end(db, assignment, sitting, rules.end_of_sitting(sitting.began_at) or now, EndedBy.time)
+        self._end(db, assignment, sitting, rules.latest_sitting_end(sitting.began_at) or now, EndedBy.time)
 
     def _end(self, db: Session, assignment: Assignment, sitting: Sitting, ended_at: datetime, by: EndedBy) -> None:
         account = identity.find_account(db, sitting.account_id)

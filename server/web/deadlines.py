@@ -55,7 +55,7 @@ def due_soon(
         for assigned in student_assignments.load_open_assignments(db, account.id, now)
         if _is_of(assigned, module)
     ]
-    found = student_assignments.due_soon(
+    found = student_assignments.filter_due_soon(
         [assigned for assigned in running if assigned.assignment.mode != Mode.test], now, SOON
     )
     views = [*_tests(db, account, running, now), *(_view(assigned, progress) for assigned in found)]

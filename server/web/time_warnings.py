@@ -57,7 +57,7 @@ def time_warnings(
 
 def _past(rules: Rules, saved_at: datetime) -> Iterator[str]:
     """Dates that were over as they were saved."""
-    end = rules.last_counted_at
+    end = rules.latest_counting_time
     if end is not None and end <= saved_at:
         past = f"Tout est déjà passé, depuis le {long_moment(end)} : "
         yield past + (
@@ -137,7 +137,10 @@ def _sittings(db: Session, assignment: Assignment, exemptions: Collection[Exempt
     for unfinished in sitting_repository.load_unfinished_sittings(db, assignment.id):
         sitting = unfinished.sitting
         rules = rules_in_force(assignment, exemptions, sitting.account_id, unfinished.groups)
-        told, today = rules.end_of_sitting(sitting.began_at), rules.of_today.end_of_sitting(sitting.began_at)
+        told, today = (
+            rules.latest_sitting_end(sitting.began_at),
+            rules.without_earlier_rules.latest_sitting_end(sitting.began_at),
+        )
         if told is not None and told != today and is_sitting_running(rules, sitting, now):
             ends.append(told)
     if ends:

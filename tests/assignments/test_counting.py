@@ -25,7 +25,7 @@ attempts = st.lists(
 
 @given(attempts)
 def test_the_best_is_what_no_other_beats(sent: list[ScoredAttempt]) -> None:
-    worths = {one.id: RULES.judge(one.sent_at).adjust(20 * one.score) for one in sent}
+    worths = {one.id: RULES.judge_timing(one.sent_at).apply_late_penalty(20 * one.score) for one in sent}
     counting = {name: worth.points for name, worth in worths.items() if worth.points is not None}
     best, last = mark_attempts(RULES, AttemptSelection.best, sent), mark_attempts(RULES, AttemptSelection.last, sent)
     assert best.attempts == len(counting)

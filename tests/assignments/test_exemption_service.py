@@ -46,5 +46,5 @@ def test_a_guest_s_exemption_follows_them_and_opens_earlier_for_them_alone(datab
         told = explain_rules(found.rules, found.exemptions, ada.id)["opens_at"]
         assert [(one.origin, one.reason) for one in told] == [("student", "part en stage"), ("assignment", "")]
         assert [title for title, _ in repository.load_student_exemptions(db, ada.id, made.id)] == ["DM"]
-        assert student_assignments.due_soon([found], now, 2 * DAY) == []
-        assert list(student_assignments.due_soon([found], now, 9 * DAY)) == [found]
+        assert student_assignments.filter_due_soon([found], now, 2 * DAY) == []
+        assert list(student_assignments.filter_due_soon([found], now, 9 * DAY)) == [found]

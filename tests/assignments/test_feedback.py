@@ -111,13 +111,17 @@ def test_a_student_is_where_the_clock_and_their_rules_say(
     found, known = seen(now, **case)
     assert found is stage
     assert bool(known.tests) == (stage not in {SittingStage.before, SittingStage.shown})
-    assert (known.refusal == "") == (stage in {SittingStage.before, SittingStage.shown, SittingStage.running})
+    assert (known.submission_refusal == "") == (
+        stage in {SittingStage.before, SittingStage.shown, SittingStage.running}
+    )
     if known.tests:
         assert known.hints
         assert known.solution
-        assert known.test_holding(at(now))
+        assert known.find_withholding_test(at(now))
         opens = case["told"][0].opens_at if case.get("told") and case["told"][0].opens_at else OPENS
-        assert not known.test_holding(opens - timedelta(seconds=1)), "what was sent before it opened stays told"
+        assert not known.find_withholding_test(opens - timedelta(seconds=1)), (
+            "what was sent before it opened stays told"
+        )
 
 
 def test_who_is_excused_is_not_held_unless_they_have_begun() -> None:
@@ -127,15 +131,15 @@ def test_who_is_excused_is_not_held_unless_they_have_begun() -> None:
 
 def test_an_opening_moved_later_frees_nothing_that_was_sent_in_the_test() -> None:
     known = seen(1, began=0.5, told=own(opens_at=at(0.9)))[1]
-    assert known.test_holding(at(0.5))
+    assert known.find_withholding_test(at(0.5))
 
 
 def test_who_sits_one_test_may_send_whatever_another_one_says() -> None:
     over, running = seen(1, began=0.1, handed_in=0.2)[1], seen(1, began=0.5)[1]
     both = FeedbackHolds(over.tests + running.tests)
-    assert over.refusal
-    assert not both.refusal
-    assert not both.test_holding(at(-1))
+    assert over.submission_refusal
+    assert not both.submission_refusal
+    assert not both.find_withholding_test(at(-1))
 
 
 PRACTICE: list[tuple[str, float, dict[str, Any], tuple[bool, datetime | None]]] = [
@@ -191,9 +195,9 @@ def test_a_verdict_loses_what_is_held_back_and_nothing_else() -> None:
         Diagnosis("d", "Nommée", "…"),
         timings={"diagnosis_ms": 3.0},
     )
-    unnamed = seen(1, mode=Mode.practice, diagnosis=Visibility.never)[1].redact(whole)
+    unnamed = seen(1, mode=Mode.practice, diagnosis=Visibility.never)[1].remove_withheld_parts(whole)
     assert (unnamed.diagnosis, dict(unnamed.timings), unnamed.checks) == (None, {}, whole.checks)
-    unhinted = seen(1, mode=Mode.practice, hints=Visibility.never)[1].redact(whole)
+    unhinted = seen(1, mode=Mode.practice, hints=Visibility.never)[1].remove_withheld_parts(whole)
     assert (unhinted.diagnosis, unhinted.checks[0].hint) == (whole.diagnosis, None)
     assert unhinted.checks[0].message == "On attend 4."
-    assert FeedbackHolds().redact(whole) == whole
+    assert FeedbackHolds().remove_withheld_parts(whole) == whole

@@ -48,7 +48,7 @@ def test_an_assignment_concerns_its_groups_and_who_has_sat_it(given_to: set[str]
     windows = SendingWindow(rules, Sat() if sat else None)
     assert rules.is_concerned == (not given_to or bool(given_to & own))
     assert windows.concerns_student == (rules.is_concerned or sat)
-    assert (windows.judge(OPENS) is not OUTSIDE) == sat
+    assert (windows.judge_timing(OPENS) is not OUTSIDE) == sat
 
 
 def people(database: Database) -> tuple[Term, Account, Account, Account]:
@@ -95,8 +95,8 @@ def test_what_a_student_is_given_is_what_counts_for_them(database: Database, cou
             assert sorted(own.assignment.title for own in load_open_assignments(db, student.id, now)) == titles
         counting = load_counting_exercises(db, course, term.made, now)
         assert set(counting.names) == {POSES, ODOMETRY}
-        assert set(counting.for_student(("TP1",))) == {POSES, ODOMETRY}
-        assert counting.for_student(()) == (ODOMETRY,)
+        assert set(counting.counting_for_student(("TP1",))) == {POSES, ODOMETRY}
+        assert counting.counting_for_student(()) == (ODOMETRY,)
     term.send(alan, ODOMETRY, 20, now)
     with database.read() as db:
         board = load_board(db, course, term.made, now)
@@ -112,14 +112,14 @@ def test_a_test_of_others_holds_nothing_and_cannot_be_begun(database: Database) 
         closes_at=now + DAY, duration_minutes=60,
     )  # fmt: skip
     with database.read() as db:
-        assert feedback.load_holds(db, ada.id, POSES).refusal
-        assert not feedback.load_holds(db, alan.id, POSES).refusal
+        assert feedback.load_holds(db, ada.id, POSES).submission_refusal
+        assert not feedback.load_holds(db, alan.id, POSES).submission_refusal
         with pytest.raises(NotFound):
             sittings.begin_sitting(db, test, alan.id, ["TP2"], now)
     with database.write() as db:
         sittings.begin_sitting(db, test, ada.id, ["TP1"], now)
     with database.write() as db:
-        groups.dissolve_group(db, term.made, term.teacher.id, "TP2")
+        groups.delete_group(db, term.made, term.teacher.id, "TP2")
         member = classes.find_membership(db, term.made.id, ada.id)
         assert member is not None
         member.groups = []
@@ -134,18 +134,18 @@ def test_groups_are_made_from_names_in_either_order_and_every_wrong_line_is_name
     term, ada, alan, ines = people(database)
     with database.write() as db:
         members = classes.load_members(db, term.made.id)
-        found = groups.find_students(members, "lovelace ADA\n\nInes Roy\nAda Lovelace\n")
+        found = groups.find_named_students(members, "lovelace ADA\n\nInes Roy\nAda Lovelace\n")
         assert found == [ada.id, ines.id]
-        assert groups.make_group(db, term.made, term.teacher.id, " Reprise  ", found) == "Reprise"
+        assert groups.create_group(db, term.made, term.teacher.id, " Reprise  ", found) == "Reprise"
         changes = load_entries(db, term.made.id, AuditFilter(what=AuditAction.groups_changed), limit=9)
         assert {entry.student.id for entry in changes if entry.student is not None} == {ada.id, ines.id}
     for text, words in (("Zoé\nAda Lovelace\nBob", "« Zoé », « Bob »"), ("  ", "au moins un nom")):
         with database.read() as db, pytest.raises(InvalidFields) as refused:
-            groups.find_students(classes.load_members(db, term.made.id), text)
+            groups.find_named_students(classes.load_members(db, term.made.id), text)
         assert words in refused.value.problems["names"]
     for name in ("reprise", "", "a, b", "x" * 41):
         with database.write() as db, pytest.raises(InvalidFields):
-            groups.make_group(db, term.made, term.teacher.id, name, [alan.id])
+            groups.create_group(db, term.made, term.teacher.id, name, [alan.id])
 
 
 @pytest.mark.parametrize("count", [2, 3, 7])
@@ -153,7 +153,7 @@ def test_dealt_groups_are_equal_and_hold_everybody_once(database: Database, coun
     term = Term.begin(database)
     students = [term.student(f"Élève{number}", "Petit").id for number in range(7)]
     with database.write() as db:
-        labels = groups.deal_groups(db, term.made, term.teacher.id, "TP", count, students, Random(3))
+        labels = groups.create_random_groups(db, term.made, term.teacher.id, "TP", count, students, Random(3))
         own = {member.id: member.groups for member in classes.load_members(db, term.made.id) if member.id in students}
     assert sorted(label for labels in own.values() for label in labels) == sorted(
         labels[index % count] for index in range(7)
@@ -172,7 +172,7 @@ def test_a_renamed_group_keeps_its_assignments_and_exemptions(database: Database
         book = load_gradebook(db, course, term.made, AFTER, only=[ada.id])
         assert book.rows[0].marks[0].state is not MarkState.not_concerned
     with database.write() as db, pytest.raises(InvalidFields) as refused:
-        groups.dissolve_group(db, term.made, term.teacher.id, "Lundi")
+        groups.delete_group(db, term.made, term.teacher.id, "Lundi")
     assert "devoir « TP1 »" in refused.value.problems["name"]
 
 
@@ -187,7 +187,7 @@ def test_an_assignment_is_given_only_to_groups_that_the_class_has(database: Data
             db, course, term.made, term.teacher.id, AssignmentInput(**fields, groups=("TP1", "TP1"))
         )
         assert tuple(made.groups) == ("TP1",)
-        past = editing.load_assignment_input(db, made)
+        past = editing.load_editable_fields(db, made)
     with database.write() as db:
         groups_of_ada = classes.load_active_students(db, term.made.id)
         for student in groups_of_ada:

@@ -89,22 +89,24 @@ def test_a_penalty_is_for_each_day_begun_and_takes_no_more_than_all() -> None:
     rules = rules_in_force(
         Frame(due_at=due, closes_at=due + 3 * DAY, late="penalty", late_per_day=4.0), [], uuid4(), ()
     )
-    assert rules.judge(due).adjust(18.0) == LateAdjustedPoints(18.0)
-    assert rules.judge(due + second).adjust(18.0) == LateAdjustedPoints(14.0, 1)
-    assert rules.judge(due + DAY).adjust(18.0) == LateAdjustedPoints(14.0, 1)
-    assert rules.judge(due + DAY + second).adjust(18.0) == LateAdjustedPoints(10.0, 2)
-    assert rules.judge(due + 3 * DAY).adjust(5.0) == LateAdjustedPoints(0.0, 3)
-    assert rules.judge(due + 3 * DAY + second).adjust(5.0) == NOT_COUNTED, "closed"
-    assert rules.judge(OPENS - second).adjust(5.0) == LateAdjustedPoints(5.0), "who works ahead is on time"
+    assert rules.judge_timing(due).apply_late_penalty(18.0) == LateAdjustedPoints(18.0)
+    assert rules.judge_timing(due + second).apply_late_penalty(18.0) == LateAdjustedPoints(14.0, 1)
+    assert rules.judge_timing(due + DAY).apply_late_penalty(18.0) == LateAdjustedPoints(14.0, 1)
+    assert rules.judge_timing(due + DAY + second).apply_late_penalty(18.0) == LateAdjustedPoints(10.0, 2)
+    assert rules.judge_timing(due + 3 * DAY).apply_late_penalty(5.0) == LateAdjustedPoints(0.0, 3)
+    assert rules.judge_timing(due + 3 * DAY + second).apply_late_penalty(5.0) == NOT_COUNTED, "closed"
+    assert rules.judge_timing(OPENS - second).apply_late_penalty(5.0) == LateAdjustedPoints(5.0), (
+        "who works ahead is on time"
+    )
 
 
 def test_refused_and_accepted() -> None:
     late = OPENS + 7 * DAY + timedelta(minutes=1)
     refused, accepted = rules_in_force(Frame(late="refuse"), [], ADA, ()), rules_in_force(Frame(), [], ADA, ())
-    assert refused.judge(late).adjust(20.0) == NOT_COUNTED
-    assert refused.last_counted_at == OPENS + 7 * DAY
-    assert accepted.judge(late).adjust(20.0) == LateAdjustedPoints(20.0, 1)
-    assert accepted.last_counted_at == OPENS + 10 * DAY
+    assert refused.judge_timing(late).apply_late_penalty(20.0) == NOT_COUNTED
+    assert refused.latest_counting_time == OPENS + 7 * DAY
+    assert accepted.judge_timing(late).apply_late_penalty(20.0) == LateAdjustedPoints(20.0, 1)
+    assert accepted.latest_counting_time == OPENS + 10 * DAY
 
 
 @given(st.sampled_from([1.0, 4 / 3, 2.0]), st.integers(0, 9 * 24 * 60))
@@ -114,8 +116,8 @@ def test_extra_time_is_never_cut_off_by_the_end(factor: float, minutes: int) -> 
     own = Difference(account_id=ADA, time_factor=factor)
     began = OPENS + timedelta(minutes=minutes)
     rules = rules_in_force(frame, [own], ADA, ())
-    end = rules.end_of_sitting(began)
-    common = rules_in_force(frame, [], BOB, ()).end_of_sitting(began)
+    end = rules.latest_sitting_end(began)
+    common = rules_in_force(frame, [], BOB, ()).latest_sitting_end(began)
     assert end is not None
     assert common is not None
     assert end - began >= factor * (common - began) - timedelta(seconds=1)
@@ -126,7 +128,7 @@ def test_summer_time_moves_no_instant() -> None:
     eve = datetime(2026, 3, 28, 23, 59, tzinfo=PARIS)
     after = datetime(2026, 3, 29, 23, 59, tzinfo=PARIS)
     rules = rules_in_force(Frame(due_at=eve, late="penalty", late_per_day=1.0), [], ADA, ())
-    assert rules.judge(after).adjust(20.0) == LateAdjustedPoints(19.0, 1)
+    assert rules.judge_timing(after).apply_late_penalty(20.0) == LateAdjustedPoints(19.0, 1)
     assert (after.astimezone(UTC) - eve.astimezone(UTC)) == timedelta(hours=23)
     same = rules_in_force(Frame(due_at=eve.astimezone(UTC)), [], ADA, ())
-    assert same.judge(eve).adjust(20.0) == LateAdjustedPoints(20.0)
+    assert same.judge_timing(eve).apply_late_penalty(20.0) == LateAdjustedPoints(20.0)

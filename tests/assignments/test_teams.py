@@ -12,7 +12,7 @@ from server.assignments import team_repository, teams
 from server.assignments.models import Assignment, Mode, TeamMember
 from server.assignments.schemas import AssignmentInput, validate_assignment
 from server.assignments.student_assignments import load_student_assignment
-from server.assignments.team_rules import list_partners
+from server.assignments.team_rules import list_current_partners
 from server.audit.models import AuditAction
 from server.audit.repository import load_entries
 from server.audit.schemas import AuditFilter
@@ -122,11 +122,11 @@ def test_teachers_form_teams_and_a_refusal_forms_none(term: Term) -> None:
         assert not team_repository.load_current_members(db, work.id)
     form([ada, blaise], earlier=True)
     with term.database.read() as db:
-        (places,) = team_repository.load_teams(db, [work.id]).values()
+        (places,) = team_repository.load_team_places(db, [work.id]).values()
         assert {place.since for place in places} == {OPENS}, "what they had sent counts for both"
     with term.database.write() as db:
         teams.end_team(db, term.made, term.teacher.id, work, places[0].team_id)
-        assert teams.deal_teams(db, term.made, term.teacher.id, work, Random(1)) == 1
+        assert teams.form_random_teams(db, term.made, term.teacher.id, work, Random(1)) == 1
         assert len(team_repository.load_current_members(db, work.id)) == 2, "of three, one stays alone"
         log = [entry.what for entry in load_entries(db, term.made.id, AuditFilter(), limit=50)]
     assert log.count(AuditAction.team_formed) == 4
@@ -149,32 +149,32 @@ def test_students_agree_on_a_team_and_part(term: Term) -> None:
 
     def partners(student: Account) -> list[str]:
         with term.database.read() as db:
-            places = team_repository.load_teams(db, [work.id]).get(work.id, ())
-        return [place.name for place in list_partners(places, student.id)]
+            places = team_repository.load_team_places(db, [work.id]).get(work.id, ())
+        return [place.name for place in list_current_partners(places, student.id)]
 
-    act("propose", ada, blaise)
-    act("propose", ada, blaise)  # a double click
+    act("propose_teammate", ada, blaise)
+    act("propose_teammate", ada, blaise)  # a double click
     assert partners(ada) == [], "nobody hands in with somebody who has not agreed"
     with pytest.raises(NotFound):
-        act("accept", chloe, ada)
-    act("propose", blaise, ada)
+        act("accept_proposal", chloe, ada)
+    act("propose_teammate", blaise, ada)
     assert (partners(ada), partners(blaise)) == (["Blaise Bez"], ["Ada Abel"])
-    act("propose", chloe, ada)
+    act("propose_teammate", chloe, ada)
     with pytest.raises(Conflict):
-        act("accept", ada, chloe)
-    act("leave", ada)
+        act("accept_proposal", ada, chloe)
+    act("leave_team", ada)
     assert (partners(ada), partners(blaise)) == ([], [])
-    act("accept", ada, chloe)
+    act("accept_proposal", ada, chloe)
     assert partners(chloe) == ["Ada Abel"]
     with term.database.write() as db:
         row = db.merge(work)
         row.closes_at, row.due_at = now - HOUR, now - HOUR
     work.closes_at = work.due_at = now - HOUR
     with pytest.raises(WrongMoment):
-        act("leave", chloe)
+        act("leave_team", chloe)
     work.teams_by_students = False
     with pytest.raises(Conflict):
-        act("propose", blaise, ada)
+        act("propose_teammate", blaise, ada)
 
 
 def test_only_what_was_sent_together_is_shown(term: Term, course: Course) -> None:

@@ -14,8 +14,8 @@ from hypothesis import event, given, settings
 from hypothesis import strategies as st
 
 from server.assignments.counting import ScoredAttempt, mark_attempts
-from server.assignments.editing import keep_past_rules
-from server.assignments.exemption_service import is_extension
+from server.assignments.editing import append_past_rules
+from server.assignments.exemption_service import never_moves_dates_earlier
 from server.assignments.feedback import SittingStage, sitting_stage
 from server.assignments.models import Assignment, AttemptSelection, EndedBy, Exemption, LatePolicy, Mode, Sitting
 from server.assignments.rules import OUTSIDE, Rules, SendingWindow, SendTiming, TimingKind, rules_in_force, sitting_end
@@ -56,7 +56,7 @@ def test_a_day_late_is_a_day_on_the_school_s_clock(due: tuple[int, ...], sent: t
     rules = Rules(
         STARTS[1], paris(*due), None, LatePolicy.penalty, 2.0, 1.0, False, None, {}, zone=PARIS
     )  # fmt: skip
-    assert rules.judge(paris(*sent)).adjust(20.0).points == 20 - 2 * days
+    assert rules.judge_timing(paris(*sent)).apply_late_penalty(20.0).points == 20 - 2 * days
 
 
 def test_a_time_that_comes_twice_ends_the_day_when_it_comes_again() -> None:
@@ -102,7 +102,7 @@ class School:
 
     def change(self, now: datetime, values: dict[str, Any]) -> None:
         after = AssignmentInput("DM", (), **(self.times() | values))
-        keep_past_rules(self.assignment, after, now)
+        append_past_rules(self.assignment, after, now)
         for name, value in values.items():
             setattr(self.assignment, name, value)
 
@@ -113,8 +113,8 @@ class School:
     def grant(self, now: datetime, values: dict[str, Any]) -> None:
         to = {"label": "TP1"} if values["label"] else {"account_id": ADA}
         fields = ExemptionInput(values["opens_at"], values["due_at"], values["closes_at"], values["time_factor"])
-        extends = is_extension(fields, self.assignment)
-        self.exemptions.append(Exemption(created_at=now, extends=extends, **to, **fields.columns()))
+        extends = never_moves_dates_earlier(fields, self.assignment)
+        self.exemptions.append(Exemption(created_at=now, extends=extends, **to, **fields.row_columns()))
 
     def revoke(self, now: datetime, number: int) -> None:
         active = [each for each in self.exemptions if each.revoked_at is None]
@@ -132,7 +132,7 @@ class School:
     def collect(self, now: datetime) -> None:
         """As the collector of sittings does."""
         if self.sitting is not None and self.sitting.handed_in_at is None and self.stage(now) is SittingStage.over:
-            self.sitting.handed_in_at = self.rules().end_of_sitting(self.sitting.began_at)
+            self.sitting.handed_in_at = self.rules().latest_sitting_end(self.sitting.began_at)
             self.sitting.ended_by = EndedBy.time
 
     def stage(self, now: datetime) -> SittingStage:
@@ -147,7 +147,7 @@ class School:
             assert self.sitting is not None
             if self.sitting.ended_by is not None:  # more time was granted: it goes on
                 self.sitting.handed_in_at = self.sitting.ended_by = None
-            timing = rules.judge(self.sitting.began_at)
+            timing = rules.judge_timing(self.sitting.began_at)
             return timing if timing.counts else SendTiming(TimingKind.late, timing.days_late)
         stage = assignment_stage(rules, now)
         if stage is AssignmentStage.closed:
@@ -161,8 +161,8 @@ class School:
         penalty = days * rules.late_per_day if rules.late is LatePolicy.penalty else 0.0
         return SendTiming(TimingKind.late, days, penalty)
 
-    def judge(self, sent_at: datetime) -> SendTiming:
-        return SendingWindow(self.rules(), self.sitting).judge(sent_at)
+    def judge_timing(self, sent_at: datetime) -> SendTiming:
+        return SendingWindow(self.rules(), self.sitting).judge_timing(sent_at)
 
 
 LENGTHS = (None, 1, 30, 55, 60, 90, 24 * 60, 3 * 24 * 60)
@@ -241,7 +241,7 @@ def test_what_is_told_before_a_send_is_what_counts_after_it(
         if name == "send":
             told = school.tell(now)
             if told is not None:
-                counted = school.judge(now)
+                counted = school.judge_timing(now)
                 assert counted.counts == told.counts
                 assert not told.counts or (counted.days_late, counted.penalty) == (told.days_late, told.penalty)
                 promised.append((now, counted))
@@ -249,7 +249,7 @@ def test_what_is_told_before_a_send_is_what_counts_after_it(
         else:
             getattr(school, name)(*(now, value) if value is not None else (now,))
         for sent_at, before in promised:
-            assert school.judge(sent_at).favour >= before.favour, (name, now)
+            assert school.judge_timing(sent_at).favour_sort_key >= before.favour_sort_key, (name, now)
         if school.sitting is not None and school.sitting.ended_by is None:
             end = sitting_end(school.rules(), school.sitting)
             assert told_end is None or end is None or end >= told_end, "no end comes earlier than it was told"
@@ -269,7 +269,7 @@ def test_changes_of_rules_leave_at_least_the_mark_that_was_told(
             getattr(school, name)(*(now, value) if value is not None else (now,))
         elif (timing := school.tell(now)) is not None:
             sent.append(ScoredAttempt(UUID(int=number), now, (number * 7 % 5) / 4))
-            points = timing.adjust(20 * sent[-1].score).points
+            points = timing.apply_late_penalty(20 * sent[-1].score).points
             told += [] if points is None else [points]
         counted = mark_attempts(SendingWindow(school.rules(), school.sitting), counts, sent).counted
         if told:

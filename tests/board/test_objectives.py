@@ -9,7 +9,7 @@ from uuid import UUID
 
 import pytest
 
-from server.assignments.feedback import FeedbackHold, FeedbackHolds, HoldingTest, SittingStage
+from server.assignments.feedback import FeedbackHold, FeedbackHolds, SittingStage, WithholdingTest
 from server.board.objective_loading import hide_held_attempts
 from server.board.objectives import (
     Mastery,
@@ -104,7 +104,7 @@ def test_a_challenge_shows_an_objective_but_is_not_required(course: Course) -> N
 def test_what_is_held_is_not_told() -> None:
     attempts = {FIRST: series(FIRST, "9,5,,a", "3,20"), SECOND: series(SECOND, "9,5,,a")}
     since = NOW - timedelta(minutes=5)
-    test = HoldingTest(ADA, ADA, "Contrôle", SittingStage.over, since, None)
+    test = WithholdingTest(ADA, ADA, "Contrôle", SittingStage.over, since, None)
     hold = FeedbackHold("Devoir", None)
     shown = hide_held_attempts(attempts, {FIRST: FeedbackHolds((test,)), SECOND: FeedbackHolds(diagnosis=hold)})
     assert [attempt.score for attempt in shown[FIRST]] == [0.25], "what the test holds is not there"

@@ -92,7 +92,7 @@ def test_what_is_written_is_a_class_whose_standings_are_right(
         assert made is not None
         seats = Counter(member.role for member in classes.load_members(db, made.id))
         assert seats == {ClassRole.teacher: 1, ClassRole.assistant: 1, ClassRole.student: 4}
-        opened = assignments.counting_exercises(db, course, made, utc_now())
+        opened = assignments.list_counting_exercises(db, course, made, utc_now())
         assert list(opened) == [exercise.id for exercise in module.exercises]
         sent = db.query(Submission).count()
         book = load_gradebook(db, course, made, utc_now())

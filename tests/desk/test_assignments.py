@@ -18,7 +18,7 @@ from hypothesis import strategies as st
 from sqlalchemy import update
 
 from server.assignments.counting import AttemptMark
-from server.assignments.editing import delete_removed
+from server.assignments.editing import purge_removed_assignments
 from server.assignments.models import Assignment, Exemption, LatePolicy, WeightedExercise
 from server.assignments.rules import MAX_POINTS, Rules, rules_in_force
 from server.assignments.schemas import AssignmentInput
@@ -156,7 +156,7 @@ def test_a_deletion_is_undone_for_thirty_days(school: School) -> None:
     for days, left in ((29, 1), (31, 0)):
         with school.site.database.write() as db:
             db.execute(update(Assignment).values(removed_at=utc_now() - timedelta(days=days)))
-            delete_removed(db, utc_now())
+            purge_removed_assignments(db, utc_now())
         assert len(school.stored(Assignment)) == left
 
 
@@ -475,7 +475,9 @@ def test_the_line_goes_through_what_the_rules_give(found: Rules, share: float) -
         assert following is None or following.start == piece.end, "the line has no gap"
         if piece.start == piece.end:
             continue
-        worth = found.judge(piece.start + share * (piece.end - piece.start)).adjust(MAX_POINTS).points
+        worth = (
+            found.judge_timing(piece.start + share * (piece.end - piece.start)).apply_late_penalty(MAX_POINTS).points
+        )
         if piece.left is None or piece.right is None:
             assert worth is None
             continue

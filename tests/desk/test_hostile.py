@@ -48,7 +48,7 @@ def test_two_who_change_or_delete_an_assignment_at_once_do_so_one_after_the_othe
                 found = editing.find_assignment(db, made, one.id, to_change=True)
                 if delete:
                     return editing.delete_assignment(db, made, teacher.id, found)
-                wanted = replace(editing.load_assignment_input(db, found), title="Le mien")
+                wanted = replace(editing.load_editable_fields(db, found), title="Le mien")
                 editing.update_assignment(db, course, made, teacher.id, found, wanted)
         except Exception as error:
             failed.append(error)
@@ -58,9 +58,9 @@ def test_two_who_change_or_delete_an_assignment_at_once_do_so_one_after_the_othe
         thread.start()
     with database.write() as db:
         found = editing.find_assignment(db, made, one.id, to_change=True)
-        more = (*editing.load_assignment_input(db, found).exercises, WeightedExercise("l20/kabsch"))
+        more = (*editing.load_editable_fields(db, found).exercises, WeightedExercise("l20/kabsch"))
         editing.update_assignment(
-            db, course, made, teacher.id, found, replace(editing.load_assignment_input(db, found), exercises=more)
+            db, course, made, teacher.id, found, replace(editing.load_editable_fields(db, found), exercises=more)
         )
         there.set()
         for thread in others:

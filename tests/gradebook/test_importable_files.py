@@ -9,7 +9,7 @@ from graders.core.contract.findings import Judgement
 from graders.core.contract.outcomes import Outcome
 from graders.core.contract.verdict import CheckResult, Verdict
 from server.assignments import feedback
-from server.assignments.feedback import FeedbackHolds, HoldingTest, SittingStage
+from server.assignments.feedback import FeedbackHolds, SittingStage, WithholdingTest
 from server.database import Database, utc_now
 from server.gradebook import importable_files, service
 from server.gradebook.schemas import GradingResult
@@ -75,7 +75,7 @@ def test_importing_a_file_reveals_no_withheld_verdict(database: Database) -> Non
     ada = new_account(database, name="ada")
     sent(database, ada, POSES, b"one", 1)
     sent(database, ada, POSES, b"held", 5)
-    test = HoldingTest(ada.id, ada.id, "Contrôle", SittingStage.running, at(3), None)
+    test = WithholdingTest(ada.id, ada.id, "Contrôle", SittingStage.running, at(3), None)
     with database.write() as db:
         db.info[feedback.MEMO] = {(ada.id, None): {POSES: FeedbackHolds(tests=(test,))}}
         row = Submission(account_id=ada.id, exercise=GRAPH, source=ASKS, digest="e", seed=1, created_at=at(10))

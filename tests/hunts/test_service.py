@@ -12,7 +12,7 @@ from graders.core.contract.findings import Judgement
 from graders.core.contract.outcomes import Outcome
 from graders.core.contract.verdict import CheckResult, Verdict
 from server.assignments import feedback
-from server.assignments.feedback import FeedbackHolds, HoldingTest
+from server.assignments.feedback import FeedbackHolds, WithholdingTest
 from server.base.app_services import add_services, get_service
 from server.course import Course
 from server.grading.grading_task import GradingInput
@@ -111,7 +111,7 @@ def answers(site: Site) -> list[tuple[str, bool]]:
 
 def test_no_hunt_during_a_test(site: Site, process: Process, monkeypatch: pytest.MonkeyPatch) -> None:
     solve(site)
-    holding = HoldingTest.__new__(HoldingTest)
+    holding = WithholdingTest.__new__(WithholdingTest)
     object.__setattr__(holding, "title", "Contrôle 1")
     monkeypatch.setattr(feedback, "load_holds", lambda *_: FeedbackHolds(tests=(holding,)))
     for answer in (site.client.get(HUNT), site.client.post(HUNT, data=TYPED)):

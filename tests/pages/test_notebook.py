@@ -108,7 +108,7 @@ def test_a_mistake_that_is_held_back_is_not_told(
 ) -> None:
     pupil.send("odometrie", "cap = a  # angle_jamais_ramene\n")
     pupil.send("odometrie", "cap = ramener(a)\n")
-    monkeypatch.setattr(feedback, "load_all_holds", lambda db, account: {"l20/odometrie": hold})
+    monkeypatch.setattr(feedback, "load_holds_by_exercise", lambda db, account: {"l20/odometrie": hold})
     assert "Aucune erreur" in pupil.read(NOTEBOOK)
     assert "correction d’alors" not in pupil.read(pupil.send("poses", "1  # angle_jamais_ramene\n"))
 

@@ -25,7 +25,7 @@ from graders.typography import french, unaccented
 from server.api.assignment_schemas import AssignmentIn
 from server.api.column_schemas import ColumnIn, TypedMarksIn
 from server.api.schemas import NewSubmission
-from server.assignments.groups import find_students, parse_label
+from server.assignments.groups import find_named_students, parse_group_label
 from server.base.errors import InvalidFields, ServiceError
 from server.base.forms import decode_large_form
 from server.base.http import accepted_encodings, bearer_token, local_path, session_token, visitor_key
@@ -226,8 +226,8 @@ READERS: tuple[Reader, ...] = (
         "body:AssignmentChange.title body:AssignmentIn.groups body:AssignmentChange.groups body:NewName.title "
         "body:ExceptionIn.group",
     ),
-    Reader("a group's name", parse_label, BODY, TEXTS, "form:nom query:nom"),
-    Reader("names of students", lambda text: find_students((), text), BODY, TEXTS, "form:noms"),
+    Reader("a group's name", parse_group_label, BODY, TEXTS, "form:nom query:nom"),
+    Reader("names of students", lambda text: find_named_students((), text), BODY, TEXTS, "form:noms"),
     Reader(
         "lines",
         tidy_lines,

@@ -12,15 +12,15 @@ from server.assignments import repository, sitting_repository
 from server.assignments.exemption_service import (
     NO_STUDENT,
     ExplainedValue,
-    active_students,
-    exemption_effects,
+    changed_fields,
     explain_rules,
-    student_labels,
+    filter_active_students,
+    list_student_labels,
 )
 from server.assignments.models import Assignment, EndedBy, Exemption, Mode, Sitting
 from server.assignments.rules import Rules, is_sitting_running, sitting_end
 from server.assignments.student_assignments import load_student_assignment
-from server.assignments.team_repository import load_teams_of
+from server.assignments.team_repository import load_places_of_team_assignments
 from server.assignments.team_rules import team_rules_in_force
 from server.base import school_time
 from server.base.errors import NotFound
@@ -75,8 +75,8 @@ def build_exemptions_page(
         version=version or exemptions_version(db, assignment),
         rows=tuple(_sorted_rows(assignment, exemptions, members, order)),
         order=order,
-        students=tuple((str(each.id), each.name) for each in active_students(members)),
-        groups=tuple(student_labels(members)),
+        students=tuple((str(each.id), each.name) for each in filter_active_students(members)),
+        groups=tuple(list_student_labels(members)),
         values=values or ExemptionValues(),
         problems=problems or {},
         may_keep=may_manage(access),
@@ -131,7 +131,7 @@ def _exemption_row(assignment: Assignment, each: Exemption, places: Mapping[UUID
 
 def _described_effects(assignment: Assignment, each: Exemption) -> Iterator[tuple[str, str]]:
     names = words.field_names(is_test=assignment.mode == Mode.test)
-    for name, said in exemption_effects(each).items():
+    for name, said in changed_fields(each).items():
         yield names[name], words.format_field_value(name, said)  # type: ignore[index]
 
 
@@ -156,7 +156,7 @@ def build_rules_explanation_page(
     staff = access.has(Right.see_students)
     exemptions = repository.load_exemptions(db, [assignment.id]).get(assignment.id, ())
     seat = student.membership
-    places = load_teams_of(db, [assignment]).get(assignment.id, ())
+    places = load_places_of_team_assignments(db, [assignment]).get(assignment.id, ())
     rules = team_rules_in_force(assignment, exemptions, seat.account_id, seat.groups, places)
     if not staff:
         load_student_assignment(db, assignment, seat.account_id, seat.groups, utc_now())
@@ -182,7 +182,7 @@ def build_rules_explanation_page(
         ),
         late=words.describe_late_rules(rules) if rules.due_at else "",
         line=draw_late_line(rules),
-        people=tuple((str(each.id), each.name) for each in active_students(members)),
+        people=tuple((str(each.id), each.name) for each in filter_active_students(members)),
         for_staff=staff,
         is_concerned=rules.is_concerned,
         sitting=_sitting_sentence(sitting_repository.load_sitting(db, assignment.id, seat.account_id), rules)
@@ -233,7 +233,7 @@ def _origin_words(told: ExplainedValue, *, staff: bool) -> str:
 
 def find_student(db: Session, access: ClassAccess, name: str) -> Member:
     """A student who is in the class now; the first, where none is named. Raises NotFound."""
-    for each in active_students(classes.load_members(db, access.school_class.id)):
+    for each in filter_active_students(classes.load_members(db, access.school_class.id)):
         if not name or str(each.id) == name.lower():
             return each
     raise NotFound(NO_STUDENT if name else NOBODY)

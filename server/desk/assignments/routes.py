@@ -64,7 +64,7 @@ def show_new_form(
     values = exam_papers.paper_form_values(reader.course, access.school_class.module, sujet)
     if groupe in editing.load_groups(reader.db, access.school_class):
         values = replace(values, audience="groupes", groups=(groupe,))
-    if exercice in editing.assignable_exercises(reader.db, reader.course, access.school_class):
+    if exercice in editing.load_assignable_titles(reader.db, reader.course, access.school_class):
         values = replace(values, weights={**values.weights, exercice: "1"})
     view = assignment_views.build_form_page(reader.db, reader.course, access, values)
     return render_page(request, "classes/assignment_form.html", reader.account, page=view)
@@ -85,7 +85,7 @@ def create_assignment(
             return redirect(assignment_views.assignment_href(made))
         drawn = validate_assignment(
             wanted,
-            editing.assignable_exercises(db, course, access.school_class),
+            editing.load_assignable_titles(db, course, access.school_class),
             editing.load_groups(db, access.school_class),
         )
         problems = {}
@@ -122,7 +122,7 @@ def show_edit_form(request: Request, class_id: str, aid: str, reader: CurrentRea
     access = rights.require_right(reader.db, reader.account, Right.manage_assignments, class_id)
     require_open(access.school_class)
     found = editing.find_assignment(reader.db, access.school_class, aid)
-    wanted = editing.load_assignment_input(reader.db, found)
+    wanted = editing.load_editable_fields(reader.db, found)
     values = assignment_forms.stored_assignment_values(wanted)
     version = version_of(assignment_forms.assignment_texts(values))
     view = assignment_views.build_form_page(
@@ -141,7 +141,7 @@ def update_assignment(
     values = assignment_forms.submitted_assignment_values(fields)
     drawn: AssignmentInput | None = None
     try:
-        before = editing.load_assignment_input(db, found)
+        before = editing.load_editable_fields(db, found)
         wanted = assignment_forms.parse_assignment(fields, before)
         if not fields.get("apercu"):
             stored = assignment_forms.assignment_texts(assignment_forms.stored_assignment_values(before))
@@ -150,7 +150,7 @@ def update_assignment(
             return redirect(assignment_views.assignment_href(found))
         known = {each.exercise: each.exercise for each in before.exercises}
         labels = {*editing.load_groups(db, access.school_class), *before.groups}
-        known |= dict(editing.assignable_exercises(db, course, access.school_class))
+        known |= dict(editing.load_assignable_titles(db, course, access.school_class))
         drawn = validate_assignment(wanted, known, labels)
         problems = {}
     except InvalidFields as refused:

@@ -13,10 +13,10 @@ from fastapi.responses import Response
 from sqlalchemy.orm import Session
 
 from server.assignments import editing, team_repository, teams
-from server.assignments.groups import find_students
+from server.assignments.groups import find_named_students
 from server.assignments.models import Assignment
 from server.assignments.student_assignments import load_student_assignment
-from server.assignments.team_rules import TeamPlace, list_partners, list_shares, team_word
+from server.assignments.team_rules import TeamPlace, list_current_partners, list_partnerships, team_word
 from server.base.errors import Conflict, Invalid, InvalidFields, NotFound
 from server.base.validation import parse_uuid
 from server.classes import repository as classes
@@ -104,10 +104,10 @@ def _build_page(
     earlier: bool = False,
     problem: str = "",
 ) -> TeamsPage:
-    teams.require_teams(assignment)
-    rows = _team_rows(team_repository.load_teams(db, [assignment.id]).get(assignment.id, ()))
+    teams.require_team_assignment(assignment)
+    rows = _team_rows(team_repository.load_team_places(db, [assignment.id]).get(assignment.id, ()))
     taken = {row.account_id for row in team_repository.load_current_members(db, assignment.id)}
-    students = teams.eligible_students(db, assignment)
+    students = teams.load_eligible_students(db, assignment)
     wanted = normalise_name(search).split()
     matching = [row for row in rows if all(word in normalise_name(" ".join(row.members)) for word in wanted)]
     first = (number - 1) * TEAMS_A_PAGE
@@ -152,7 +152,7 @@ def change_teams(
             chosen = _read_teams(classes.load_members(db, school_class.id), noms)
             teams.form_teams(db, school_class, account.id, assignment, chosen, earlier=bool(deja))
         elif action == "hasard":
-            teams.deal_teams(db, school_class, account.id, assignment, SystemRandom())
+            teams.form_random_teams(db, school_class, account.id, assignment, SystemRandom())
         elif action == "defaire":
             teams.end_team(db, school_class, account.id, assignment, parse_uuid(equipe, UNKNOWN_ACTION))
         else:
@@ -170,7 +170,7 @@ def _read_teams(members: Sequence[Member], text: str) -> Sequence[Sequence[UUID]
     lines = [line for line in text.splitlines() if line.strip(" ;")][:MAX_LINES]
     if not lines:
         raise InvalidFields({"names": NOBODY})
-    return [find_students(members, line.replace(";", "\n")) for line in lines]
+    return [find_named_students(members, line.replace(";", "\n")) for line in lines]
 
 
 @dataclass(frozen=True)
@@ -220,11 +220,11 @@ def _build_own_page(
 ) -> OwnTeamPage:
     assert access.membership is not None
     db = reader.db
-    teams.require_teams(assignment)
+    teams.require_team_assignment(assignment)
     load_student_assignment(db, assignment, account.id, access.membership.groups, utc_now())
-    places = team_repository.load_teams(db, [assignment.id]).get(assignment.id, ())
-    partners = list_partners(places, account.id)
-    students = teams.eligible_students(db, assignment)
+    places = team_repository.load_team_places(db, [assignment.id]).get(assignment.id, ())
+    partners = list_current_partners(places, account.id)
+    students = teams.load_eligible_students(db, assignment)
     proposals = team_repository.load_proposals(db, assignment.id)
     names = {identity: student.name for identity, student in students.items()}
     made = {row.partner_id for row in proposals if row.account_id == account.id} & names.keys()
@@ -235,7 +235,7 @@ def _build_own_page(
     def by_name(chosen: set[UUID]) -> tuple[tuple[UUID, str], ...]:
         return tuple((identity, name) for identity, name in names.items() if identity in chosen)
 
-    former = {share.partner.name for share in list_shares(places, account.id) if share.until is not None}
+    former = {share.partner.name for share in list_partnerships(places, account.id) if share.until is not None}
     return OwnTeamPage(
         head=class_head(reader.course, access),
         assignment=assignment,
@@ -288,17 +288,17 @@ def change_own_team(
     assignment = editing.find_assignment(db, school_class, aid, to_change=True)
     try:
         if action == "quitter":
-            teams.leave(db, school_class, assignment, account.id)
+            teams.leave_team(db, school_class, assignment, account.id)
         else:
             other = parse_uuid(eleve, UNKNOWN_STUDENT)
             if action == "proposer":
-                teams.propose(db, school_class, assignment, account.id, other)
+                teams.propose_teammate(db, school_class, assignment, account.id, other)
             elif action == "accepter":
-                teams.accept(db, school_class, assignment, account.id, other)
+                teams.accept_proposal(db, school_class, assignment, account.id, other)
             elif action == "refuser":
-                teams.withdraw(db, assignment, other, account.id)
+                teams.delete_proposal(db, assignment, other, account.id)
             elif action == "retirer":
-                teams.withdraw(db, assignment, account.id, other)
+                teams.delete_proposal(db, assignment, account.id, other)
             else:
                 raise NotFound(UNKNOWN_ACTION)
     except Conflict as refused:

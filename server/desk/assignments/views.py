@@ -11,7 +11,7 @@ from sqlalchemy.orm import Session
 
 from server.assignments import editing, repository
 from server.assignments.models import Assignment, Mode
-from server.assignments.rules import Rules, concerns, rules_in_force
+from server.assignments.rules import Rules, is_assigned_to, rules_in_force
 from server.assignments.schemas import AssignmentInput
 from server.assignments.stages import AssignmentStage, assignment_stage
 from server.assignments.team_repository import load_current_members
@@ -105,7 +105,7 @@ def _load_class_work(db: Session, access: ClassAccess, rows: Sequence[Assignment
     class_id, ids = access.school_class.id, [assignment.id for assignment in rows]
     students = classes.load_active_students(db, class_id)
     concerned = {
-        assignment.id: {student.id for student in students if concerns(assignment, student.groups)}
+        assignment.id: {student.id for student in students if is_assigned_to(assignment, student.groups)}
         for assignment in rows
     }
     grouped = [assignment.id for assignment in rows if assignment.groups]
@@ -142,7 +142,7 @@ def _assignment_row(
 
 
 def build_assignment_page(db: Session, course: Course, access: ClassAccess, assignment: Assignment) -> AssignmentPage:
-    wanted = editing.load_assignment_input(db, assignment)
+    wanted = editing.load_editable_fields(db, assignment)
     exemptions = repository.load_exemptions(db, [assignment.id]).get(assignment.id, ())
     members = classes.load_members(db, access.school_class.id)
     exempted = sum(each.revoked_at is None for each in exemptions)

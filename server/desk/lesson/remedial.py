@@ -98,7 +98,7 @@ def _default_date(now: datetime) -> datetime:
 
 def _build_page(db: Session, course: Course, access: ClassAccess, exercise: str, forms: RemedialForms) -> RemedialPage:
     school_class = access.school_class
-    titles = editing.assignable_exercises(db, course, school_class)
+    titles = editing.load_assignable_titles(db, course, school_class)
     related = _related_exercises(course, exercise)
     ordered = dict.fromkeys([*related, *([exercise] if exercise in titles else ()), *titles])
     return RemedialPage(
@@ -109,7 +109,7 @@ def _build_page(db: Session, course: Course, access: ClassAccess, exercise: str,
         exercises=tuple((name, titles[name]) for name in ordered if name in titles),
         assignments=tuple(
             (str(assignment.id), assignment.title)
-            for assignment in remedial.list_reopenable(db, school_class, utc_now())
+            for assignment in remedial.list_reopenable_assignments(db, school_class, utc_now())
         ),
         forms=forms,
         zone=school_time.time_zone_name(),
@@ -147,10 +147,12 @@ def give_or_reopen(
         if action == "donner":
             rights.require_right(db, account, Right.manage_roster, class_id)
             name = f"Reprise {school_time.to_local(now):%d/%m}"
-            made = remedial.give_exercise(db, course, school_class, account.id, students, exercice, name, until, now)
+            made = remedial.assign_exercise_to_students(
+                db, course, school_class, account.id, students, exercice, name, until, now
+            )
             return redirect(f"{class_href(school_class)}/devoirs/{made.id}")
         assignment = editing.find_assignment(db, school_class, devoir, to_change=True)
-        remedial.reopen_for(db, school_class, account.id, assignment, students, until, now)
+        remedial.reopen_for_students(db, school_class, account.id, assignment, students, until, now)
         return redirect(f"{class_href(school_class)}/devoirs/{assignment.id}/amenagements")
     except InvalidFields as refused:
         roll_back_then_read(db)

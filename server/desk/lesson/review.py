@@ -12,8 +12,8 @@ from uuid import UUID
 from sqlalchemy.orm import Session
 
 from server.assignments.repository import load_class_assignments
-from server.assignments.team_repository import load_teams_of
-from server.assignments.team_rules import list_partners
+from server.assignments.team_repository import load_places_of_team_assignments
+from server.assignments.team_rules import list_current_partners
 from server.base import school_time
 from server.board.failed_checks import load_failures
 from server.board.lesson_review import MIN_DAYS, LessonReview, build_review, list_to_see
@@ -223,9 +223,11 @@ def _days_named_before(progress: ClassProgress, earlier: Sequence[LiveLesson]) -
 def _load_partners(db: Session, school_class: SchoolClass) -> Mapping[UUID, Collection[UUID]]:
     """Load with whom each student hands in some assignment today."""
     partners: dict[UUID, set[UUID]] = defaultdict(set)
-    for places in load_teams_of(db, load_class_assignments(db, school_class.id)).values():
+    for places in load_places_of_team_assignments(db, load_class_assignments(db, school_class.id)).values():
         for place in places:
-            partners[place.account_id].update(each.account_id for each in list_partners(places, place.account_id))
+            partners[place.account_id].update(
+                each.account_id for each in list_current_partners(places, place.account_id)
+            )
     return partners
 
 

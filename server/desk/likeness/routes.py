@@ -9,7 +9,7 @@ from fastapi import APIRouter, Query, Request
 from fastapi.responses import Response
 
 from server.assignments import repository as assignments
-from server.assignments.team_repository import load_teams_of
+from server.assignments.team_repository import load_places_of_team_assignments
 from server.base.errors import NotFound
 from server.classes import repository as classes
 from server.course import Exercise
@@ -54,7 +54,7 @@ def show_likeness(
         ]
         chosen = _chosen_exercise(exercises, exercice)
         sent = service.load_copies(db, assignment, chosen) if chosen else []
-        places = load_teams_of(db, [assignment]).get(assignment.id, ())
+        places = load_places_of_team_assignments(db, [assignment]).get(assignment.id, ())
         names = {member.id: member.name for member in classes.load_members(db, access.school_class.id)}
     comparison = service.compare_copies(course, chosen, sent) if chosen else CopyComparison(0, False, ())
     comparison = service.without_teammates(comparison, places)

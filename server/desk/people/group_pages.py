@@ -13,7 +13,7 @@ from fastapi.responses import Response
 from sqlalchemy.orm import Session
 
 from server.assignments import groups
-from server.assignments.groups import GroupUse
+from server.assignments.groups import GroupUsage
 from server.base import school_time
 from server.base.errors import InvalidFields, NotFound
 from server.classes import repository as classes
@@ -43,7 +43,7 @@ Chosen = Annotated[list[UUID] | None, Query(max_length=400)]
 class GroupRow:
     name: str
     students: tuple[str, ...]
-    use: GroupUse
+    use: GroupUsage
 
 
 @dataclass(frozen=True)
@@ -96,7 +96,7 @@ def _build_page(
     db: Session, course: Course, access: ClassAccess, members: Sequence[Member], forms: GroupForms
 ) -> GroupsPage:
     students = [member for member in members if member.is_active_student]
-    uses = groups.load_uses(db, access.school_class)
+    uses = groups.load_group_usage(db, access.school_class)
     labels = sorted({label for student in students for label in student.groups} | uses.keys(), key=str.casefold)
     return GroupsPage(
         head=class_head(course, access, "/eleves"),
@@ -104,7 +104,7 @@ def _build_page(
             GroupRow(
                 label,
                 tuple(student.name for student in students if label in student.groups),
-                uses.get(label, GroupUse()),
+                uses.get(label, GroupUsage()),
             )
             for label in labels
         ),
@@ -134,16 +134,16 @@ def change_groups(
     members = classes.load_members(db, school_class.id)
     try:
         if action == "liste":
-            groups.make_group(db, school_class, account.id, nom, groups.find_students(members, noms))
+            groups.create_group(db, school_class, account.id, nom, groups.find_named_students(members, noms))
         elif action == "hasard":
             students = [member for member in members if member.is_active_student]
             dealt = [student.id for student in (_present(students) if presents else students)]
             count = int(combien) if combien.isdecimal() and len(combien) < 4 else 0
-            groups.deal_groups(db, school_class, account.id, nom, count, dealt, SystemRandom())
+            groups.create_random_groups(db, school_class, account.id, nom, count, dealt, SystemRandom())
         elif action == "renommer":
             groups.rename_group(db, school_class, account.id, groupe, nom)
         elif action == "dissoudre":
-            groups.dissolve_group(db, school_class, account.id, groupe)
+            groups.delete_group(db, school_class, account.id, groupe)
         else:
             raise NotFound(UNKNOWN_ACTION)
     except InvalidFields as refused:

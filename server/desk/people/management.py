@@ -9,7 +9,7 @@ from fastapi import APIRouter, Form, Request
 from fastapi.responses import HTMLResponse, Response
 
 from server.assignments import editing as assignments
-from server.assignments.members import changing_members
+from server.assignments.members import recording_member_changes
 from server.base import school_time
 from server.base.app_services import SettingsOf
 from server.base.errors import Conflict, Invalid, NotFound, ServiceError
@@ -68,7 +68,7 @@ def change_students(
         raise NotFound(UNKNOWN_ACTION)
     if not eleve:
         raise Invalid(NOBODY)
-    with changing_members(db, access.school_class.id, account.id):
+    with recording_member_changes(db, access.school_class.id, account.id):
         service.change_students(db, access.school_class, eleve, ACTIONS[action], groupe)
     return redirect(f"{views.class_href(access.school_class)}/eleves")
 
@@ -118,7 +118,7 @@ def import_list(
     try:
         form.require_content()
         if form.expected:
-            around = partial(changing_members, by=account.id)
+            around = partial(recording_member_changes, by=account.id)
             write = partial(classes.import_list, around=around, choice=form.choice, replace=form.replace)
             _, written = write(access.school_class.id, account, form.content, form.expected)
             if written:
@@ -282,7 +282,7 @@ def change_staff(
                     role=role,
                     students=count_students(db, [school_class.id]).get(school_class.id, (0, 0))[0],
                 )
-        with changing_members(db, school_class.id, account.id):
+        with recording_member_changes(db, school_class.id, account.id):
             if retirer is not None:
                 service.remove_staff(db, school_class, retirer)
             else:

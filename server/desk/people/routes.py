@@ -5,7 +5,7 @@ from typing import Annotated, Any
 from fastapi import APIRouter, Query, Request
 from fastapi.responses import HTMLResponse, Response
 
-from server.assignments.members import changing_members
+from server.assignments.members import recording_member_changes
 from server.base.errors import Invalid
 from server.base.http import client_address
 from server.base.root_path import service_url
@@ -201,6 +201,6 @@ def show_join_code(request: Request, class_id: str, reader: CurrentReader) -> Re
 @router.post("/classes/{class_id}/quitter")
 def leave_class(class_id: str, account: SignedIn, db: Db) -> Response:
     access = rights.require_right(db, account, Right.leave_class, class_id)
-    with changing_members(db, access.school_class.id, account.id):
+    with recording_member_changes(db, access.school_class.id, account.id):
         service.leave_class(db, access.school_class, account.id)
     return redirect("/classes")

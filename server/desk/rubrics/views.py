@@ -9,10 +9,10 @@ from uuid import UUID
 from sqlalchemy.orm import Session
 
 from server.assignments.models import Assignment
-from server.assignments.rules import concerns
+from server.assignments.rules import is_assigned_to
 from server.assignments.sitting_repository import load_sittings
-from server.assignments.team_repository import load_teams_of
-from server.assignments.team_rules import TeamPlace, list_partners
+from server.assignments.team_repository import load_places_of_team_assignments
+from server.assignments.team_rules import TeamPlace, list_current_partners
 from server.base.errors import NotFound
 from server.classes import repository as classes
 from server.classes.schemas import StudentRecord
@@ -131,8 +131,8 @@ def list_copies(
     items = rubrics_repository.items_of(rubric)
     everyone = classes.list_students(db, access.school_class.id)
     sittings = load_sittings(db, [assignment.id])
-    places = load_teams_of(db, [assignment]).get(assignment.id, ())
-    present = {s.id: s for s in everyone if concerns(assignment, s.groups) or (assignment.id, s.id) in sittings}
+    places = load_places_of_team_assignments(db, [assignment]).get(assignment.id, ())
+    present = {s.id: s for s in everyone if is_assigned_to(assignment, s.groups) or (assignment.id, s.id) in sittings}
     copies = {_copy_members(places, student, present, rubric) for student in present.values()}
     hidden, places_by_name = hides_names(rubric, column), {student: place for place, student in enumerate(present)}
 
@@ -160,7 +160,9 @@ def _copy_members(
     places: Sequence[TeamPlace], student: StudentRecord, present: Mapping[UUID, StudentRecord], rubric: Rubric
 ) -> tuple[StudentRecord, ...]:
     """Return those whose copy it is, the same ones in the same order for each of them."""
-    partners = (present[each.account_id] for each in list_partners(places, student.id) if each.account_id in present)
+    partners = (
+        present[each.account_id] for each in list_current_partners(places, student.id) if each.account_id in present
+    )
     return tuple(sorted((student, *partners), key=lambda member: rubrics.copy_key(rubric, member.id)))
 
 

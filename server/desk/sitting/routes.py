@@ -43,13 +43,13 @@ def show_sitting(
     now = utc_now()
     test = sittings.find_test(reader.db, access.school_class.id, assignment_id)
     own = sittings.load_student_test(reader.db, test, account.id, own_labels(access), now)
-    if own.is_to_collect:
+    if own.is_over_but_not_ended:
         with database.write() as db:
             collecting.collect_if_expired(db, test, account.id, now)
     view = build_sitting_page(reader, access, own, account, now)
     refusal = ""
     if own.stage is SittingStage.may_begin and access.membership is not None:
-        refusal = eligibility.begin_refusal(reader.db, test, account, access.membership)
+        refusal = eligibility.explain_begin_refusal(reader.db, test, account, access.membership)
     return render_page(request, "classes/sitting.html", account, page=view, refusal=refusal)
 
 
@@ -102,5 +102,5 @@ def reopen_copy(class_id: str, assignment_id: str, account: SignedIn, db: Db, el
     students = {str(student.id): student for student in load_active_students(db, access.school_class.id)}
     if eleve not in students:
         raise NotFound(releases.NO_COPY)
-    releases.reopen_copy(db, test, account.id, students[eleve], utc_now())
+    releases.reopen_sitting(db, test, account.id, students[eleve], utc_now())
     return redirect(f"/classes/{access.school_class.id}/devoirs/{test.id}#publication")

@@ -36,7 +36,7 @@ def build_sitting_page(
     reader: Reader, access: ClassAccess, own: StudentTest, account: Account, now: datetime
 ) -> SittingPage:
     test, rules = own.assignment, own.rules
-    ends = own.ends_at if own.sitting is not None else rules.end_of_sitting(max(now, rules.opens_at))
+    ends = own.ends_at if own.sitting is not None else rules.latest_sitting_end(max(now, rules.opens_at))
     minutes = None if rules.duration is None else round(rules.duration.total_seconds() / 60)
     return SittingPage(
         head=class_head(reader.course, access),
@@ -45,7 +45,7 @@ def build_sitting_page(
         opens=rules.opens_at,
         closes=rules.closes_at,
         begin_by=SendingWindow(rules).ends_at,
-        late=describe_late_beginning(rules.judge(own.sitting.began_at if own.sitting is not None else now)),
+        late=describe_late_beginning(rules.judge_timing(own.sitting.began_at if own.sitting is not None else now)),
         minutes="" if minutes is None else plural(minutes, "minute"),
         extra=rules.time_factor > 1.0,
         now=now,
@@ -75,7 +75,7 @@ def _sitting_exercises(reader: Reader, own: StudentTest, account: Account) -> tu
         for weighted in assigned
         if weighted.exercise in reader.course.exercises
     ]
-    saved = sitting_repository.load_save_times(reader.db, own.assignment.id, account.id)
+    saved = sitting_repository.load_last_save_times(reader.db, own.assignment.id, account.id)
     began = own.sitting.began_at if own.sitting is not None else own.rules.opens_at
     since = {exercise.id: began for exercise in known}
     sent = gradebook.count_attempts_since(reader.db, account.id, since)
@@ -100,10 +100,10 @@ def _last_runs(reader: Reader, account: Account, exercise_id: str) -> bool:
 def release_view(db: Session, test: Assignment) -> ReleaseView:
     """For the page of a test, as its teacher sees it."""
     now = utc_now()
-    begun, ended = sitting_repository.count_sittings(db, test.id)
+    begun, ended = sitting_repository.count_begun_and_ended_sittings(db, test.id)
     waits = not begun and test.opens_at > now
     effects = releases.load_release_effects(db, test, now)
-    reopenable = releases.load_copies_handed_in(db, test) if test.released_at is None else ()
+    reopenable = releases.load_students_handed_in(db, test) if test.released_at is None else ()
     students = load_active_students(db, test.class_id) if reopenable else ()
     return ReleaseView(
         action=f"{sitting_href(test).removesuffix('/composer')}/publier",
@@ -113,7 +113,7 @@ def release_view(db: Session, test: Assignment) -> ReleaseView:
         sitting=begun - ended,
         effects=release_lines(effects),
         version=release_version(effects),
-        may_withdraw=releases.may_withdraw_release(test, now),
+        may_withdraw=releases.can_still_withdraw_release(test, now),
         copies=tuple((str(student.id), student.name) for student in students if student.id in reopenable),
     )
 

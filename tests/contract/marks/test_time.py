@@ -58,7 +58,7 @@ def test_what_is_told_is_what_counts(database: Database, course: Course, seed: i
             try:
                 with db.begin_nested():
                     if action == "change":
-                        before = editing.load_assignment_input(db, one)
+                        before = editing.load_editable_fields(db, one)
                         after = replace(before, **random_dates(draw, is_test=is_test))
                         editing.update_assignment(db, course, school_class, ada.id, one, after)
                     elif action == "grant":
@@ -77,12 +77,12 @@ def test_what_is_told_is_what_counts(database: Database, course: Course, seed: i
             rules = rules_in_force(one, exemptions, ada.id, ("TP1",))
             sitting = sitting_repository.load_sitting(db, one.id, ada.id)
             if action == "begin" and sitting_stage(one, rules, sitting, now) is SittingStage.may_begin:
-                sitting_repository.insert_sitting(db, one.id, ada.id, now)
+                sitting_repository.insert_sitting_once(db, one.id, ada.id, now)
             may_send = not is_test or (sitting is not None and is_sitting_running(rules, sitting, now))
-            timing = SendingWindow(rules, sitting).judge(now)
+            timing = SendingWindow(rules, sitting).judge_timing(now)
         if action == "send" and may_send:
             term.send(ada, POSES, 20.0, now)
-            points = timing.adjust(20.0).points
+            points = timing.apply_late_penalty(20.0).points
             promised += [] if points is None else [points]
             assert (timing.kind is TimingKind.outside) is False
         with database.read() as db:
