@@ -28,7 +28,7 @@ from server.classes import repository, service
 from server.classes.dependencies import ClassServiceOf
 from server.classes.importing import ImportPlan
 from server.classes.models import ClassRole, SchoolClass, Status
-from server.classes.roster import ReadingChoice, UnreadColumns
+from server.classes.roster import ReadingChoice, UndecidedColumns
 from server.course.dependencies import CourseOf
 from server.database.dependencies import DatabaseOf, Db
 from server.identity.dependencies import ApiAccount
@@ -78,7 +78,7 @@ def _seen(place: ClassAccess) -> ClassSeen:
         id=school_class.id,
         name=school_class.name,
         module=school_class.module,
-        join_code=service.valid_code(school_class) if place.has(Right.see_code) else None,
+        join_code=service.unexpired_join_code(school_class) if place.has(Right.see_code) else None,
         url=url_of(school_class),
         role=None if membership is None else ClassRole(membership.role),
         status=None if membership is None else Status(membership.status),
@@ -181,7 +181,7 @@ def _imported(
             around = partial(recording_member_changes, by=account.id)
             import_list = partial(classes.import_list, around=around, choice=choice, replace=replace)
             plan, _ = import_list(place.school_class.id, account, content)
-    except UnreadColumns as refused:
+    except UndecidedColumns as refused:
         read = ", ".join(f"« {column.header} » : {column.field or '?'}" for column in refused.columns if column.header)
         raise Invalid(f"{refused.detail} {BY_HAND}{f' Lu : {read}.' if read else ''}") from refused
     return _told(plan)
@@ -189,7 +189,7 @@ def _imported(
 
 def _told(plan: ImportPlan) -> RosterOut:
     return RosterOut(
-        ignored_columns=list(plan.ignored),
+        ignored_columns=list(plan.ignored_headers),
         columns=[ColumnOut(column=each.header, read_as=each.field) for each in plan.roster.header.columns],
         warnings=list(plan.warnings),
         leaving=[

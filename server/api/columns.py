@@ -135,7 +135,7 @@ def _values(column: ManualColumn) -> dict[str, Any]:
 def _with_marks(db: Db, school_class: SchoolClass, column: ManualColumn) -> ColumnWithMarks:
     stored = repository.load_marks(db, column.id)
     marks = []
-    for student in classes.list_students(db, school_class.id):
+    for student in classes.load_student_records(db, school_class.id):
         row = stored.get(student.id)
         typed = NEVER_TYPED if row is None else repository.typed_mark(row)
         marks.append({"student": student.id, "name": student.name, **asdict(typed)})

@@ -6,7 +6,7 @@ from fastapi.responses import Response
 from server.api.class_schemas import NameOut, NewName
 from server.api.documentation import problems
 from server.behaviour import service
-from server.classes.service import require_open
+from server.classes.service import require_not_archived
 from server.database.dependencies import Db
 from server.identity.dependencies import ApiAccount
 from server.rights import service as rights
@@ -22,7 +22,7 @@ def give(class_id: str, module: str, slug: str, group: str, body: NewName, accou
     """Names a group of programs that answer alike: what failed so, now and later, has it as its diagnosis."""
     place = rights.require_right(db, account, Right.name_behaviours, class_id)
     found = service.find_group(db, place.school_class, f"{module}/{slug}", group)
-    require_open(place.school_class)
+    require_not_archived(place.school_class)
     given = service.parse_description(body.title, body.explanation, body.question)
     service.set_group_name(db, place.school_class, found, given, account.id)
     return NameOut(
@@ -40,6 +40,6 @@ def withdraw(class_id: str, module: str, slug: str, group: str, account: ApiAcco
     """Takes a group's name back, where it has one: nobody is told so any more."""
     place = rights.require_right(db, account, Right.name_behaviours, class_id)
     found = service.find_group(db, place.school_class, f"{module}/{slug}", group)
-    require_open(place.school_class)
+    require_not_archived(place.school_class)
     service.withdraw_group_name(db, place.school_class, found, account.id)
     return Response(status_code=204)

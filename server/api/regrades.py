@@ -6,7 +6,7 @@ from fastapi import APIRouter
 
 from server.api.documentation import problems
 from server.api.regrade_schemas import ChangeOut, NewRegrade, ProgressOut, RegradeBegun, RegradeOut
-from server.classes.service import require_open
+from server.classes.service import require_not_archived
 from server.course.dependencies import CourseOf
 from server.course.models import Course
 from server.database.dependencies import Db
@@ -57,7 +57,7 @@ def _found(db: Db, account: Account, class_id: str, regrade_id: str, *, to_chang
     place = rights.require_right(db, account, Right.regrade, class_id)
     regrade = service.find_regrade(db, place.school_class.id, regrade_id)
     if to_change:
-        require_open(place.school_class)
+        require_not_archived(place.school_class)
     return regrade
 
 

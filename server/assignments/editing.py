@@ -31,7 +31,7 @@ from server.base.errors import InvalidFields, NotFound
 from server.base.validation import parse_uuid
 from server.classes import repository as classes
 from server.classes.models import SchoolClass
-from server.classes.service import require_open
+from server.classes.service import require_not_archived
 from server.course import Course
 from server.database import utc_now
 from server.studio import service as studio
@@ -104,7 +104,7 @@ def create_assignment(
     db: Session, course: Course, school_class: SchoolClass, by: UUID, fields: AssignmentInput
 ) -> Assignment:
     """Create an assignment. Raises Conflict for an archived class, or InvalidFields."""
-    require_open(school_class)
+    require_not_archived(school_class)
     valid = validate_assignment(fields, load_assignable_titles(db, course, school_class), load_groups(db, school_class))
     assignment = _insert_assignment(db, school_class, by, valid)
     audit.record_event(
@@ -135,7 +135,7 @@ def update_assignment(
 
     Raises Conflict or InvalidFields.
     """
-    require_open(school_class)
+    require_not_archived(school_class)
     safeguards.lock_test(db, assignment)
     before = load_editable_fields(db, assignment)
     current = {exercise: exercise for exercise, _ in before.exercises}
@@ -181,7 +181,7 @@ def delete_assignment(db: Session, school_class: SchoolClass, by: UUID, assignme
 
     Raises Conflict, also while a test holds feedback.
     """
-    require_open(school_class)
+    require_not_archived(school_class)
     safeguards.lock_test(db, assignment)
     safeguards.require_no_withheld_feedback(db, assignment)
     before = _audit_values(load_editable_fields(db, assignment))
@@ -195,7 +195,7 @@ def delete_assignment(db: Session, school_class: SchoolClass, by: UUID, assignme
 def restore_assignment(db: Session, school_class: SchoolClass, by: UUID, assignment_id: UUID | str) -> Assignment:
     """Undo the deletion of an assignment, with its exemptions and sittings. Raises NotFound, or Conflict for an
     archived class."""
-    require_open(school_class)
+    require_not_archived(school_class)
     classes.lock_class(db, school_class.id)
     wanted = parse_uuid(assignment_id, UNKNOWN)
     removed = repository.load_removed_assignments(db, school_class.id)

@@ -24,7 +24,7 @@ from server.base.errors import InvalidFields, NotFound
 from server.base.validation import parse_uuid
 from server.classes.models import ClassRole, SchoolClass, Status
 from server.classes.schemas import Member
-from server.classes.service import require_open
+from server.classes.service import require_not_archived
 from server.database import utc_now
 
 UNKNOWN = "Cet aménagement n’existe pas."
@@ -56,7 +56,7 @@ def grant_exemptions(
 
     Raises InvalidFields, Conflict for an archived class, or WrongMoment where it would cut short a running sitting.
     """
-    require_open(school_class)
+    require_not_archived(school_class)
     if set(target.students) - {student.id for student in filter_active_students(members)}:
         raise InvalidFields({"student": NO_STUDENT})
     validate_exemption(fields, assignment.opens_at, list_student_labels(members), target)
@@ -138,7 +138,7 @@ def revoke_exemption(
     db: Session, school_class: SchoolClass, by: UUID, assignment: Assignment, exemption: Exemption
 ) -> None:
     """Revoke an exemption; nothing where it is revoked already. Raises Conflict or WrongMoment."""
-    require_open(school_class)
+    require_not_archived(school_class)
     if exemption.revoked_at is not None:
         return
     before = repository.load_active_exemptions(db, assignment.id)

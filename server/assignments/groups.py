@@ -19,9 +19,9 @@ from server.base.errors import Invalid, InvalidFields, NotFound
 from server.classes import repository as classes
 from server.classes.folding import normalise_name
 from server.classes.models import SchoolClass
-from server.classes.roster_line import MAX_GROUPS, parse_groups
+from server.classes.roster_line import MAX_GROUPS, parse_group_labels
 from server.classes.schemas import Member
-from server.classes.service import require_open
+from server.classes.service import require_not_archived
 
 MAX_LINES, MIN_DEALT, MAX_DEALT = 500, 2, 30
 #: Letters of a line beyond which it is no name, login or address of anybody: it is not folded.
@@ -128,7 +128,7 @@ def create_random_groups(
 def parse_group_label(name: str) -> str:
     """Return the label that a text writes. Raises InvalidFields for `name`."""
     try:
-        labels = parse_groups(name)
+        labels = parse_group_labels(name)
     except Invalid as refused:
         raise InvalidFields({"name": refused.detail[:1].upper() + refused.detail[1:]}) from None
     if len(labels) != 1:
@@ -161,7 +161,7 @@ def _labels_of_active_students(members: Sequence[Member]) -> frozenset[str]:
 def _add_students_to_groups(
     db: Session, school_class: SchoolClass, by: UUID, groups: Mapping[str, Collection[UUID]]
 ) -> None:
-    require_open(school_class)
+    require_not_archived(school_class)
     classes.lock_class(db, school_class.id)
     members = {member.id: member for member in classes.load_members(db, school_class.id)}
     with recording_member_changes(db, school_class.id, by):
@@ -175,7 +175,7 @@ def _add_students_to_groups(
 
 def rename_group(db: Session, school_class: SchoolClass, by: UUID, label: str, name: str) -> str:
     """Rename a group, wherever it is named; return its label. Raises NotFound, Conflict or InvalidFields."""
-    require_open(school_class)
+    require_not_archived(school_class)
     classes.lock_class(db, school_class.id)
     members = classes.load_members(db, school_class.id)
     if label not in _labels_of_active_students(members):
@@ -196,7 +196,7 @@ def _replace_label(labels: Collection[str], old: str, new: str) -> list[str]:
 def delete_group(db: Session, school_class: SchoolClass, by: UUID, label: str) -> None:
     """Take all students out of a group. Raises NotFound, Conflict for an archived class, or InvalidFields where an
     assignment or an exemption is given to the group."""
-    require_open(school_class)
+    require_not_archived(school_class)
     classes.lock_class(db, school_class.id)
     members = [member for member in classes.load_members(db, school_class.id) if label in member.groups]
     if not members:

@@ -25,7 +25,7 @@ from server.base.errors import Conflict, Invalid, NotFound, WrongMoment
 from server.classes import repository as classes
 from server.classes.models import SchoolClass
 from server.classes.schemas import Member
-from server.classes.service import require_open
+from server.classes.service import require_not_archived
 from server.database import utc_now
 
 NOT_BY_TEAMS = "Ce devoir se rend seul. Votre enseignant peut le déclarer « en binôme »."
@@ -76,7 +76,7 @@ def form_teams(
 ) -> None:
     """Form teams of students who have none. `earlier`: the attempts that they have sent since the opening count for all
     of them too. Raise Invalid, NotFound or Conflict; then nothing is formed."""
-    require_open(school_class)
+    require_not_archived(school_class)
     require_team_assignment(assignment)
     students = load_eligible_students(db, assignment)
     taken = {member.account_id for member in team_repository.load_current_members(db, assignment.id)}
@@ -131,7 +131,7 @@ def form_random_teams(db: Session, school_class: SchoolClass, by: UUID, assignme
 
 def end_team(db: Session, school_class: SchoolClass, by: UUID, assignment: Assignment, team_id: UUID) -> None:
     """End a team: from now on each hands in alone. Raise NotFound."""
-    require_open(school_class)
+    require_not_archived(school_class)
     members = [row for row in team_repository.load_current_members(db, assignment.id) if row.team_id == team_id]
     if not members:
         raise NotFound(NO_TEAM.format(word=team_word(assignment.team_size)))
@@ -166,7 +166,7 @@ def _record_team_event(
 def _require_student_may_form_team(
     db: Session, school_class: SchoolClass, assignment: Assignment, student: UUID
 ) -> None:
-    require_open(school_class)
+    require_not_archived(school_class)
     require_team_assignment(assignment)
     word = team_word(assignment.team_size)
     own = load_eligible_students(db, assignment).get(student)

@@ -26,7 +26,7 @@ async def run_reader_cell(
     def take() -> Sender:
         with database.write() as db:
             limits.take_token(db, key, settings.cell_bucket, TOO_FAST)
-            return queue_sender(account, address, member=presence.is_member(db, account.id))
+            return queue_sender(account, address, member=presence.is_active_member(db, account.id))
 
     def give_back() -> None:
         with database.write() as db:

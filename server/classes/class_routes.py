@@ -51,15 +51,19 @@ def split_lines_by_class(
     values = list(roster.class_values)
     by_name: dict[str, list[SchoolClass]] = defaultdict(list)
     for other in others:
-        by_name[_class_key(other.name)].append(other)
-    named = {value: by_name[_class_key(value)][0] for value in values if len(by_name[_class_key(value)]) == 1}
+        by_name[_fold_class_name(other.name)].append(other)
+    named = {
+        value: by_name[_fold_class_name(value)][0] for value in values if len(by_name[_fold_class_name(value)]) == 1
+    }
     chosen = choice.class_value
-    here = [value for value in values if _class_key(value) == _class_key(chosen or school_class.name)]
+    here = [value for value in values if _fold_class_name(value) == _fold_class_name(chosen or school_class.name)]
     if chosen and chosen != EVERY_CLASS and not here:
-        raise Invalid(NO_SUCH_VALUE.format(value=chosen[:60], values=_quoted(values)))
+        raise Invalid(NO_SUCH_VALUE.format(value=chosen[:60], values=_quote_values(values)))
     says_nothing = not chosen and (len(values) < 2 or not (here or named))
     if chosen == EVERY_CLASS or says_nothing:
-        return LinesByClass(roster.lines, {}, {}, (), _class_warnings(values, named, here) if says_nothing else ())
+        return LinesByClass(
+            roster.lines, {}, {}, (), _warn_about_class_column(values, named, here) if says_nothing else ()
+        )
     lines: dict[str, list[RosterLine]] = defaultdict(list)
     for line in roster.lines:
         lines[line.school_class].append(line)
@@ -72,23 +76,25 @@ def split_lines_by_class(
         SKIPPED.format(value=value, lines=f"{count} ligne{'s' * (count > 1)}") for value, count in skipped.items()
     ]
     if not here:
-        warnings.append(NOT_HERE.format(name=school_class.name, values=_quoted(values)))
+        warnings.append(NOT_HERE.format(name=school_class.name, values=_quote_values(values)))
     return LinesByClass(staying, elsewhere, skipped, tuple(here), tuple(warnings))
 
 
-def _class_warnings(values: Sequence[str], named: Mapping[str, SchoolClass], here: Sequence[str]) -> tuple[str, ...]:
+def _warn_about_class_column(
+    values: Sequence[str], named: Mapping[str, SchoolClass], here: Sequence[str]
+) -> tuple[str, ...]:
     """Say what is strange about a column of classes that says nothing."""
     if len(values) == 1 and named and not here:
         return (OTHER_CLASS.format(value=values[0]),)
-    return (NO_OWN_CLASS.format(values=_quoted(values)),) if len(values) > 1 else ()
+    return (NO_OWN_CLASS.format(values=_quote_values(values)),) if len(values) > 1 else ()
 
 
-def _quoted(values: Sequence[str]) -> str:
+def _quote_values(values: Sequence[str]) -> str:
     return ", ".join(f"« {value[:40]} »" for value in values[:MAX_NAMED_VALUES]) + (
         "…" if len(values) > MAX_NAMED_VALUES else ""
     )
 
 
-def _class_key(name: str) -> str:
+def _fold_class_name(name: str) -> str:
     """Return a key equal for « MPSI 1 » and « mpsi1 »."""
     return normalise_name(name).replace(" ", "")

@@ -14,11 +14,11 @@ LETTERS = "BCDFGHJKLMNPQRSTVWXZ"
 HALF = CODE_LENGTH // 2
 
 
-def new_code() -> str:
+def draw_join_code() -> str:
     return "".join(secrets.choice(LETTERS) for _ in range(CODE_LENGTH))
 
 
-def parse_code(text: str) -> str | None:
+def parse_join_code(text: str) -> str | None:
     """Parse a typed code, in any case, with or without spaces and dashes; None where the text is no code."""
     if len(text) > 4 * CODE_LENGTH:
         return None
@@ -27,6 +27,6 @@ def parse_code(text: str) -> str | None:
     return code if len(code) == CODE_LENGTH and set(code) <= set(LETTERS) else None
 
 
-def format_code(code: str) -> str:
+def format_join_code(code: str) -> str:
     """Format a code for reading: BCDF-GHJK."""
     return f"{code[:HALF]}-{code[HALF:]}"

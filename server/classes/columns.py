@@ -53,29 +53,32 @@ def find_header(rows: Sequence[SheetRow]) -> RosterHeader | None:
         is_header = fields & NAMES and not any("@" in cell for cell in row.cells)
         if is_header and (best is None or len(fields) > best[0]):
             best = len(fields), place
-    return None if best is None else _header_at(rows, best[1])
+    return None if best is None else _read_header_at(rows, best[1])
 
 
-def _header_at(rows: Sequence[SheetRow], place: int) -> RosterHeader:
+def _read_header_at(rows: Sequence[SheetRow], place: int) -> RosterHeader:
     width = max(len(row.cells) for row in rows)
     cells = list(rows[place].cells) + [""] * (width - len(rows[place].cells))
     last = place
-    above = _cells_above(rows, place, width)
-    below = _sub_headers(rows, place, cells)
+    above = _merged_cells_above(rows, place, width)
+    below = _second_header_row(rows, place, cells)
     if below:
         last = place + 1
-        cells = [_combine(cell, sub, before) for cell, sub, before in zip(cells, below, _spread(cells), strict=True)]
+        cells = [
+            _combine_header_rows(cell, sub, before)
+            for cell, sub, before in zip(cells, below, _spread_merged_headers(cells), strict=True)
+        ]
     columns = []
     for index, cell in enumerate(cells):
         header = cell if cell.strip() else above[index]
         columns.append(replace(recognise_header(header.strip()), index=index, header=header.strip()))
     while columns and not columns[-1].header:
         columns.pop()
-    readings, doubt = _settle(tuple(columns), rows[last + 1 :])
+    readings, doubt = _drop_redundant_columns(tuple(columns), rows[last + 1 :])
     return RosterHeader(readings, last + 1, rows[place].line, doubt)
 
 
-def _cells_above(rows: Sequence[SheetRow], place: int, width: int) -> list[str]:
+def _merged_cells_above(rows: Sequence[SheetRow], place: int, width: int) -> list[str]:
     """Return the cells of the row above: headers that are merged over two rows stand there. A title stands alone."""
     cells = list(rows[place - 1].cells) if place else []
     is_title = sum(bool(cell.strip()) for cell in cells) < 2 or rows[place].line - rows[place - 1].line > 1
@@ -83,20 +86,20 @@ def _cells_above(rows: Sequence[SheetRow], place: int, width: int) -> list[str]:
     return [*cells, *[""] * (width - len(cells))]
 
 
-def _sub_headers(rows: Sequence[SheetRow], place: int, cells: Sequence[str]) -> list[str]:
+def _second_header_row(rows: Sequence[SheetRow], place: int, cells: Sequence[str]) -> list[str]:
     """Return a second row of headers, as under a cell merged over several columns, or an empty list."""
     if place + 1 >= len(rows):
         return []
     below = [*rows[place + 1].cells, *[""] * (len(cells) - len(rows[place + 1].cells))][: len(cells)]
     filled = [index for index, cell in enumerate(below) if cell.strip()]
-    spread = _spread(cells)
+    spread = _spread_merged_headers(cells)
     names_all = all(
         recognise_header(below[i]).field or recognise_header(f"{spread[i]} {below[i]}").field for i in filled
     )
     return below if filled and names_all else []
 
 
-def _spread(cells: Sequence[str]) -> list[str]:
+def _spread_merged_headers(cells: Sequence[str]) -> list[str]:
     """Repeat each header over the empty cells on its right, as a merged cell means."""
     spread, current = [], ""
     for cell in cells:
@@ -105,7 +108,7 @@ def _spread(cells: Sequence[str]) -> list[str]:
     return spread
 
 
-def _combine(cell: str, sub: str, merged: str) -> str:
+def _combine_header_rows(cell: str, sub: str, merged: str) -> str:
     if not sub.strip():
         return cell
     alone = recognise_header(sub)
@@ -116,54 +119,58 @@ def _combine(cell: str, sub: str, merged: str) -> str:
 TWO = "deux colonnes donnent « {field} » ({first} et {second})"
 
 
-def _settle(columns: tuple[ColumnReading, ...], rows: Sequence[SheetRow]) -> tuple[tuple[ColumnReading, ...], str]:
+def _drop_redundant_columns(
+    columns: tuple[ColumnReading, ...], rows: Sequence[SheetRow]
+) -> tuple[tuple[ColumnReading, ...], str]:
     """Leave aside what the columns beside make needless; also return what only a person can decide."""
     fields = {column.field for column in columns}
     if {RosterField.family, RosterField.given} <= fields:
-        columns = _change(columns, FULL_NAMES, None)
+        columns = _reassign_fields(columns, FULL_NAMES, None)
     elif RosterField.given in fields:  # « Élève » beside « Prénom »: the name of the family
-        columns = _change(columns, FULL_NAMES, RosterField.family)
+        columns = _reassign_fields(columns, FULL_NAMES, RosterField.family)
     elif fields & FULL_NAMES:
-        columns = _change(columns, {RosterField.family}, None)
-    columns = tuple(replace(column, field=None) if _is_order(column, rows) else column for column in columns)
+        columns = _reassign_fields(columns, {RosterField.family}, None)
+    columns = tuple(replace(column, field=None) if _is_line_counter(column, rows) else column for column in columns)
     doubt = ""
     settled: list[ColumnReading] = []
     for column in columns:
-        rival = _rival(column, settled)
-        is_needless = rival and (column.field not in NAMES or _values(column, rows) == _values(rival, rows) != [])
+        rival = _find_duplicate_column(column, settled)
+        is_needless = rival and (
+            column.field not in NAMES or _column_values(column, rows) == _column_values(rival, rows) != []
+        )
         if rival and not is_needless and not doubt:
             doubt = TWO.format(field=column.field, first=f"« {rival.header} »", second=f"« {column.header} »")
         settled.append(replace(column, field=None) if is_needless else column)
     return tuple(settled), doubt
 
 
-def _rival(column: ColumnReading, earlier: Sequence[ColumnReading]) -> ColumnReading | None:
+def _find_duplicate_column(column: ColumnReading, earlier: Sequence[ColumnReading]) -> ColumnReading | None:
     """Return an earlier column with the same meaning and rank; columns of groups are read together."""
     if column.field is None or column.field in PLURAL:
         return None
     return next((each for each in earlier if each.field is column.field and each.rank == column.rank), None)
 
 
-def _change(
-    columns: Iterable[ColumnReading], fields: Collection[RosterField], to: RosterField | None
+def _reassign_fields(
+    columns: Iterable[ColumnReading], fields: Collection[RosterField], new_field: RosterField | None
 ) -> tuple[ColumnReading, ...]:
-    return tuple(replace(column, field=to) if column.field in fields else column for column in columns)
+    return tuple(replace(column, field=new_field) if column.field in fields else column for column in columns)
 
 
-def _values(column: ColumnReading, rows: Sequence[SheetRow]) -> list[str]:
+def _column_values(column: ColumnReading, rows: Sequence[SheetRow]) -> list[str]:
     return [row.cells[column.index].strip() if column.index < len(row.cells) else "" for row in rows]
 
 
-def _is_order(column: ColumnReading, rows: Sequence[SheetRow]) -> bool:
+def _is_line_counter(column: ColumnReading, rows: Sequence[SheetRow]) -> bool:
     """Whether a column of numbers counts the lines: small numbers that grow."""
     if column.field is not RosterField.number or column.rank == KNOWN_TO_STUDENTS:
         return False
-    values = [value for value in _values(column, rows) if value]
+    values = [value for value in _column_values(column, rows) if value]
     numbers = [int(value) for value in values if value.isascii() and value.isdigit() and len(value) < 5]
     return len(numbers) * 2 >= len(values) and all(a < b for a, b in pairwise(numbers))
 
 
-def columns_by_hand(fields: Sequence[str], known: Sequence[ColumnReading] = ()) -> tuple[ColumnReading, ...]:
+def columns_chosen_by_user(fields: Sequence[str], known: Sequence[ColumnReading] = ()) -> tuple[ColumnReading, ...]:
     """Return the columns as somebody says, unknown words leave one aside; `known`: as their headers say."""
     names = {field.value: field for field in RosterField}
     columns = []

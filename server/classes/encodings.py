@@ -2,7 +2,7 @@
 
 A file of single bytes does not tell its encoding: each one is tried, and French names decide. A file in UTF-8 may hold
 accents that were damaged before (« ChloÃ© », « ChloŽ »): they are repaired where one reading alone makes sense, and
-what stays damaged is told with its line (`damaged_word`).
+what stays damaged is told with its line (`find_damaged_word`).
 """
 
 from __future__ import annotations
@@ -67,26 +67,28 @@ def decode_text(content: bytes, encoding: str | None = None) -> DecodedText:
     """Decode a list. `encoding` is one that somebody chose, and is not judged. Raises Invalid."""
     if encoding:
         return DecodedText(_decode_as(content, encoding), encoding)
-    marked = next((name for mark, name in MARKS if content.startswith(mark)), None) or _unmarked_utf16(content)
+    marked = next((name for mark, name in MARKS if content.startswith(mark)), None) or _detect_unmarked_utf16(content)
     for candidate in [marked] if marked else ["utf-8"]:
-        text = _try(content, candidate)
+        text = _decode_or_none(content, candidate)
         if text is not None:
-            return _repair(text, candidate.removesuffix("-sig"))
+            return _repair_text(text, candidate.removesuffix("-sig"))
     if not marked and (mixed := _decode_mixed(content)):
         return mixed
-    readings = {name: _decode_bytes(content, name) for name in ENCODINGS} if not marked and b"\0" not in content else {}
-    scores = {name: score_text(text) + USUAL * (name == "cp1252") for name, text in readings.items()}
+    readings = (
+        {name: _decode_single_bytes(content, name) for name in ENCODINGS} if not marked and b"\0" not in content else {}
+    )
+    scores = {name: score_accent_plausibility(text) + USUAL * (name == "cp1252") for name, text in readings.items()}
     if not scores or max(scores.values()) <= IMPOSSIBLE * 3:
         raise Invalid(NOT_TEXT)
     best = max(scores, key=lambda name: scores[name])
-    if _has_controls(readings[best]):
+    if _has_control_characters(readings[best]):
         raise Invalid(NOT_TEXT)
     others = tuple(
         name
         for name in ENCODINGS
         if scores[best] - scores[name] < DOUBT
         and readings[name] != readings[best]
-        and not _has_controls(readings[name])
+        and not _has_control_characters(readings[name])
     )
     return DecodedText(readings[best], best, others)
 
@@ -97,36 +99,40 @@ def _decode_mixed(content: bytes) -> DecodedText | None:
     A line of single bytes with an accented letter is UTF-8 by a rare accident only.
     """
     lines = content.split(b"\n")
-    decoded = {line: _try(line, AS_IS) for line in lines if not line.isascii()}
+    decoded = {line: _decode_or_none(line, AS_IS) for line in lines if not line.isascii()}
     others = b"\n".join(line for line, text in decoded.items() if text is None)
     if b"\0" in content or not any(decoded.values()):
         return None
     encoding = decode_text(others).encoding
-    text = "\n".join(decoded.get(line) or _decode_bytes(line, encoding) for line in lines)
-    return _repair(text, AS_IS)
+    text = "\n".join(decoded.get(line) or _decode_single_bytes(line, encoding) for line in lines)
+    return _repair_text(text, AS_IS)
 
 
 def redecode(text: str, read_as: str, encoding: str) -> str:
     """Return a text that was read in one encoding of single bytes as another one reads it. Raises Invalid."""
     if read_as not in ENCODINGS:
         return text
-    return _decode_as(bytes(_byte_of(sign, read_as) for sign in text), encoding)
+    return _decode_as(bytes(_encode_single_byte(sign, read_as) for sign in text), encoding)
 
 
 def _decode_as(content: bytes, encoding: str) -> str:
     if encoding not in {*ENCODINGS, AS_IS, "utf-16"}:
         raise Invalid(UNKNOWN_ENCODING.format(name=encoding[:20]))
-    text = _decode_bytes(content, encoding) if encoding in ENCODINGS else _try(content, _with_mark(content, encoding))
+    text = (
+        _decode_single_bytes(content, encoding)
+        if encoding in ENCODINGS
+        else _decode_or_none(content, _encoding_of_byte_order_mark(content, encoding))
+    )
     if text is None or "\0" in text:
         raise Invalid(NOT_TEXT)
     return text
 
 
-def _with_mark(content: bytes, encoding: str) -> str:
+def _encoding_of_byte_order_mark(content: bytes, encoding: str) -> str:
     return next((name for mark, name in MARKS if content.startswith(mark)), encoding)
 
 
-def _try(content: bytes, encoding: str) -> str | None:
+def _decode_or_none(content: bytes, encoding: str) -> str | None:
     try:
         text = content.decode(encoding)
     except UnicodeDecodeError:
@@ -134,7 +140,7 @@ def _try(content: bytes, encoding: str) -> str | None:
     return None if "\0" in text else text
 
 
-def _unmarked_utf16(content: bytes) -> str | None:
+def _detect_unmarked_utf16(content: bytes) -> str | None:
     """Return the order of bytes of UTF-16 without a mark: every other byte of Latin letters is zero."""
     sample = content[:2000]
     half = len(sample) // 2
@@ -145,7 +151,7 @@ def _unmarked_utf16(content: bytes) -> str | None:
     return "utf-16-be" if sample[0::2].count(0) > half * 0.7 and not sample[1::2].count(0) else None
 
 
-def _decode_bytes(content: bytes, encoding: str) -> str:
+def _decode_single_bytes(content: bytes, encoding: str) -> str:
     """Decode single bytes; those that mean nothing become controls, which are never right."""
     if encoding != "cp1252":
         return content.decode(encoding)
@@ -155,26 +161,26 @@ def _decode_bytes(content: bytes, encoding: str) -> str:
 _UNDEFINED = {0xDC00 + byte: byte for byte in (0x81, 0x8D, 0x8F, 0x90, 0x9D)}
 
 
-def _has_controls(text: str) -> bool:
+def _has_control_characters(text: str) -> bool:
     return any(sign < " " and sign not in "\t\n\r\x0b\x0c\x1c\x1d\x1e\x1f" for sign in text) or bool(
         re.search("[\x7f-\x9f]", text)
     )
 
 
-def score_text(text: str) -> float:
+def score_accent_plausibility(text: str) -> float:
     """Score a text: the more of its accented letters stand where French names have them, the higher."""
-    return sum(_score_word(word) for word in WORD.findall(text[:SCANNED]) if not word.isascii())
+    return sum(_score_word_plausibility(word) for word in WORD.findall(text[:SCANNED]) if not word.isascii())
 
 
 @lru_cache(maxsize=8192)
-def _score_word(word: str) -> float:
+def _score_word_plausibility(word: str) -> float:
     total, word = 0.0, word[:LONGEST_WORD]
     for place, sign in enumerate(word):
         if sign.isascii():
             continue
         if unicodedata.category(sign) in {"Cc", "Co", "Cn", "Cs"} or sign == "\ufffd":
             total += IMPOSSIBLE
-        elif not _fits(word, place):
+        elif not _can_sign_stand_at(word, place):
             total += WRONG_CASE
         elif place == 0 and sign.islower():
             continue  # a name begins with a capital
@@ -183,11 +189,11 @@ def _score_word(word: str) -> float:
     return total
 
 
-def _fits(word: str, place: int) -> bool:
+def _can_sign_stand_at(word: str, place: int) -> bool:
     """Whether the sign at this place of a word can stand there."""
     sign, before, after = word[place], word[place - 1 : place], word[place + 1 : place + 2]
     if sign.isalpha() and sign not in SYMBOLS:
-        return _letter_fits(word, place)
+        return _has_plausible_case_at(word, place)
     if sign in SYMBOLS:
         return not (before.isalpha() or after.isalpha())
     if sign in APOSTROPHES:
@@ -197,7 +203,7 @@ def _fits(word: str, place: int) -> bool:
     return sign not in "–—" or not (before.isalpha() and after.isalpha())
 
 
-def _letter_fits(word: str, place: int) -> bool:
+def _has_plausible_case_at(word: str, place: int) -> bool:
     """Whether a letter has the case of its neighbours, but for Mc and its like."""
     letter, before, rest = word[place], word[place - 1 : place], word[place + 1 :]
     if letter in "ŽŠŸ" and before.isalpha() and rest[:1].islower():
@@ -218,32 +224,32 @@ def _letters_before(word: str, place: int) -> str:
     return word[start:place]
 
 
-def damaged_word(text: str) -> str:
+def find_damaged_word(text: str) -> str:
     """Return the first word whose accents were damaged by a wrong encoding, or an empty text."""
-    return next((word for word in WORD.findall(text) if is_damaged(word)), "")
+    return next((word for word in WORD.findall(text) if is_damaged_word(word)), "")
 
 
-def is_damaged(word: str) -> bool:
+def is_damaged_word(word: str) -> bool:
     if word.isascii():
         return False
     if len(word) > LONGEST_WORD:
-        return "\ufffd" in word or _has_controls(word)
+        return "\ufffd" in word or _has_control_characters(word)
     return (
         "\ufffd" in word
-        or _has_controls(word)
-        or _fix_utf8(word) != word
-        or any(not sign.isascii() and not _fits(word, place) for place, sign in enumerate(word))
+        or _has_control_characters(word)
+        or _undo_misread_utf8(word) != word
+        or any(not sign.isascii() and not _can_sign_stand_at(word, place) for place, sign in enumerate(word))
     )
 
 
-def _repair(text: str, encoding: str) -> DecodedText:
+def _repair_text(text: str, encoding: str) -> DecodedText:
     """Repair damaged words of a text in UTF-8 or UTF-16."""
     repaired: dict[str, str] = {}
     judged = itertools.count()
 
     def replace(match: re.Match[str]) -> str:
         word = match[0]
-        if word.isascii() or len(word) > LONGEST_WORD or next(judged) >= MAX_REPAIRED or not is_damaged(word):
+        if word.isascii() or len(word) > LONGEST_WORD or next(judged) >= MAX_REPAIRED or not is_damaged_word(word):
             return word
         better = repair_word(word)
         if better != word and len(repaired) < 1000:
@@ -256,34 +262,39 @@ def _repair(text: str, encoding: str) -> DecodedText:
 @lru_cache(maxsize=4096)
 def repair_word(word: str) -> str:
     """Return a damaged word as it was, or the same word where no reading, or more than one, makes sense."""
-    fixed = _fix_utf8(word)
-    if fixed != word and not is_damaged(fixed):
+    fixed = _undo_misread_utf8(word)
+    if fixed != word and not is_damaged_word(fixed):
         return fixed
     candidates = {
         candidate
         for read_as in ENCODINGS
         for really in ENCODINGS
-        if really != read_as and (candidate := _recode(fixed, read_as, really)) and not is_damaged(candidate)
+        if really != read_as
+        and (candidate := _redecode_word(fixed, read_as, really))
+        and not is_damaged_word(candidate)
     }
-    ranked = sorted(candidates, key=_score_word, reverse=True)
-    if not ranked or (len(ranked) > 1 and _score_word(ranked[0]) - _score_word(ranked[1]) < DOUBT):
+    ranked = sorted(candidates, key=_score_word_plausibility, reverse=True)
+    if not ranked or (
+        len(ranked) > 1 and _score_word_plausibility(ranked[0]) - _score_word_plausibility(ranked[1]) < DOUBT
+    ):
         return word
     return ranked[0]
 
 
-def _recode(word: str, read_as: str, really: str) -> str:
+def _redecode_word(word: str, read_as: str, really: str) -> str:
     try:
         return word.encode(read_as).decode(really)
     except UnicodeError:
         return ""
 
 
-def _fix_utf8(word: str) -> str:
+def _undo_misread_utf8(word: str) -> str:
     """Return a word whose letters in UTF-8 were read as single bytes, once or several times, as it was."""
     for _ in range(3):
         fixed = word
         for encoding in ENCODINGS:
-            fixed = _mangled(encoding).sub(lambda match, e=encoding: _decoded_run(match[0], e), fixed)  # type: ignore[misc]
+            misread = _misread_utf8_pattern(encoding)
+            fixed = misread.sub(lambda match, e=encoding: _decode_misread_run(match[0], e), fixed)  # type: ignore[misc]
         if fixed == word:
             break
         word = fixed
@@ -291,23 +302,23 @@ def _fix_utf8(word: str) -> str:
 
 
 @lru_cache(maxsize=8)
-def _mangled(encoding: str) -> re.Pattern[str]:
+def _misread_utf8_pattern(encoding: str) -> re.Pattern[str]:
     """Match a first byte of two or three in UTF-8, and its followers, as read in this encoding."""
 
     def signs(first: int, last: int) -> str:
-        return "".join(re.escape(sign) for sign in _signs(encoding, first, last))
+        return "".join(re.escape(sign) for sign in _iter_decoded_bytes(encoding, first, last))
 
     follower = f"[{signs(0x80, 0xBF)}]"
     return re.compile(f"[{signs(0xC2, 0xDF)}]{follower}|[{signs(0xE1, 0xEF)}]{follower}{{2}}")
 
 
-def _signs(encoding: str, first: int, last: int) -> Iterator[str]:
+def _iter_decoded_bytes(encoding: str, first: int, last: int) -> Iterator[str]:
     for byte in range(first, last + 1):
-        yield _decode_bytes(bytes([byte]), encoding)
+        yield _decode_single_bytes(bytes([byte]), encoding)
 
 
-def _decoded_run(run: str, encoding: str) -> str:
-    raw = bytes(_byte_of(sign, encoding) for sign in run)
+def _decode_misread_run(run: str, encoding: str) -> str:
+    raw = bytes(_encode_single_byte(sign, encoding) for sign in run)
     try:
         letter = raw.decode("utf-8")
     except UnicodeDecodeError:
@@ -316,7 +327,7 @@ def _decoded_run(run: str, encoding: str) -> str:
 
 
 @lru_cache(maxsize=4096)
-def _byte_of(sign: str, encoding: str) -> int:
+def _encode_single_byte(sign: str, encoding: str) -> int:
     return (
         ord(sign) if encoding == "cp1252" and 0x80 <= ord(sign) <= 0x9F else sign.encode(encoding, errors="replace")[0]
     )

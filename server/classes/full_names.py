@@ -80,7 +80,7 @@ def split_full_name(text: str, family_first: bool | None = None) -> SplitName:
     if comma and before and after and "," not in after:
         return SplitName(before, after)
     words = name.split()
-    cut = _cut_at_capitals(words)
+    cut = _split_at_capitals(words)
     if cut is not None:
         return cut
     if family_first is not None:
@@ -91,8 +91,8 @@ def split_full_name(text: str, family_first: bool | None = None) -> SplitName:
     return SplitName(name, "", whole=len(words) > 1)
 
 
-def _cut_at_capitals(words: Sequence[str]) -> SplitName | None:
-    kinds = [_kind(word) for word in words]
+def _split_at_capitals(words: Sequence[str]) -> SplitName | None:
+    kinds = [_classify_word_case(word) for word in words]
     capitals = [place for place, kind in enumerate(kinds) if kind == "upper"]
     if not capitals or "lower" not in kinds:
         return None
@@ -109,7 +109,7 @@ def _cut_at_capitals(words: Sequence[str]) -> SplitName | None:
     return SplitName(" ".join(family), " ".join(given))
 
 
-def _kind(word: str) -> str:
+def _classify_word_case(word: str) -> str:
     """Tell a word in capitals from another one. A single letter, or a word without letters, is neither."""
     letters = [sign for sign in CELTIC.sub("", word) if sign.isalpha() and sign != "ß"]
     bare = word.rstrip("'’").casefold()

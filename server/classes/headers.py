@@ -59,61 +59,61 @@ class ColumnReading:
     qualifier: str = ""
 
 
-def _words(text: str) -> frozenset[str]:
+def _word_set(text: str) -> frozenset[str]:
     return frozenset(text.split())
 
 
-FILLERS = _words(
+FILLERS = _word_set(
     "de du des d la le les l et ou e s es a au aux en pour of the jj mm aaaa obligatoire facultatif required "
     "optional requis requise"
 )
 #: Whose column it is, when it is no student's.
-OTHERS = _words(
+OTHERS = _word_set(
     "responsable responsables resp parent parents pere mere tuteur tutrice legal legale legaux representant referent "
     "professeur prof profs enseignant enseignants teacher etablissement ecole lycee college universite institution "
     "voie rue ville commune pays adresse1 adresse2 postal postale cp origine precedent precedente anterieur anterieure "
     "ancien ancienne dernier derniere bourse regime urgence contact conjoint fichier photo department departement"
 )
-SCHOOLS = _words("etablissement ecole lycee college universite institution")
-EMAIL = _words("email emails mail mails courriel courriels mel e-mail messagerie")
-OFFICIAL = _words("academique universitaire univ etu ent institutionnel institutionnelle")
-LOGIN = _words("identifiant login username user utilisateur uid ent pseudo compte samaccountname userid")
-NUMBER = _words(
+SCHOOLS = _word_set("etablissement ecole lycee college universite institution")
+EMAIL = _word_set("email emails mail mails courriel courriels mel e-mail messagerie")
+OFFICIAL = _word_set("academique universitaire univ etu ent institutionnel institutionnelle")
+LOGIN = _word_set("identifiant login username user utilisateur uid ent pseudo compte samaccountname userid")
+NUMBER = _word_set(
     "ine bea numero num no n matricule code ref reference dossier idnumber nip number apogee national unique"
 )
-SECRET_NUMBERS = _words("ine bea national unique nip")  # which students do not know by heart
-NUMBER_EXTRA = _words("identification id inscription interne")
-KNOWN_NUMBERS = _words("idnumber identification matricule")
+SECRET_NUMBERS = _word_set("ine bea national unique nip")  # which students do not know by heart
+NUMBER_EXTRA = _word_set("identification id inscription interne")
+KNOWN_NUMBERS = _word_set("idnumber identification matricule")
 KNOWN_TO_STUDENTS = 3  # the rank of a number that students know, as a university's
-VAGUE = _words("code ref reference dossier")  # of anything
-STUDENT = _words(
+VAGUE = _word_set("code ref reference dossier")  # of anything
+STUDENT = _word_set(
     "eleve eleves etudiant etudiante etudiants etudiantes apprenant apprenants apprenante stagiaire stagiaires "
     "candidat candidate candidats candidates student students participant participants participante inscrit inscrits "
     "apprenti apprentis learner pupil membre membres"
 )
-GIVEN = _words("prenom prenoms firstname forename given givenname")
-FAMILY = _words("nom noms lastname surname patronyme familyname sn")
-OTHER_GIVEN = _words(
+GIVEN = _word_set("prenom prenoms firstname forename given givenname")
+FAMILY = _word_set("nom noms lastname surname patronyme familyname sn")
+OTHER_GIVEN = _word_set(
     "deuxieme second seconde troisieme quatrieme cinquieme autre autres suivant suivants 2 3 4 5 2e 3e 2eme 3eme "
     "secondaire secondaires pere mere middle"
 )
-FIRST = _words("1 premier premiere 1er first principal")
-USAGE = _words("usage usuel usuelle prefere preferred courant marital epouse choisi")
-BIRTH = _words("naissance patronymique maiden jeune fille birth")
-FAMILY_EXTRA = STUDENT | USAGE | BIRTH | _words("famille family last name complet long usage officiel etat civil")
+FIRST = _word_set("1 premier premiere 1er first principal")
+USAGE = _word_set("usage usuel usuelle prefere preferred courant marital epouse choisi")
+BIRTH = _word_set("naissance patronymique maiden jeune fille birth")
+FAMILY_EXTRA = STUDENT | USAGE | BIRTH | _word_set("famille family last name complet long usage officiel etat civil")
 GIVEN_EXTRA = (
-    STUDENT | USAGE | _words("premier premiere 1 1er first name principal usage officiel etat civil naissance")
+    STUDENT | USAGE | _word_set("premier premiere 1 1er first name principal usage officiel etat civil naissance")
 )
-CLASS = _words("classe classes division divisions class classroom section")
-CLASS_EXTRA = STUDENT | _words("code libelle nom intitule court long actuelle actuel affectation rattachement name")
-GROUP = _words(
+CLASS = _word_set("classe classes division divisions class classroom section")
+CLASS_EXTRA = STUDENT | _word_set("code libelle nom intitule court long actuelle actuel affectation rattachement name")
+GROUP = _word_set(
     "groupe groupes group groups gr grp gp gpe td tp sous demi equipe equipes team cohorte cohort trinome "
     "trinomes binome binomes"
 )
-PLAIN_GROUP = _words("groupe groupes group groups gr grp gp gpe")
-NOT_A_GROUP = _words("type nombre effectif")
-DATES = _words("date ne nee naiss birthdate birthday birth naissance dob")
-FULL = _words("complet full displayname fullname identite affichage affiche name")
+PLAIN_GROUP = _word_set("groupe groupes group groups gr grp gp gpe")
+NOT_A_GROUP = _word_set("type nombre effectif")
+DATES = _word_set("date ne nee naiss birthdate birthday birth naissance dob")
+FULL = _word_set("complet full displayname fullname identite affichage affiche name")
 
 
 def split_header(text: str) -> tuple[str, ...]:
@@ -125,7 +125,7 @@ def split_header(text: str) -> tuple[str, ...]:
 
 
 @dataclass(frozen=True)
-class _Words:
+class _HeaderWords:
     """A header as its folded words; `seen` leaves the little ones out."""
 
     header: str
@@ -133,10 +133,10 @@ class _Words:
     seen: frozenset[str]
 
     @property
-    def joined(self) -> str:
+    def joined_text(self) -> str:
         return " ".join(self.words)
 
-    def read(self, field: RosterField | None, rank: int = 2, qualifier: str = "") -> ColumnReading:
+    def make_reading(self, field: RosterField | None, rank: int = 2, qualifier: str = "") -> ColumnReading:
         return ColumnReading(0, self.header, field, rank, qualifier)
 
 
@@ -144,106 +144,121 @@ class _Words:
 def recognise_header(header: str) -> ColumnReading:
     """Return what a header means, at index 0. Qualifiers decide: « Prénom du père » is nobody's here."""
     words = split_header(header)
-    read = _Words(header, words, frozenset(words) - FILLERS)
+    read = _HeaderWords(header, words, frozenset(words) - FILLERS)
     if not read.seen or len(words) > MAX_WORDS:
-        return read.read(None)
-    return next(filter(None, (rule(read) for rule in RULES)), read.read(None))
+        return read.make_reading(None)
+    return next(filter(None, (rule(read) for rule in RULES)), read.make_reading(None))
 
 
-def _read_others(of: _Words) -> ColumnReading | None:
+def _read_unrelated_column(words: _HeaderWords) -> ColumnReading | None:
     """Leave aside what belongs to nobody of the list, but for the addresses that a school gives."""
-    is_of_school = _is_email(of) and not of.seen & OTHERS - SCHOOLS
-    return of.read(None) if of.seen & OTHERS and not is_of_school else None
+    is_of_school = _mentions_email(words) and not words.seen & OTHERS - SCHOOLS
+    return words.make_reading(None) if words.seen & OTHERS and not is_of_school else None
 
 
-def _is_email(of: _Words) -> bool:
-    return bool(of.seen & EMAIL) or "adresse electronique" in of.joined
+def _mentions_email(words: _HeaderWords) -> bool:
+    return bool(words.seen & EMAIL) or "adresse electronique" in words.joined_text
 
 
-def _read_email(of: _Words) -> ColumnReading | None:
-    if not _is_email(of):
+def _read_email_column(words: _HeaderWords) -> ColumnReading | None:
+    if not _mentions_email(words):
         return None
-    return of.read(RosterField.email, 1 if "perso" in of.joined else 3 if of.seen & (OFFICIAL | SCHOOLS) else 2)
+    return words.make_reading(
+        RosterField.email, 1 if "perso" in words.joined_text else 3 if words.seen & (OFFICIAL | SCHOOLS) else 2
+    )
 
 
-def _read_both_names(of: _Words) -> ColumnReading | None:
-    both = (of.seen & GIVEN and of.seen & FAMILY) or {"first", "last"} <= of.seen
-    if not both or of.seen - GIVEN - FAMILY - GIVEN_EXTRA - FAMILY_EXTRA:
+def _read_full_name_column(words: _HeaderWords) -> ColumnReading | None:
+    both = (words.seen & GIVEN and words.seen & FAMILY) or {"first", "last"} <= words.seen
+    if not both or words.seen - GIVEN - FAMILY - GIVEN_EXTRA - FAMILY_EXTRA:
         return None
-    first = next(word for word in of.words if word in GIVEN | FAMILY | {"first", "last"})
-    return of.read(RosterField.reversed_name if first in GIVEN | {"first"} else RosterField.full_name)
+    first = next(word for word in words.words if word in GIVEN | FAMILY | {"first", "last"})
+    return words.make_reading(RosterField.reversed_name if first in GIVEN | {"first"} else RosterField.full_name)
 
 
-def _read_given(of: _Words) -> ColumnReading | None:
-    if not (of.seen & GIVEN or {"first", "name"} <= of.seen):
+def _read_given_name_column(words: _HeaderWords) -> ColumnReading | None:
+    if not (words.seen & GIVEN or {"first", "name"} <= words.seen):
         return None
-    if of.seen & (OTHER_GIVEN | LOGIN) or of.seen - GIVEN - GIVEN_EXTRA:
-        return of.read(None)
-    rank = 4 if of.seen & USAGE else 3 if of.seen & FIRST else 1 if "prenoms" in of.seen else 2
-    return of.read(RosterField.given, rank)
+    if words.seen & (OTHER_GIVEN | LOGIN) or words.seen - GIVEN - GIVEN_EXTRA:
+        return words.make_reading(None)
+    rank = 4 if words.seen & USAGE else 3 if words.seen & FIRST else 1 if "prenoms" in words.seen else 2
+    return words.make_reading(RosterField.given, rank)
 
 
-def _read_group(of: _Words) -> ColumnReading | None:
-    is_group = of.seen & GROUP and not of.seen & NOT_A_GROUP and (of.seen & PLAIN_GROUP or len(of.seen) <= 2)
-    return of.read(RosterField.group, 2, _qualifier(of.header, of.words)) if is_group else None
+def _read_group_column(words: _HeaderWords) -> ColumnReading | None:
+    is_group = (
+        words.seen & GROUP and not words.seen & NOT_A_GROUP and (words.seen & PLAIN_GROUP or len(words.seen) <= 2)
+    )
+    return words.make_reading(RosterField.group, 2, _group_qualifier(words.header, words.words)) if is_group else None
 
 
-def _read_class(of: _Words) -> ColumnReading | None:
-    if not of.seen & CLASS or of.seen - CLASS - CLASS_EXTRA:
+def _read_class_column(words: _HeaderWords) -> ColumnReading | None:
+    if not words.seen & CLASS or words.seen - CLASS - CLASS_EXTRA:
         return None
-    return of.read(RosterField.school_class, 1 if of.seen & {"libelle", "long"} else 3 if "code" in of.seen else 2)
+    return words.make_reading(
+        RosterField.school_class, 1 if words.seen & {"libelle", "long"} else 3 if "code" in words.seen else 2
+    )
 
 
-def _read_complete_name(of: _Words) -> ColumnReading | None:
-    is_name = of.seen & FAMILY and of.seen & {"complet", "full"} and not of.seen - FAMILY - FAMILY_EXTRA - LOGIN - FULL
-    return of.read(RosterField.complete_name) if is_name else None
+def _read_bare_name_column(words: _HeaderWords) -> ColumnReading | None:
+    is_name = (
+        words.seen & FAMILY
+        and words.seen & {"complet", "full"}
+        and not words.seen - FAMILY - FAMILY_EXTRA - LOGIN - FULL
+    )
+    return words.make_reading(RosterField.complete_name) if is_name else None
 
 
-def _read_login(of: _Words) -> ColumnReading | None:
-    if not (of.seen & LOGIN or of.seen == {"id"} or of.joined in {"user name", "id utilisateur", "id ent"}):
+def _read_login_column(words: _HeaderWords) -> ColumnReading | None:
+    if not (
+        words.seen & LOGIN or words.seen == {"id"} or words.joined_text in {"user name", "id utilisateur", "id ent"}
+    ):
         return None
-    if of.seen & {"unique", "national", "numero"}:
-        return of.read(RosterField.number)
-    return of.read(RosterField.login, 3 if "ent" in of.seen else 2)
+    if words.seen & {"unique", "national", "numero"}:
+        return words.make_reading(RosterField.number)
+    return words.make_reading(RosterField.login, 3 if "ent" in words.seen else 2)
 
 
-def _read_birth(of: _Words) -> ColumnReading | None:
-    if "lieu" in of.seen:
-        return of.read(None)
-    is_birth = of.seen & DATES and not of.seen & FAMILY and not of.seen - DATES - STUDENT - BIRTH
-    return of.read(RosterField.birth) if is_birth else None
+def _read_birth_column(words: _HeaderWords) -> ColumnReading | None:
+    if "lieu" in words.seen:
+        return words.make_reading(None)
+    is_birth = words.seen & DATES and not words.seen & FAMILY and not words.seen - DATES - STUDENT - BIRTH
+    return words.make_reading(RosterField.birth) if is_birth else None
 
 
-def _read_family(of: _Words) -> ColumnReading | None:
-    if not (of.seen & FAMILY or {"last", "name"} <= of.seen or {"family", "name"} <= of.seen):
+def _read_family_name_column(words: _HeaderWords) -> ColumnReading | None:
+    if not (words.seen & FAMILY or {"last", "name"} <= words.seen or {"family", "name"} <= words.seen):
         return None
-    if of.seen - FAMILY - FAMILY_EXTRA:
-        return of.read(None)
-    return of.read(RosterField.family, 3 if of.seen & USAGE else 1 if of.seen & BIRTH else 2)
+    if words.seen - FAMILY - FAMILY_EXTRA:
+        return words.make_reading(None)
+    return words.make_reading(RosterField.family, 3 if words.seen & USAGE else 1 if words.seen & BIRTH else 2)
 
 
-def _read_number(of: _Words) -> ColumnReading | None:
-    if of.seen == {"id", "number"}:
-        return of.read(RosterField.number, KNOWN_TO_STUDENTS)
-    if not of.seen & NUMBER or of.seen <= VAGUE or of.seen - NUMBER - STUDENT - NUMBER_EXTRA:
+def _read_number_column(words: _HeaderWords) -> ColumnReading | None:
+    if words.seen == {"id", "number"}:
+        return words.make_reading(RosterField.number, KNOWN_TO_STUDENTS)
+    if not words.seen & NUMBER or words.seen <= VAGUE or words.seen - NUMBER - STUDENT - NUMBER_EXTRA:
         return None
-    is_known = of.seen & (STUDENT | KNOWN_NUMBERS) and not of.seen & SECRET_NUMBERS
-    return of.read(RosterField.number, KNOWN_TO_STUDENTS if is_known else 1 if of.seen == {"numero"} else 2)
+    is_known = words.seen & (STUDENT | KNOWN_NUMBERS) and not words.seen & SECRET_NUMBERS
+    return words.make_reading(
+        RosterField.number, KNOWN_TO_STUDENTS if is_known else 1 if words.seen == {"numero"} else 2
+    )
 
 
-def _read_student(of: _Words) -> ColumnReading | None:
-    return of.read(RosterField.complete_name) if not of.seen - STUDENT - FULL else None
+def _read_student_column(words: _HeaderWords) -> ColumnReading | None:
+    return words.make_reading(RosterField.complete_name) if not words.seen - STUDENT - FULL else None
 
 
 #: The first rule that decides is right.
 RULES = (
-    _read_others, _read_email, _read_both_names, _read_given, _read_group, _read_class, _read_complete_name,
-    _read_login, _read_birth, _read_family, _read_number, _read_student,
+    _read_unrelated_column, _read_email_column, _read_full_name_column, _read_given_name_column, _read_group_column,
+    _read_class_column, _read_bare_name_column, _read_login_column, _read_birth_column, _read_family_name_column,
+    _read_number_column, _read_student_column,
 )  # fmt: skip
 
 
-def _qualifier(header: str, words: Sequence[str]) -> str:
+def _group_qualifier(header: str, words: Sequence[str]) -> str:
     """Return the words that tell a column of groups from another one: « Groupe TD » gives TD."""
-    plain = PLAIN_GROUP | FILLERS | _words("nom libelle code numero")
+    plain = PLAIN_GROUP | FILLERS | _word_set("nom libelle code numero")
     kept = [word for word in re.findall(r"\w+", header) if not set(split_header(word)) <= plain]
     return " ".join(kept) if len(words) > 1 or words[0] in {"td", "tp"} else ""

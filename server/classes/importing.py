@@ -21,7 +21,7 @@ from server.base.errors import Invalid
 from server.classes import repository
 from server.classes.class_routes import split_lines_by_class
 from server.classes.folding import normalise_name
-from server.classes.matching import MemberMatcher, merge_fields
+from server.classes.matching import MemberMatcher, merge_list_fields
 from server.classes.models import ClassRole, Membership, SchoolClass, Status
 from server.classes.roster import AS_WRITTEN, ReadingChoice, Roster
 from server.classes.roster_line import RejectedLine, RosterLine
@@ -56,8 +56,8 @@ class ImportPlan:
     skipped: Mapping[str, int] = field(default_factory=dict)
 
     @property
-    def ignored(self) -> tuple[str, ...]:
-        return self.roster.ignored
+    def ignored_headers(self) -> tuple[str, ...]:
+        return self.roster.ignored_headers
 
     @property
     def has_changes(self) -> bool:
@@ -92,17 +92,17 @@ def plan_import(
     taught = [] if choice.only_here else repository.load_taught_classes(db, by.id)
     routes = split_lines_by_class(roster, school_class, [each for each in taught if each.id != school_class.id], choice)
     others = tuple(
-        _plan_class(db, other, roster, lines, by, replace=False, is_first=False)
+        _plan_class_import(db, other, roster, lines, by, replace=False, is_first=False)
         for other, lines in routes.elsewhere.values()
     )
-    plan = _plan_class(db, school_class, roster, routes.here, by, replace=replace, is_first=True)
+    plan = _plan_class_import(db, school_class, roster, routes.here, by, replace=replace, is_first=True)
     warnings = (*roster.warnings, *routes.warnings)
     return dataclasses.replace(
         plan, choice=choice, others=others, warnings=warnings, values=routes.values, skipped=routes.skipped
     )
 
 
-def _plan_class(
+def _plan_class_import(
     db: Session,
     school_class: SchoolClass,
     roster: Roster,
@@ -127,7 +127,7 @@ def _plan_class(
             if member is not None:
                 (updated.append((line, member)) if matching.would_change(line, member) else unchanged.append(line))
                 continue
-            account = matching.match_account(line)
+            account = matching.find_outside_account(line)
             (added.append(line) if account is None else joining.append((line, account)))
         except Invalid as problem:
             rejected.append(RejectedLine(line.line, problem.detail, line.name, line.login))
@@ -153,7 +153,7 @@ def _plan_class(
 def apply_import(db: Session, planned: ImportPlan, now: datetime) -> None:
     """Apply the plan of one class in the transaction that made it, with the class locked."""
     school_class = planned.school_class
-    logins = _new_logins(db, planned.added)
+    logins = _choose_new_logins(db, planned.added)
     for line in planned.added:
         account = identity.create_for_roster(db, logins[line.line], line.name)
         _add_member(db, school_class, account, line, now, created_by_list=True)
@@ -166,7 +166,7 @@ def apply_import(db: Session, planned: ImportPlan, now: datetime) -> None:
             membership.given_name,
             membership.email,
             membership.groups,
-        ) = merge_fields(line, membership, planned.roster.has_groups)
+        ) = merge_list_fields(line, membership, planned.roster.has_groups)
         membership.status, membership.left_at = Status.active, None
         membership.is_confirmed = membership.is_confirmed or not member.account.is_guest
     for member in planned.left:
@@ -194,7 +194,7 @@ def _add_member(
     )
 
 
-def _new_logins(db: Session, lines: Sequence[RosterLine]) -> Mapping[int, str]:
+def _choose_new_logins(db: Session, lines: Sequence[RosterLine]) -> Mapping[int, str]:
     """Return the login of each new account by line: the list's, else the e-mail, else a free one made from the name."""
     logins = {line.line: line.account_login for line in lines if line.account_login}
     generated = {line.line: _login_from_name(line) for line in lines if line.line not in logins}

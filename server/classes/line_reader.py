@@ -8,14 +8,14 @@ import unicodedata
 from graders.typography import limit_marks
 from server.base.errors import Invalid
 from server.classes.columns import RosterHeader
-from server.classes.encodings import damaged_word
+from server.classes.encodings import find_damaged_word
 from server.classes.folding import normalise_name
 from server.classes.full_names import split_full_name
 from server.classes.headers import KNOWN_TO_STUDENTS, RosterField
 from server.classes.models import EMAIL_LENGTH, NAME_LENGTH
-from server.classes.roster_line import RosterLine, check_groups, split_labels
+from server.classes.roster_line import RosterLine, require_valid_labels, split_group_labels
 from server.classes.rows import SheetRow
-from server.classes.sheets import ReadRows
+from server.classes.sheets import SheetReading
 from server.classes.spreadsheet import FORMULA
 from server.identity.logins import login_problem, normalise_login
 from server.text.lines import character_problem, tidy_line
@@ -69,35 +69,38 @@ class LineReader:
         self._used = [column.index for column in header.columns if column.field]
         self._number_is_login = not self._columns[RosterField.login] and not self._columns[RosterField.email]
 
-    def read(self, row: SheetRow) -> RosterLine:
-        family, given, is_whole = self._names(row)
+    def read_line(self, row: SheetRow) -> RosterLine:
+        family, given, is_whole = self._read_names(row)
         if is_whole:
             self._whole.append(row.line)
-        login = self._first(row, RosterField.login)
-        number = self._first(row, RosterField.number)
+        login = self._first_filled_cell(row, RosterField.login)
+        number = self._first_filled_cell(row, RosterField.number)
         if self._number_is_login and number and self._columns[RosterField.number][0].rank == KNOWN_TO_STUDENTS:
             login = number
         return RosterLine(
             line=row.line,
             family_name=family,
             given_name=self._usual_given_name(given),
-            email=_read_email(self._first(row, RosterField.email)),
+            email=_extract_email(self._first_filled_cell(row, RosterField.email)),
             login=normalise_login(login),
-            groups=self._groups(row),
-            school_class=self._first(row, RosterField.school_class),
-            key=" ".join(filter(None, (number, self._first(row, RosterField.birth)))),
+            groups=self._read_groups(row),
+            school_class=self._first_filled_cell(row, RosterField.school_class),
+            key=" ".join(filter(None, (number, self._first_filled_cell(row, RosterField.birth)))),
         )
 
-    def _first(self, row: SheetRow, name: RosterField) -> str:
+    def _first_filled_cell(self, row: SheetRow, name: RosterField) -> str:
         """Return the first filled cell among the columns of a field, in the order in which they count."""
-        cells = (_cell(row, column.index) for column in self._columns[name])
+        cells = (_tidy_cell(row, column.index) for column in self._columns[name])
         return next(filter(None, cells), "")
 
-    def _names(self, row: SheetRow) -> tuple[str, str, bool]:
+    def _read_names(self, row: SheetRow) -> tuple[str, str, bool]:
         """Return family and given name, and whether a full name stays whole. The usual name goes first."""
-        family, given = self._first(row, RosterField.family), self._first(row, RosterField.given)
+        family, given = (
+            self._first_filled_cell(row, RosterField.family),
+            self._first_filled_cell(row, RosterField.given),
+        )
         for full, family_first in FULL_NAME_ORDERS.items():
-            text = self._first(row, full)
+            text = self._first_filled_cell(row, full)
             if text and not family and not given:
                 split = split_full_name(text, family_first)
                 return split.family, split.given, split.whole
@@ -111,16 +114,16 @@ class LineReader:
         columns = self._columns[RosterField.given]
         return given.split(",", maxsplit=1)[0].strip() if columns and columns[0].rank == 1 else given
 
-    def _groups(self, row: SheetRow) -> tuple[str, ...]:
+    def _read_groups(self, row: SheetRow) -> tuple[str, ...]:
         columns = self._columns[RosterField.group]
         labels: list[str] = []
         for column in columns:
-            for label in split_labels(_cell(row, column.index)):
+            for label in split_group_labels(_tidy_cell(row, column.index)):
                 is_bare = len(columns) > 1 and not re.search(r"[^\W\d_]{2}|[^\W\d_]\d", label)
                 labels.append(f"{column.qualifier} {label}".strip() if is_bare else label)
         return tuple(dict.fromkeys(labels))
 
-    def check(self, line: RosterLine, row: SheetRow) -> None:
+    def require_well_formed(self, line: RosterLine, row: SheetRow) -> None:
         """Raise Invalid for a malformed line."""
         if any(tidy_line(cell) for cell in row.cells[self._width :]):
             raise Invalid("cette ligne a plus de cases que la première.")
@@ -135,7 +138,7 @@ class LineReader:
         problem = _name_problem(line.name, is_alone)
         if problem:
             raise Invalid(problem)
-        damaged = damaged_word(f"{line.name} {' '.join(line.groups)}")
+        damaged = find_damaged_word(f"{line.name} {' '.join(line.groups)}")
         if damaged:
             raise Invalid(DAMAGED.format(word=damaged))
         for what, text in (("le nom", line.name), ("l’adresse", line.email), ("les groupes", " ".join(line.groups))):
@@ -147,7 +150,7 @@ class LineReader:
         problem = login_problem(line.account_login) if line.account_login else ""
         if problem:
             raise Invalid(f"{problem[0].lower()}{problem[1:]}")
-        check_groups(line.groups)
+        require_valid_labels(line.groups)
 
     def require_unique(self, line: RosterLine) -> None:
         """Raise Invalid for a person who stands in the list twice. Numbers or birth dates tell namesakes apart."""
@@ -168,7 +171,7 @@ class LineReader:
             )
         namesakes.append((line.key, line.line))
 
-    def warnings(self, source: ReadRows) -> tuple[str, ...]:
+    def warnings(self, source: SheetReading) -> tuple[str, ...]:
         warnings = []
         if source.repaired:
             before, after = source.repaired[0]
@@ -193,23 +196,23 @@ def _name_problem(name: str, is_alone: bool) -> str:
         return "il n’y a ni nom ni prénom."
     if not any(sign.isalpha() for sign in name):
         return f"« {name[:60]} » n’est pas un nom : il n’y a aucune lettre."
-    if normalise_name(name) in SUMS or (is_alone and FOOTER.match(_unaccented(name))):
+    if normalise_name(name) in SUMS or (is_alone and FOOTER.match(_remove_accents(name))):
         return "cette ligne ne paraît pas nommer un élève."
     if len(name) > NAME_LENGTH:
         return f"le nom dépasse {NAME_LENGTH} caractères."
     return "il y a une adresse électronique à la place du nom." if "@" in name else ""
 
 
-def _cell(row: SheetRow, index: int) -> str:
+def _tidy_cell(row: SheetRow, index: int) -> str:
     text = tidy_line(row.cells[index]) if index < len(row.cells) else ""
     return "" if text.startswith(FORMULA) else text
 
 
-def _unaccented(text: str) -> str:
+def _remove_accents(text: str) -> str:
     return "".join(sign for sign in unicodedata.normalize("NFKD", limit_marks(text)) if not unicodedata.combining(sign))
 
 
-def _read_email(text: str) -> str:
+def _extract_email(text: str) -> str:
     """Return the address of « Ada <ada@example.org> », or the text where there is none, or more than one."""
     folded = unicodedata.normalize("NFKC", limit_marks(text)).casefold().removeprefix("mailto:")
     addresses = set(EMAIL.findall(folded))

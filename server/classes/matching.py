@@ -53,7 +53,7 @@ class MemberMatcher:
     def by_name(self) -> Mapping[str, list[Member]]:
         members: dict[str, list[Member]] = defaultdict(list)
         for member in self.members:
-            members[_key(member.plain_name)].append(member)
+            members[_name_order_free_key(member.plain_name)].append(member)
         return members
 
     def match_member(self, line: RosterLine) -> Member | None:
@@ -76,7 +76,7 @@ class MemberMatcher:
         )
         if certain is not None:
             return certain
-        namesakes = self.by_name.get(_key(line.name), [])
+        namesakes = self.by_name.get(_name_order_free_key(line.name), [])
         if not namesakes:
             return None
         self.ambiguous.update(member.id for member in namesakes)
@@ -91,23 +91,23 @@ class MemberMatcher:
 
     def count_namesakes(self, lines: Sequence[RosterLine]) -> None:
         """Count the lines of each name that have neither login nor e-mail."""
-        self.lines_by_name = Counter(_key(line.name) for line in lines if not line.account_login)
+        self.lines_by_name = Counter(_name_order_free_key(line.name) for line in lines if not line.account_login)
 
     def _match_namesakes(self, line: RosterLine, namesakes: Sequence[Member]) -> Member:
         """Return the namesake whom the line does not change, where the list has as many of them. Raises Invalid."""
         free = (member for member in namesakes if member.id not in self.matched and not self.would_change(line, member))
         same = next(free, None)
-        if same is None or line.account_login or self.lines_by_name[_key(line.name)] != len(namesakes):
+        if same is None or line.account_login or self.lines_by_name[_name_order_free_key(line.name)] != len(namesakes):
             raise Invalid(SEVERAL)
         return same
 
     def mark_ambiguous(self, rejected: RejectedLine) -> None:
         """Mark the members that a rejected line may mean, so that they stay in the class."""
         member = self.by_login.get(rejected.login)
-        namesakes = self.by_name.get(_key(rejected.name), []) if rejected.name else []
+        namesakes = self.by_name.get(_name_order_free_key(rejected.name), []) if rejected.name else []
         self.ambiguous.update(each.id for each in ([member] if member else namesakes))
 
-    def match_account(self, line: RosterLine) -> Account | None:
+    def find_outside_account(self, line: RosterLine) -> Account | None:
         """Return the account of a line outside the class. Raises Invalid where it may not be added."""
         account = self.accounts.get(line.account_login)
         if account is not None and not (self.accepts_everyone or account.id in self.own_students):
@@ -116,18 +116,18 @@ class MemberMatcher:
 
     def would_change(self, line: RosterLine, member: Member) -> bool:
         """Whether the import of this line would change the member."""
-        fields = merge_fields(line, member.membership, self.has_groups)
-        return member.status is not Status.active or fields != stored_fields(member.membership)
+        fields = merge_list_fields(line, member.membership, self.has_groups)
+        return member.status is not Status.active or fields != stored_list_fields(member.membership)
 
 
 ListFields = tuple[str, str, str, list[str]]
 
 
-def stored_fields(membership: Membership) -> ListFields:
+def stored_list_fields(membership: Membership) -> ListFields:
     return membership.family_name, membership.given_name, membership.email, list(membership.groups)
 
 
-def merge_fields(line: RosterLine, membership: Membership, has_groups: bool) -> ListFields:
+def merge_list_fields(line: RosterLine, membership: Membership, has_groups: bool) -> ListFields:
     """Return the fields of the membership after the import: an empty cell keeps the known value."""
     return (
         line.family_name or membership.family_name,
@@ -137,6 +137,6 @@ def merge_fields(line: RosterLine, membership: Membership, has_groups: bool) -> 
     )
 
 
-def _key(name: str) -> str:
+def _name_order_free_key(name: str) -> str:
     """Return a key equal for « LOVELACE Ada » and « Ada Lovelace »."""
     return " ".join(sorted(normalise_name(name).split())) or name

@@ -78,7 +78,7 @@ class Membership(Base):
         return self.role in {ClassRole.assistant, ClassRole.teacher}
 
 
-class ListReading(Base):
+class RememberedColumns(Base):
     """How a teacher said that the columns of a list are read: `columns`, the fields in order (`headers.Field`), empty
     to leave one aside. `signature` is that of the row of headers (`roster.header_signatures`)."""
 

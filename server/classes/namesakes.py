@@ -18,7 +18,7 @@ def find_namesakes(members: Sequence[Member], account_id: UUID) -> Sequence[Memb
     return [member for member in students if member.id != account_id and not own_keys.isdisjoint(_name_keys(member))]
 
 
-def find_unverified_namesakes(members: Sequence[Member]) -> frozenset[UUID]:
+def find_unconfirmed_namesakes(members: Sequence[Member]) -> frozenset[UUID]:
     """Return the students whom nothing but their own word tells from another one of their name."""
     students = [member for member in members if member.role is ClassRole.student]
     counts = Counter(key for member in students for key in _name_keys(member))

@@ -21,13 +21,14 @@ def record_presence(db: Session, account_id: UUID) -> None:
     repository.update_last_seen(db, account_id, now, now - PRESENCE_INTERVAL)
 
 
-def is_member(db: Session, account_id: UUID) -> bool:
+def is_active_member(db: Session, account_id: UUID) -> bool:
     """Whether the account is an active member of a class that is not archived, which gives its work priority."""
     return any(archived_at is None for _, archived_at in repository.load_presence(db, account_id))
 
 
-def check_in(db: Session, account_id: UUID) -> bool:
-    """Record the account's presence as `record_presence` does, and return `is_member`: with one query for both."""
+def record_presence_and_check_membership(db: Session, account_id: UUID) -> bool:
+    """Record the account's presence as `record_presence` does, and return `is_active_member`: with one query for
+    both."""
     memberships = repository.load_presence(db, account_id)
     since = utc_now() - PRESENCE_INTERVAL
     if any(last_seen is None or last_seen < since for last_seen, _ in memberships):
@@ -45,13 +46,13 @@ class PresenceRecorder:
 
     def record(self, db: Session, account: Account | None) -> None:
         """Record that this account reads a page; `db` is a read-only session."""
-        if account is None or not self._is_due(account.id):
+        if account is None or not self._should_check_now(account.id):
             return
         if repository.is_presence_stale(db, account.id, utc_now() - PRESENCE_INTERVAL):
             with self._database.write() as write_db:
                 record_presence(write_db, account.id)
 
-    def _is_due(self, account_id: UUID) -> bool:
+    def _should_check_now(self, account_id: UUID) -> bool:
         with self._lock:
             if account_id in self._recent:
                 return False

@@ -9,19 +9,23 @@ from sqlalchemy import delete, select
 from sqlalchemy.orm import Session
 
 from server.classes.columns import find_header
-from server.classes.models import ListReading
+from server.classes.models import RememberedColumns
 from server.classes.roster import ReadingChoice, Roster, header_signatures
-from server.classes.sheets import ReadRows
+from server.classes.sheets import SheetReading
 from server.database import utc_now
 
 MAX_READINGS = 20  # of a teacher
 
 
-def recall_columns(db: Session, account_id: UUID, source: ReadRows, choice: ReadingChoice) -> ReadingChoice:
+def apply_remembered_columns(
+    db: Session, account_id: UUID, source: SheetReading, choice: ReadingChoice
+) -> ReadingChoice:
     """Return the choice with the columns that this teacher said for these headers before, where they said any."""
     lines = header_signatures(source.rows)
-    query = select(ListReading).where(ListReading.account_id == account_id, ListReading.signature.in_(lines))
-    reading = db.execute(query.order_by(ListReading.used_at.desc()).limit(1)).scalar_one_or_none()
+    query = select(RememberedColumns).where(
+        RememberedColumns.account_id == account_id, RememberedColumns.signature.in_(lines)
+    )
+    reading = db.execute(query.order_by(RememberedColumns.used_at.desc()).limit(1)).scalar_one_or_none()
     if reading is None or choice.columns:
         return choice
     return replace(choice, columns=tuple(reading.columns), first_line=lines[reading.signature])
@@ -36,18 +40,18 @@ def remember_columns(db: Session, account_id: UUID, roster: Roster, choice: Read
     signature = next((each for each, after in header_signatures(roster.rows).items() if after == line), None)
     if signature is None:
         return
-    stored = db.get(ListReading, (account_id, signature))
+    stored = db.get(RememberedColumns, (account_id, signature))
     found = find_header(roster.rows)
     if found and not found.doubt and tuple(column.field or "" for column in found.columns) == choice.columns:
         if stored:
             db.delete(stored)
         return
     if stored is None:
-        db.add(stored := ListReading(account_id=account_id, signature=signature))
+        db.add(stored := RememberedColumns(account_id=account_id, signature=signature))
     stored.columns, stored.used_at = list(choice.columns), utc_now()
     db.flush()
-    query = select(ListReading.signature).where(ListReading.account_id == account_id)
-    oldest = db.execute(query.order_by(ListReading.used_at.desc()).offset(MAX_READINGS)).scalars().all()
+    query = select(RememberedColumns.signature).where(RememberedColumns.account_id == account_id)
+    oldest = db.execute(query.order_by(RememberedColumns.used_at.desc()).offset(MAX_READINGS)).scalars().all()
     if oldest:
-        own = ListReading.account_id == account_id
-        db.execute(delete(ListReading).where(own, ListReading.signature.in_(oldest)))
+        own = RememberedColumns.account_id == account_id
+        db.execute(delete(RememberedColumns).where(own, RememberedColumns.signature.in_(oldest)))

@@ -43,7 +43,7 @@ def find_class_by_code(db: Session, code: str, now: datetime) -> SchoolClass | N
     return db.execute(query).scalar_one_or_none()
 
 
-def code_is_taken(db: Session, code: str) -> bool:
+def is_code_taken(db: Session, code: str) -> bool:
     return db.execute(select(SchoolClass.id).where(SchoolClass.join_code == code)).first() is not None
 
 
@@ -90,25 +90,25 @@ def load_class_and_membership(
 
 def load_members(db: Session, class_id: UUID, only: Collection[UUID] | None = None) -> Sequence[Member]:
     """Load all members of a class, former ones included, or some of them, sorted by name."""
-    query = _members(class_id)
-    return _load_sorted(db, query if only is None else query.where(Membership.account_id.in_(only)))
+    query = _select_members(class_id)
+    return _load_sorted_members(db, query if only is None else query.where(Membership.account_id.in_(only)))
 
 
 def load_staff(db: Session, class_id: UUID) -> Sequence[Member]:
     """Load the members that assist or teach, or did, sorted by name."""
-    return _load_sorted(db, _members(class_id).where(Membership.role.in_(STAFF)))
+    return _load_sorted_members(db, _select_members(class_id).where(Membership.role.in_(STAFF)))
 
 
-def _members(class_id: UUID) -> Select[Membership, Account]:
+def _select_members(class_id: UUID) -> Select[Membership, Account]:
     query = select(Membership, Account).join(Account, Account.id == Membership.account_id)
     return query.where(Membership.class_id == class_id)
 
 
-def _load_sorted(db: Session, query: Select[Membership, Account]) -> Sequence[Member]:
+def _load_sorted_members(db: Session, query: Select[Membership, Account]) -> Sequence[Member]:
     members = [Member(*row) for row in db.execute(query)]
     names = distinct_names([(member.plain_name, member.groups, member.account.handle) for member in members])
     members = [
-        member if name == member.plain_name else replace(member, told_apart=name)
+        member if name == member.plain_name else replace(member, distinct_name=name)
         for member, name in zip(members, names, strict=True)
     ]
     return sorted(members, key=lambda member: (*member.sort_key, str(member.id)))
@@ -119,7 +119,7 @@ def load_active_students(db: Session, class_id: UUID) -> Sequence[ActiveStudent]
     names = (Membership.given_name, Membership.family_name, Account.name)
     handle = (Account.login, Account.role)
     query = select(Membership.account_id, *names, *handle, Membership.groups, Membership.last_seen_at)
-    rows = db.execute(_active(query, class_id)).all()
+    rows = db.execute(_restrict_to_active_students(query, class_id)).all()
     own_names = [display_name(given, family, own) for _, given, family, own, *_ in rows]
     shown = distinct_names(
         [(name, row[6], account_handle(row[4], row[5], row[0])) for name, row in zip(own_names, rows, strict=True)]
@@ -131,7 +131,7 @@ def load_active_students(db: Session, class_id: UUID) -> Sequence[ActiveStudent]
     return [student for *_, student in sorted(students, key=lambda row: row[:2])]
 
 
-def list_students(db: Session, class_id: UUID, only: Collection[UUID] | None = None) -> Sequence[StudentRecord]:
+def load_student_records(db: Session, class_id: UUID, only: Collection[UUID] | None = None) -> Sequence[StudentRecord]:
     """Load the records of the active students of a class, or of some of them, sorted by name."""
     row = Membership
     columns = (
@@ -144,7 +144,7 @@ def list_students(db: Session, class_id: UUID, only: Collection[UUID] | None = N
         Account.role,
         row.groups,
     )
-    query = _active(select(*columns), class_id)
+    query = _restrict_to_active_students(select(*columns), class_id)
     rows = db.execute(query if only is None else query.where(row.account_id.in_(only))).all()
     names = distinct_names(
         [(display_name(row[2], row[1], row[3]), row[7], account_handle(row[5], row[6], row[0])) for row in rows]
@@ -156,7 +156,7 @@ def list_students(db: Session, class_id: UUID, only: Collection[UUID] | None = N
     return sorted(students, key=lambda student: (*student.sort_key, str(student.id)))
 
 
-def _active(query: Select[*Ts], class_id: UUID) -> Select[*Ts]:
+def _restrict_to_active_students(query: Select[*Ts], class_id: UUID) -> Select[*Ts]:
     """Restrict a query on memberships and accounts to the active students of a class."""
     query = query.join(Account, Account.id == Membership.account_id).where(Membership.class_id == class_id)
     return query.where(Membership.role == ClassRole.student, Membership.status == Status.active)
@@ -183,7 +183,7 @@ def count_other_teachers(db: Session, class_id: UUID, account_id: UUID) -> int:
     return db.execute(query).scalar_one()
 
 
-def filter_staff(db: Session, accounts: Collection[UUID]) -> frozenset[UUID]:
+def filter_staff_accounts(db: Session, accounts: Collection[UUID]) -> frozenset[UUID]:
     """Return those of these accounts that assist or teach in some class."""
     query = select(Membership.account_id).where(Membership.account_id.in_(accounts), Membership.role.in_(STAFF))
     return frozenset(db.execute(query).scalars())
@@ -262,7 +262,7 @@ def update_last_seen(db: Session, account_id: UUID, now: datetime, unless_since:
 
 
 @prepared_statement
-def _presence(account_id: UUID) -> Select[datetime | None, datetime | None]:
+def _select_presence(account_id: UUID) -> Select[datetime | None, datetime | None]:
     return (
         select(Membership.last_seen_at, SchoolClass.archived_at)
         .join(SchoolClass, SchoolClass.id == Membership.class_id)
@@ -272,7 +272,7 @@ def _presence(account_id: UUID) -> Select[datetime | None, datetime | None]:
 
 def load_presence(db: Session, account_id: UUID) -> Sequence[Row[datetime | None, datetime | None]]:
     """Load, for each class of an active member, when they were last seen there and when it was archived."""
-    return select_core(db, *_presence(account_id)).all()
+    return select_core(db, *_select_presence(account_id)).all()
 
 
 def is_presence_stale(db: Session, account_id: UUID, unless_since: datetime) -> bool:

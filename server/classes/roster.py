@@ -9,13 +9,13 @@ from dataclasses import dataclass, field
 from itertools import pairwise
 
 from server.base.errors import Invalid
-from server.classes.columns import HEADER_ROWS, RosterHeader, columns_by_hand, find_header
+from server.classes.columns import HEADER_ROWS, RosterHeader, columns_chosen_by_user, find_header
 from server.classes.folding import normalise_name
 from server.classes.headers import ColumnReading, RosterField
 from server.classes.line_reader import LineReader
 from server.classes.roster_line import RejectedLine, RosterLine
 from server.classes.rows import SheetRow
-from server.classes.sheets import ReadRows, read_rows
+from server.classes.sheets import SheetReading, read_rows
 
 #: The columns of the contract.
 COLUMNS = ("nom", "prenom", "email", "identifiant", "groupe")
@@ -46,10 +46,10 @@ class ReadingChoice:
 AS_WRITTEN = ReadingChoice()
 
 
-class UnreadColumns(Invalid):
+class UndecidedColumns(Invalid):
     """The list's columns are in doubt: a person says which is which. It holds the list, as far as it is read."""
 
-    def __init__(self, detail: str, source: ReadRows, columns: Sequence[ColumnReading]) -> None:
+    def __init__(self, detail: str, source: SheetReading, columns: Sequence[ColumnReading]) -> None:
         super().__init__(detail)
         self.source = source
         self.columns = tuple(columns)
@@ -59,7 +59,7 @@ class UnreadColumns(Invalid):
 class Roster:
     """A parsed list. `has_groups`: it has a column for groups, so that an empty cell means none."""
 
-    source: ReadRows
+    source: SheetReading
     header: RosterHeader
     lines: tuple[RosterLine, ...]
     rejected: tuple[RejectedLine, ...]
@@ -75,7 +75,7 @@ class Roster:
         return RosterField.group in self.header.fields
 
     @property
-    def ignored(self) -> tuple[str, ...]:
+    def ignored_headers(self) -> tuple[str, ...]:
         """The headers of the columns of which nothing is kept: a number or a birth date only tells namesakes apart."""
         unkept = {None, RosterField.birth}
         if not any(line.login and line.key.startswith(line.login) for line in self.lines):
@@ -86,12 +86,12 @@ class Roster:
 
 
 def read_roster(content: bytes, choice: ReadingChoice = AS_WRITTEN) -> Roster:
-    """Parse a file. Raises Invalid where it is no list at all, UnreadColumns where its columns are in doubt, or
+    """Parse a file. Raises Invalid where it is no list at all, UndecidedColumns where its columns are in doubt, or
     Overloaded; bad lines are rejected one by one."""
     return parse_roster(read_rows(content, choice.encoding or None), choice)
 
 
-def parse_roster(source: ReadRows, choice: ReadingChoice = AS_WRITTEN) -> Roster:
+def parse_roster(source: SheetReading, choice: ReadingChoice = AS_WRITTEN) -> Roster:
     """Parse the rows of a file. Raises as `read_roster`."""
     if not source.rows:
         raise Invalid(EMPTY)
@@ -99,14 +99,14 @@ def parse_roster(source: ReadRows, choice: ReadingChoice = AS_WRITTEN) -> Roster
     reader = LineReader(header)
     lines: list[RosterLine] = []
     rejected: list[RejectedLine] = []
-    titles = {_fold_row(row) for row in source.rows[: header.rows]}
+    titles = {_fold_row_text(row) for row in source.rows[: header.rows]}
     people = [
-        row for row in source.rows[header.rows :] if _fold_row(row) not in titles
+        row for row in source.rows[header.rows :] if _fold_row_text(row) not in titles
     ]  # headers come back on each page
     for row in people:
-        line = reader.read(row)
+        line = reader.read_line(row)
         try:
-            reader.check(line, row)
+            reader.require_well_formed(line, row)
             reader.require_unique(line)
         except Invalid as problem:
             rejected.append(RejectedLine(row.line, problem.detail, line.name, line.login))
@@ -116,34 +116,34 @@ def parse_roster(source: ReadRows, choice: ReadingChoice = AS_WRITTEN) -> Roster
     return Roster(source, header, tuple(lines), tuple(rejected), reader.warnings(source), classes)
 
 
-def _fold_row(row: SheetRow) -> str:
+def _fold_row_text(row: SheetRow) -> str:
     return " | ".join(map(normalise_name, row.cells))
 
 
-def _read_header(source: ReadRows, choice: ReadingChoice) -> RosterHeader:
+def _read_header(source: SheetReading, choice: ReadingChoice) -> RosterHeader:
     header = find_header(source.rows)
     if choice.columns:
-        return _header_by_hand(source, choice, header)
+        return _header_chosen_by_user(source, choice, header)
     if header is None:
         width = max(len(row.cells) for row in source.rows)
-        raise UnreadColumns(NO_HEADER, source, columns_by_hand([""] * width))
+        raise UndecidedColumns(NO_HEADER, source, columns_chosen_by_user([""] * width))
     if header.doubt:
-        raise UnreadColumns(
+        raise UndecidedColumns(
             f"Ligne {header.line} : {header.doubt}. Dites laquelle est la bonne.", source, header.columns
         )
     return header
 
 
-def _header_by_hand(source: ReadRows, choice: ReadingChoice, header: RosterHeader | None) -> RosterHeader:
+def _header_chosen_by_user(source: SheetReading, choice: ReadingChoice, header: RosterHeader | None) -> RosterHeader:
     """Return the columns as a person says; those that say the same as the headers are read as these say."""
     rows = header.rows if header else 0
     if choice.first_line:
         rows = sum(row.line < choice.first_line for row in source.rows)
     known = header.columns if header else ()
-    columns = columns_by_hand(choice.columns, known)
+    columns = columns_chosen_by_user(choice.columns, known)
     chosen = RosterHeader(columns, rows, header.line if header else 0)
     if not chosen.has_names:
-        raise UnreadColumns(NO_NAME, source, columns)
+        raise UndecidedColumns(NO_NAME, source, columns)
     return chosen
 
 
@@ -151,7 +151,7 @@ def header_signatures(rows: Sequence[SheetRow]) -> dict[str, int]:
     """Return the signatures of the first rows, with the line of the row after each: equal headers have equal ones."""
     first = rows[: HEADER_ROWS + 1]
     return {
-        hashlib.sha256(_fold_row(row).encode()).hexdigest(): after.line
+        hashlib.sha256(_fold_row_text(row).encode()).hexdigest(): after.line
         for row, after in pairwise(first)
         if len(row.cells)
     }

@@ -45,18 +45,18 @@ class RejectedLine:
     login: str = ""
 
 
-def parse_groups(text: str) -> tuple[str, ...]:
+def parse_group_labels(text: str) -> tuple[str, ...]:
     """Parse labels separated by commas, semicolons or bars, without duplicates. Raises Invalid."""
-    return check_groups(split_labels(text))
+    return require_valid_labels(split_group_labels(text))
 
 
-def split_labels(text: str) -> tuple[str, ...]:
+def split_group_labels(text: str) -> tuple[str, ...]:
     """Return the labels in a text, without duplicates; « [MP2I_G1], [MP2I_G2] » is how Pronote writes two."""
     pieces = (tidy_line(re.sub(r"^\s*\[(.*)\]\s*$", r"\1", piece)) for piece in re.split(r"[,;|]", text))
     return tuple(dict.fromkeys(filter(None, pieces)))
 
 
-def check_groups(labels: tuple[str, ...]) -> tuple[str, ...]:
+def require_valid_labels(labels: tuple[str, ...]) -> tuple[str, ...]:
     """Return the labels. Raises Invalid where they are too many, too long, or cannot be written."""
     if len(labels) > MAX_GROUPS or any(len(label) > GROUP_LENGTH for label in labels):
         raise Invalid(f"un élève a {MAX_GROUPS} groupes au plus, de {GROUP_LENGTH} caractères chacun.")

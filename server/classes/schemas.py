@@ -36,12 +36,12 @@ def distinct_names(people: Sequence[tuple[str, Sequence[str], str]]) -> list[str
     their handle beside it, guests their groups where they have some: « Inès Lacroix (ines.lacroix2) »."""
     counts = Counter(normalise_name(name) for name, *_ in people)
     return [
-        name if counts[normalise_name(name)] < 2 or not name else f"{name} ({_distinction(groups, handle)})"
+        name if counts[normalise_name(name)] < 2 or not name else f"{name} ({_distinguishing_text(groups, handle)})"
         for name, groups, handle in people
     ]
 
 
-def _distinction(groups: Sequence[str], handle: str) -> str:
+def _distinguishing_text(groups: Sequence[str], handle: str) -> str:
     return ", ".join(groups) or handle if handle == GUEST_HANDLE else handle
 
 
@@ -78,11 +78,11 @@ class StudentRecord:
 
 @dataclass(frozen=True)
 class Member:
-    """A membership with its account. `told_apart`: the name with what tells its namesakes of the class apart."""
+    """A membership with its account. `distinct_name`: the name with what tells its namesakes of the class apart."""
 
     membership: Membership
     account: Account
-    told_apart: str = ""
+    distinct_name: str = ""
 
     @cached_property
     def id(self) -> UUID:
@@ -90,7 +90,7 @@ class Member:
 
     @property
     def name(self) -> str:
-        return self.told_apart or self.plain_name
+        return self.distinct_name or self.plain_name
 
     @cached_property
     def plain_name(self) -> str:
@@ -140,20 +140,20 @@ class GuestName:
 
 def validate_class_name(text: str) -> str:
     """Return the name with single spaces. Raises Invalid."""
-    return _name(text, "Donnez à la classe un nom de 1 à 100 caractères.")
+    return _require_name(text, "Donnez à la classe un nom de 1 à 100 caractères.")
 
 
 def validate_guest_name(given: str, family: str) -> GuestName:
     """Return the names with single spaces. Raises Invalid."""
     name = GuestName(
-        _name(given, "Indiquez votre prénom (100 caractères au plus)."),
-        _name(family, "Indiquez votre nom (100 caractères au plus)."),
+        _require_name(given, "Indiquez votre prénom (100 caractères au plus)."),
+        _require_name(family, "Indiquez votre nom (100 caractères au plus)."),
     )
-    _name(f"{name.given} {name.family}", "Ce nom est trop long : 100 caractères au plus en tout.")
+    _require_name(f"{name.given} {name.family}", "Ce nom est trop long : 100 caractères au plus en tout.")
     return name
 
 
-def _name(text: str, problem: str) -> str:
+def _require_name(text: str, problem: str) -> str:
     return require_line(text, NAME_LENGTH, problem)
 
 

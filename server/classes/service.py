@@ -16,12 +16,12 @@ from sqlalchemy.orm import Session
 from server.base.errors import Conflict, Invalid, NotFound
 from server.base.settings import Settings
 from server.classes import importing, repository
-from server.classes.codes import new_code, parse_code
+from server.classes.codes import draw_join_code, parse_join_code
 from server.classes.importing import ImportPlan
 from server.classes.models import ClassRole, Membership, SchoolClass, Status
-from server.classes.remembered_columns import recall_columns, remember_columns
+from server.classes.remembered_columns import apply_remembered_columns, remember_columns
 from server.classes.roster import AS_WRITTEN, ReadingChoice, parse_roster, read_roster
-from server.classes.roster_line import parse_groups
+from server.classes.roster_line import parse_group_labels
 from server.classes.schemas import (
     DEFAULT_CODE_LIFETIME,
     GuestName,
@@ -53,7 +53,10 @@ def create_class(db: Session, by: Account, name: str, module: str) -> SchoolClas
     """Create a class with its teacher and a join code. Raises Invalid."""
     now = utc_now()
     school_class = SchoolClass(name=validate_class_name(name), module=module, created_by=by.id)
-    school_class.join_code, school_class.join_code_until = _free_code(db), code_expiry(DEFAULT_CODE_LIFETIME, now)
+    school_class.join_code, school_class.join_code_until = (
+        _draw_unused_code(db),
+        code_expiry(DEFAULT_CODE_LIFETIME, now),
+    )
     db.add(school_class)
     db.flush()
     db.add(Membership(class_id=school_class.id, account_id=by.id, role=ClassRole.teacher, joined_at=now))
@@ -61,47 +64,47 @@ def create_class(db: Session, by: Account, name: str, module: str) -> SchoolClas
     return school_class
 
 
-def _free_code(db: Session) -> str:
-    while repository.code_is_taken(db, code := new_code()):
+def _draw_unused_code(db: Session) -> str:
+    while repository.is_code_taken(db, code := draw_join_code()):
         pass
     return code
 
 
-def require_open(school_class: SchoolClass) -> None:
+def require_not_archived(school_class: SchoolClass) -> None:
     """Raise Conflict for an archived class."""
     if school_class.archived_at is not None:
         raise Conflict(ARCHIVED)
 
 
-def renew_code(db: Session, school_class: SchoolClass, lifetime: str) -> None:
+def renew_join_code(db: Session, school_class: SchoolClass, lifetime: str) -> None:
     """Replace the join code; the old one stops working. Raises Conflict or Invalid."""
-    require_open(school_class)
+    require_not_archived(school_class)
     until = code_expiry(lifetime, utc_now())
-    school_class.join_code, school_class.join_code_until = _free_code(db), until
+    school_class.join_code, school_class.join_code_until = _draw_unused_code(db), until
 
 
-def close_code(school_class: SchoolClass) -> None:
+def remove_join_code(school_class: SchoolClass) -> None:
     school_class.join_code = school_class.join_code_until = None
 
 
-def valid_code(school_class: SchoolClass) -> str | None:
+def unexpired_join_code(school_class: SchoolClass) -> str | None:
     """Return the join code unless it has expired."""
     until = school_class.join_code_until
     return school_class.join_code if until is not None and until > utc_now() else None
 
 
-def archive(school_class: SchoolClass) -> None:
+def archive_class(school_class: SchoolClass) -> None:
     """Archive a class: nobody joins it, and its teachers see no later submissions."""
     if school_class.archived_at is None:
         school_class.archived_at = utc_now()
-        close_code(school_class)
+        remove_join_code(school_class)
 
 
-def reopen(school_class: SchoolClass) -> None:
+def reopen_class(school_class: SchoolClass) -> None:
     school_class.archived_at = None
 
 
-def change_students(
+def apply_action_to_students(
     db: Session, school_class: SchoolClass, accounts: Collection[UUID], action: str, group: str = ""
 ) -> int:
     """Apply an action to students, and return how many it changed. Raises Conflict, NotFound or Invalid.
@@ -109,8 +112,8 @@ def change_students(
     `action` is `accept` or `refuse` for pending students, `remove`, `take_back`, `confirm` that they are who they say,
     `group` or `ungroup`.
     """
-    require_open(school_class)
-    labels = parse_groups(group)
+    require_not_archived(school_class)
+    labels = parse_group_labels(group)
     if action in {"group", "ungroup"} and not labels:
         raise Invalid("Indiquez un groupe.")
     changed = 0
@@ -141,7 +144,7 @@ def _apply_action(membership: Membership, action: str, labels: Sequence[str]) ->
         was_confirmed, membership.is_confirmed = membership.is_confirmed, True
         return not was_confirmed
     remaining = [label for label in membership.groups if label not in labels]
-    groups = parse_groups("|".join([*membership.groups, *labels])) if action == "group" else tuple(remaining)
+    groups = parse_group_labels("|".join([*membership.groups, *labels])) if action == "group" else tuple(remaining)
     changed = list(groups) != membership.groups
     membership.groups = list(groups)
     return changed
@@ -162,12 +165,12 @@ def leave_class(db: Session, school_class: SchoolClass, account_id: UUID) -> Non
     membership.left_voluntarily = not membership.created_by_list
 
 
-def find_future_staff(db: Session, school_class: SchoolClass, login: str) -> Account:
+def find_account_for_staff(db: Session, school_class: SchoolClass, login: str) -> Account:
     """Return the account of this login, which may teach in the class.
 
     Raises NotFound, and Conflict for an archived class or for one of its students.
     """
-    require_open(school_class)
+    require_not_archived(school_class)
     account = links.find_account_by_login(db, login)
     membership = repository.find_membership(db, school_class.id, account.id)
     if membership is not None and not membership.is_staff and membership.status != Status.left:
@@ -177,7 +180,7 @@ def find_future_staff(db: Session, school_class: SchoolClass, login: str) -> Acc
 
 def add_staff(db: Session, school_class: SchoolClass, login: str, role: ClassRole) -> Account:
     """Make the account of this login a teacher or an assistant of the class. Raises NotFound or Conflict."""
-    account = find_future_staff(db, school_class, login)
+    account = find_account_for_staff(db, school_class, login)
     membership = repository.find_membership(db, school_class.id, account.id)
     if account.role == Role.student and (membership is None or not membership.is_staff):
         administration.end_credentials_of_role(db, account)
@@ -213,7 +216,7 @@ def move_guest_memberships(db: Session, guest_id: UUID, account_id: UUID) -> Non
 Hook = Callable[[Session, UUID], AbstractContextManager[None]]
 
 
-def _no_hook(_db: Session, _class_id: UUID) -> AbstractContextManager[None]:
+def _no_hook_around_import(_db: Session, _class_id: UUID) -> AbstractContextManager[None]:
     return nullcontext()
 
 
@@ -230,7 +233,7 @@ class ClassService:
             limits.take_token(db, f"join-from:{address}", self.settings.guest_bucket, TOO_MANY_CODES)
             if by is not None:
                 limits.take_token(db, f"join:{by.id}", self.settings.join_bucket, TOO_MANY_CODES)
-        parsed = parse_code(code)
+        parsed = parse_join_code(code)
         with self.database.read() as db:
             school_class = None if parsed is None else repository.find_class_by_code(db, parsed, utc_now())
         if school_class is None:
@@ -248,7 +251,7 @@ class ClassService:
         with self.database.write() as db:
             repository.lock_class(db, target.id)
             school_class = repository.find_class(db, target.id)
-            if school_class is None or valid_code(school_class) != target.join_code:
+            if school_class is None or unexpired_join_code(school_class) != target.join_code:
                 raise NotFound(NO_SUCH_CODE)
             if account.is_guest and named is None:
                 raise Invalid("Un invité dit d’abord son nom : rejoignez la classe depuis la page « Rejoindre ».")
@@ -268,10 +271,10 @@ class ClassService:
 
         Raises Invalid, Conflict or Overloaded.
         """
-        require_open(school_class)
+        require_not_archived(school_class)
         source = read_rows(content, choice.encoding or None)
         with self.database.read() as db:
-            used = recall_columns(db, by.id, source, choice) if recall else choice
+            used = apply_remembered_columns(db, by.id, source, choice) if recall else choice
             roster = parse_roster(source, used)
             planned = importing.plan_import(db, school_class, roster, by, used, replace=replace)
             return planned, to_csv(roster.rows)
@@ -282,7 +285,7 @@ class ClassService:
         by: Account,
         content: bytes,
         expected: str | None = None,
-        around: Hook = _no_hook,
+        around: Hook = _no_hook_around_import,
         choice: ReadingChoice = AS_WRITTEN,
         *,
         replace: bool = False,
@@ -301,7 +304,7 @@ class ClassService:
                 school_class = repository.find_class(db, class_id)
                 if school_class is None:
                     raise NotFound(UNKNOWN_CLASS)
-                require_open(school_class)
+                require_not_archived(school_class)
                 planned = importing.plan_import(db, school_class, roster, by, choice, replace=replace)
                 applied = expected is None or expected == planned.digest
                 if applied:

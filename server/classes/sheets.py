@@ -50,7 +50,7 @@ _opening = BoundedSemaphore(MAX_CONCURRENT)
 
 
 @dataclass(frozen=True)
-class ReadRows:
+class SheetReading:
     """The rows of a file that are not blank, with how its text was decoded (`encodings.DecodedText`)."""
 
     rows: tuple[SheetRow, ...]
@@ -59,7 +59,7 @@ class ReadRows:
     repaired: tuple[tuple[str, str], ...] = ()
 
 
-def read_rows(content: bytes, encoding: str | None = None) -> ReadRows:
+def read_rows(content: bytes, encoding: str | None = None) -> SheetReading:
     """Return the rows that are not blank, of the first sheet that names columns. Raises Invalid, naming the line where
     there is one, or Overloaded."""
     if content.startswith(OLD_EXCEL):
@@ -67,16 +67,16 @@ def read_rows(content: bytes, encoding: str | None = None) -> ReadRows:
     if content.startswith(PDF):
         raise Invalid(PRINTED)
     if content.startswith(ZIP):
-        sheets = [_filled(sheet) for sheet in _spreadsheet_rows(content)]
-        return ReadRows(next((rows for rows in sheets if find_header(rows)), sheets[0] if sheets else ()))
+        sheets = [_drop_blank_rows(sheet) for sheet in _read_spreadsheet_rows(content)]
+        return SheetReading(next((rows for rows in sheets if find_header(rows)), sheets[0] if sheets else ()))
     if re.match(rb"(?:\xef\xbb\xbf)?\s*<(?:!doctype|html|table|\?xml|head|meta)\b", content[:200], re.IGNORECASE):
         raise Invalid(WEB_PAGE)
     decoded = decode_text(content, encoding)
-    rows = _filled(_text_rows(decoded.text))
-    return ReadRows(rows, decoded.encoding, decoded.others, decoded.repaired)
+    rows = _drop_blank_rows(_parse_text_rows(decoded.text))
+    return SheetReading(rows, decoded.encoding, decoded.others, decoded.repaired)
 
 
-def _filled(rows: Iterable[SheetRow]) -> tuple[SheetRow, ...]:
+def _drop_blank_rows(rows: Iterable[SheetRow]) -> tuple[SheetRow, ...]:
     filled = []
     for row in rows:
         if row.line > MAX_LINES or len(row.cells) > MAX_COLUMNS:
@@ -100,10 +100,10 @@ def to_csv(rows: Iterable[SheetRow]) -> str:
 
 def guess_separator(text: str) -> str:
     """Return the separator that cuts most rows into one number of cells; among equals French Excel's comes first."""
-    return max(SEPARATORS, key=lambda separator: _regularity(text, separator))
+    return max(SEPARATORS, key=lambda separator: _column_count_regularity(text, separator))
 
 
-def _regularity(text: str, separator: str) -> tuple[float, int]:
+def _column_count_regularity(text: str, separator: str) -> tuple[float, int]:
     """Return how many of the first rows have the commonest number of cells, of two at least, and this number; half as
     many where quotes do not match with this separator."""
     rows = csv.reader(io.StringIO(text, newline=""), delimiter=separator, strict=True)
@@ -119,7 +119,7 @@ def _regularity(text: str, separator: str) -> tuple[float, int]:
     return count * fairness, width
 
 
-def _text_rows(text: str) -> Iterator[SheetRow]:
+def _parse_text_rows(text: str) -> Iterator[SheetRow]:
     declared = DECLARED.match(text)
     separator = declared[1] if declared else guess_separator(text)
     reader = csv.reader(
@@ -135,7 +135,7 @@ def _text_rows(text: str) -> Iterator[SheetRow]:
         raise Invalid(f"Ligne {line} : les guillemets ne vont pas ensemble, ou une case est trop longue.") from error
 
 
-def _spreadsheet_rows(content: bytes) -> list[list[SheetRow]]:
+def _read_spreadsheet_rows(content: bytes) -> list[list[SheetRow]]:
     """Return the rows of each sheet."""
     if not _opening.acquire(blocking=False):  # a wait here would take a thread from every page
         raise Overloaded(BUSY, retry_after=5)

@@ -54,9 +54,9 @@ def create_password_slips(
     Only accounts created by this class's list whose owner is nothing
     but a student anywhere get a link: members who joined with their own account keep control of it.
     """
-    service.require_open(school_class)
+    service.require_not_archived(school_class)
     students = [member for member in repository.load_members(db, school_class.id) if member.is_active_student]
-    staff = repository.filter_staff(db, {member.id for member in students})
+    staff = repository.filter_staff_accounts(db, {member.id for member in students})
     earlier = (
         {} if renew else identity.load_slip_links(db, {member.id for member in students}, school_class.id, utc_now())
     )
@@ -65,7 +65,7 @@ def create_password_slips(
     for member in students:
         if accounts is not None and member.id not in accounts:
             continue
-        if not _may_get_slip(member, staff):
+        if not _may_receive_slip(member, staff):
             if accounts is not None:
                 refused.append(NO_PASSWORD_HERE.format(name=member.name))
         elif accounts is not None or member.account.password_hash is None:
@@ -81,16 +81,16 @@ def create_password_slips(
     return slips, refused
 
 
-def _may_get_slip(member: Member, staff: Collection[UUID]) -> bool:
+def _may_receive_slip(member: Member, staff: Collection[UUID]) -> bool:
     is_only_student = member.account.role == Role.student and member.id not in staff
     return member.membership.created_by_list and member.account.login is not None and is_only_student
 
 
-def may_have_slip(db: Session, class_id: UUID, account_id: UUID) -> bool:
+def may_student_receive_slip(db: Session, class_id: UUID, account_id: UUID) -> bool:
     """Whether a teacher of this class may hand a link to a password to this account now."""
     school_class = repository.find_class(db, class_id)
     if school_class is None or school_class.archived_at is not None:
         return False
-    staff = repository.filter_staff(db, {account_id})
+    staff = repository.filter_staff_accounts(db, {account_id})
     members = repository.load_members(db, class_id, [account_id])
-    return any(member.is_active_student and _may_get_slip(member, staff) for member in members)
+    return any(member.is_active_student and _may_receive_slip(member, staff) for member in members)

@@ -51,7 +51,7 @@ def read_sheets(content: bytes) -> Iterator[Sheet]:
     for index in range(min(len(workbook.sheet_names), MAX_SHEETS)):
         rows: Sequence[Sequence[Any]] = workbook.get_sheet_by_index(index).to_python(skip_empty_area=False)
         sheet = [[cell_text(cell) for cell in row[: MAX_COLUMNS + 1]] for row in rows[: MAX_LINES + 1]]
-        for line, column in _formulas_without_values(content, index):
+        for line, column in _find_formulas_without_values(content, index):
             if line < MAX_LINES and column < MAX_COLUMNS:
                 _set_cell(sheet, line, column, f"{FORMULA}{cell_name(line, column)}")
         yield sheet
@@ -71,18 +71,18 @@ def cell_name(line: int, column: int) -> str:
     return f"{chr(ord('A') + first - 1) if first else ''}{chr(ord('A') + last)}{line + 1}"
 
 
-def _formulas_without_values(content: bytes, index: int) -> Iterator[tuple[int, int]]:
+def _find_formulas_without_values(content: bytes, index: int) -> Iterator[tuple[int, int]]:
     """Yield line and column, from 0, of the formulas of a sheet whose value the file does not hold."""
     with zipfile.ZipFile(io.BytesIO(content)) as archive:
         if "content.xml" in archive.namelist():
-            yield from _ods_formulas(archive.open("content.xml"), index)
+            yield from _find_ods_formulas_without_values(archive.open("content.xml"), index)
             return
-        path = _sheet_path(archive, index)
+        path = _sheet_path_in_archive(archive, index)
         if path:
-            yield from _xlsx_formulas(archive.open(path))
+            yield from _find_xlsx_formulas_without_values(archive.open(path))
 
 
-def _sheet_path(archive: zipfile.ZipFile, index: int) -> str:
+def _sheet_path_in_archive(archive: zipfile.ZipFile, index: int) -> str:
     """Return the part of an XLSX file that holds a sheet, or an empty text."""
     book = ElementTree.fromstring(archive.read("xl/workbook.xml"))
     sheets = [element for element in book.iter() if element.tag.endswith("}sheet")]
@@ -93,7 +93,7 @@ def _sheet_path(archive: zipfile.ZipFile, index: int) -> str:
     return path if path in archive.namelist() else ""
 
 
-def _xlsx_formulas(file: IO[bytes]) -> Iterator[tuple[int, int]]:
+def _find_xlsx_formulas_without_values(file: IO[bytes]) -> Iterator[tuple[int, int]]:
     for _, cell in ElementTree.iterparse(file):
         name = cell.tag.rpartition("}")[2]
         if name == "c":
@@ -112,7 +112,7 @@ def _column_index(letters: str) -> int:
     return index - 1
 
 
-def _ods_formulas(file: IO[bytes], index: int) -> Iterator[tuple[int, int]]:
+def _find_ods_formulas_without_values(file: IO[bytes], index: int) -> Iterator[tuple[int, int]]:
     sheet, line, column = -1, 0, 0
     for event, element in ElementTree.iterparse(file, ("start", "end")):
         name = element.tag.rpartition("}")[2]

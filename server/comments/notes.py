@@ -14,7 +14,7 @@ from server.assignments import feedback
 from server.base.errors import Conflict, NotFound
 from server.base.settings import Settings
 from server.classes.models import SchoolClass
-from server.classes.service import require_open
+from server.classes.service import require_not_archived
 from server.comments import notes_repository as repository
 from server.comments.models import Note, Phrase
 from server.comments.schemas import validate_text
@@ -93,7 +93,7 @@ def send_note(
     Students whose diagnosis is held back are left out. Returns the note and the number of its readers. Raises Invalid,
     Conflict or RateLimited.
     """
-    require_open(school_class)
+    require_not_archived(school_class)
     text = validate_text(text)
     limits.take_token(db, f"comment:{by.id}", settings.comment_bucket, TOO_FAST)
     students = repository.load_student_ids_with_misconception(db, school_class.id, exercise, misconception)

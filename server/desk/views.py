@@ -19,12 +19,12 @@ from server.audit.models import AuditAction
 from server.audit.repository import load_entries
 from server.audit.schemas import AuditFilter
 from server.classes import namesakes, repository
-from server.classes.codes import format_code
+from server.classes.codes import format_join_code
 from server.classes.folding import normalise_name
 from server.classes.importing import ImportPlan
 from server.classes.models import ClassRole, Membership, SchoolClass, Status
 from server.classes.schemas import Member
-from server.classes.service import valid_code
+from server.classes.service import unexpired_join_code
 from server.classes.slips import PasswordSlip
 from server.comments import repository as comments
 from server.comments.service import load_unread_threads
@@ -143,11 +143,11 @@ def class_head(course: Course, access: ClassAccess, here: str = "") -> ClassHead
 
 def join_code_view(school_class: SchoolClass, base: str) -> JoinCodeView | None:
     """Build the view of a valid join code; `base` is the address of the service, without a final slash."""
-    code, until = valid_code(school_class), school_class.join_code_until
+    code, until = unexpired_join_code(school_class), school_class.join_code_until
     if code is None or until is None:
         return None
     address = f"{base}/rejoindre/{code}"
-    return JoinCodeView(format_code(code), address, _cached_class_qr_code(address), until)
+    return JoinCodeView(format_join_code(code), address, _cached_class_qr_code(address), until)
 
 
 @lru_cache(maxsize=128)
@@ -191,7 +191,7 @@ def build_people_page(
         "number": number,
         "more": first + STUDENTS_A_PAGE < len(matching),
         "first": first + 1,
-        "doubtful": namesakes.find_unverified_namesakes(everyone),
+        "doubtful": namesakes.find_unconfirmed_namesakes(everyone),
         "total": len(active),
         "waiting": [member for member in students if member.status is Status.pending],
         "left": [member for member in students if member.status is Status.left],

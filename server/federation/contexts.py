@@ -147,7 +147,7 @@ def find_taught_context(db: Session, context_id: UUID, account: Account) -> Prov
 def link_class(db: Session, context: ProviderContext, account: Account, class_id: UUID) -> SchoolClass:
     """Tie a course to a class, both of which the account teaches. Raises NotFound, Forbidden or Conflict."""
     access = rights.require_right(db, account, Right.configure_class, class_id)
-    class_service.require_open(access.school_class)
+    class_service.require_not_archived(access.school_class)
     current = None if context.class_id is None else classes.find_class(db, context.class_id)
     if current is not None and current.id != class_id:
         raise Conflict(TIED.format(name=current.name))

@@ -92,4 +92,4 @@ def _viewer(db: Session, account: Account | None, address: str) -> Sender:
     """Return whose turn a figure of a verdict takes: turns are those of the queue."""
     if account is None:
         return Sender(address=address, flow=address, rank=GUEST_RANK)
-    return queue_sender(account, address, member=presence.is_member(db, account.id))
+    return queue_sender(account, address, member=presence.is_active_member(db, account.id))

@@ -210,7 +210,7 @@ class HuntService:
 
         def prepare() -> Sender:
             with self.database.read() as db:
-                sender = queue_sender(account, address, member=presence.is_member(db, account.id))
+                sender = queue_sender(account, address, member=presence.is_active_member(db, account.id))
             with self.database.write() as db:
                 limits.take_token(db, key, self.settings.step_bucket, TOO_FAST)
             return sender

@@ -18,7 +18,7 @@ from server.audit.models import AuditAction
 from server.base.errors import Conflict, Invalid, NotFound
 from server.classes import repository as classes
 from server.classes.models import SchoolClass
-from server.classes.service import NOT_A_MEMBER, require_open
+from server.classes.service import NOT_A_MEMBER, require_not_archived
 from server.course import Course
 from server.lesson import repository
 from server.lesson.models import LONGEST_LESSON, Afterwards, LiveLesson
@@ -92,7 +92,7 @@ def start_lesson(
     db: Session, course: Course, school_class: SchoolClass, by: UUID, plan: LessonPlan, now: datetime
 ) -> LiveLesson:
     """Begin a lesson. Raises Conflict where one goes on, or Invalid."""
-    require_open(school_class)
+    require_not_archived(school_class)
     classes.lock_class(db, school_class.id)
     if find_current_lesson(db, school_class.id, now) is not None:
         raise Conflict(UNDER_WAY)

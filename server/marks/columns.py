@@ -16,7 +16,7 @@ from server.audit.models import AuditAction
 from server.base.errors import Conflict, Invalid, NotFound
 from server.classes import repository as classes
 from server.classes.models import SchoolClass
-from server.classes.service import NOT_A_MEMBER, require_open
+from server.classes.service import NOT_A_MEMBER, require_not_archived
 from server.database import utc_now
 from server.identity.models import Account
 from server.marks import columns_repository as repository
@@ -64,7 +64,7 @@ def create_column(db: Session, school_class: SchoolClass, by: Account, fields: C
 
 
 def _lock(db: Session, school_class: SchoolClass) -> None:
-    require_open(school_class)
+    require_not_archived(school_class)
     classes.lock_class(db, school_class.id)
 
 
@@ -134,14 +134,14 @@ def _rubric_entries(db: Session, school_class: SchoolClass, column: ManualColumn
     markings = rubrics_repository.load_markings(db, column.id)
     return [
         MarkEntry(student.id, TypedMark(points=rubrics_repository.marks_of(marking).total(items)))
-        for student in classes.list_students(db, school_class.id)
+        for student in classes.load_student_records(db, school_class.id)
         if (marking := markings.get(student.id)) is not None and marking.finished_at is not None
     ]
 
 
 def require_student(db: Session, school_class: SchoolClass, student: UUID) -> None:
     """Raise NotFound for anyone but an active student of the class."""
-    if not classes.list_students(db, school_class.id, [student]):
+    if not classes.load_student_records(db, school_class.id, [student]):
         raise NotFound(NOT_A_MEMBER)
 
 
@@ -202,7 +202,7 @@ def set_marks(
     An entry that changes nothing is no change, whatever its version.
     """
     column = lock_column(db, school_class, column_id)
-    names = {student.id: student.name for student in classes.list_students(db, school_class.id)}
+    names = {student.id: student.name for student in classes.load_student_records(db, school_class.id)}
     stored = repository.load_marks(db, column.id)
     changes, changed_names = [], []
     for entry in entries:

@@ -17,7 +17,7 @@ from server.audit.models import AuditAction
 from server.base.errors import Conflict, Invalid, NotFound
 from server.classes import repository as classes
 from server.classes.models import SchoolClass
-from server.classes.service import require_open
+from server.classes.service import require_not_archived
 from server.database import utc_now
 from server.identity.models import Account
 from server.marks import repository
@@ -96,7 +96,7 @@ def choose_rules(
 
     `version`: that of the rules which the teacher has seen; None changes them whatever they are.
     """
-    require_open(school_class)
+    require_not_archived(school_class)
     classes.lock_class(db, school_class.id)
     earlier = repository.load_marking(db, school_class.id)
     if version is not None and version != earlier.version:

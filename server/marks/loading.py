@@ -99,7 +99,7 @@ def load_inputs(
     db: Session, course: Course, school_class: SchoolClass, now: datetime, only: Collection[UUID] | None = None
 ) -> GradebookInputs:
     """Load the inputs in eight queries, one more for tests, and for teams, whatever the class."""
-    students = classes.list_students(db, school_class.id, only)
+    students = classes.load_student_records(db, school_class.id, only)
     assigned = load_class_assignments(db, school_class.id, only)
     columns, typed = columns_repository.load_columns(db, school_class.id, only)
     senders = {*(student.id for student in students), *assigned.find_partners([student.id for student in students])}

@@ -147,4 +147,4 @@ def _load_partners(db: Session, school_class: SchoolClass, assignment: Assignmen
     """Return the active students who hand in with this one."""
     places = load_places_of_team_assignments(db, [assignment]).get(assignment.id, ())
     partners = [partner.account_id for partner in list_current_partners(places, student)]
-    return [each.id for each in classes.list_students(db, school_class.id, partners)] if partners else []
+    return [each.id for each in classes.load_student_records(db, school_class.id, partners)] if partners else []

@@ -20,7 +20,7 @@ from server.audit.models import AuditAction
 from server.base.errors import Invalid, NotFound
 from server.classes import repository as classes
 from server.classes.models import ClassRole, Membership, SchoolClass, Status
-from server.classes.service import NOT_A_MEMBER, require_open
+from server.classes.service import NOT_A_MEMBER, require_not_archived
 from server.course import Course
 from server.database import utc_now
 from server.gradebook.service import load_withholding_times
@@ -197,7 +197,7 @@ def lock_student(db: Session, school_class: SchoolClass, student: UUID) -> Membe
 
     Raise NotFound for anyone but an active student.
     """
-    require_open(school_class)
+    require_not_archived(school_class)
     classes.lock_class(db, school_class.id)
     membership = classes.find_membership(db, school_class.id, student)
     if membership is None or membership.role != ClassRole.student or membership.status != Status.active:

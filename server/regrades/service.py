@@ -28,7 +28,7 @@ from server.base.validation import parse_uuid
 from server.classes import repository as classes
 from server.classes.models import ClassRole, SchoolClass, Status
 from server.classes.schemas import Member
-from server.classes.service import require_open
+from server.classes.service import require_not_archived
 from server.course import Course
 from server.database import utc_now
 from server.gradebook import repository as gradings
@@ -78,7 +78,7 @@ class RegradeService:
 
     def start(self, db: Session, school_class: SchoolClass, by: UUID, fields: RegradeInput) -> Regrade:
         """Create a regrade and enqueue its first attempt. Raises NotFound, Invalid or Conflict."""
-        require_open(school_class)
+        require_not_archived(school_class)
         if fields.exercise not in self.exercises(db, school_class):
             raise NotFound(NO_EXERCISE)
         classes.lock_class(db, school_class.id)

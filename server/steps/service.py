@@ -165,7 +165,7 @@ class StepService:
         def prepare() -> tuple[bytes, Sender]:
             with self.database.read() as db:
                 question = TraceQuestion(steps=build(db))
-                sender = queue_sender(account, address, member=presence.is_member(db, account.id))
+                sender = queue_sender(account, address, member=presence.is_active_member(db, account.id))
             with self.database.write() as db:
                 limits.take_token(db, key, self.settings.step_bucket, TOO_FAST)
             return question.model_dump_json().encode(), sender

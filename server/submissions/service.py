@@ -133,7 +133,7 @@ class Submissions:
         self, db: Session, account: Account, exercise_id: str, source: bytes, sent_at: datetime, *, answers: bool
     ) -> Submission:
         """Store what a student had saved as their test ended, as if submitted then; no limit applies."""
-        is_member = presence.check_in(db, account.id)
+        is_member = presence.record_presence_and_check_membership(db, account.id)
         return self._store(db, account, "", exercise_id, source, sent_at, uuid4(), answers=answers, is_member=is_member)
 
     def save_work(
@@ -178,7 +178,7 @@ class Submissions:
             sittings.require_no_tested_imports(
                 db, account.id, source, [exercise.id for exercise in self._reused_exercises(exercise_id)]
             )
-        is_member = presence.check_in(db, account.id)
+        is_member = presence.record_presence_and_check_membership(db, account.id)
         if not is_member and free_bytes(self._settings.data_dir) < MIN_FREE_FOR_STRANGERS:
             raise StorageFull(DISK_NEARLY_FULL, retry_after=DISK_RETRY_SECONDS)
         draws = self._draws(account, len(source), None if is_member else address)
@@ -248,7 +248,7 @@ class Submissions:
         """Enqueue a submission (again); False where it is queued already."""
         if self._queue.position(db, GRADE, job_key(submission.id)) is not None:
             return False
-        sender = queue_sender(account, "", member=presence.is_member(db, account.id))
+        sender = queue_sender(account, "", member=presence.is_active_member(db, account.id))
         self._queue.enqueue(db, GRADE, job_key(submission.id), sender=sender)
         return True
 

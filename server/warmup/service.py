@@ -17,7 +17,7 @@ from server.board.relapses import RelapseStats, count_relapses
 from server.board.schemas import FEWEST_TO_PROJECT
 from server.board.service import load_progress
 from server.classes.models import SchoolClass
-from server.classes.service import require_open
+from server.classes.service import require_not_archived
 from server.course import Course, Exercise
 from server.database import Database, utc_now
 from server.gradebook.mistakes import PastMistake, past_mistakes
@@ -82,7 +82,7 @@ class WarmUpService:
         """Return what the class is to see again; None where today's questions stand already."""
         with self.database.read() as db:
             access = rights.require_right(db, account, Right.run_lessons, class_id)
-            require_open(access.school_class)
+            require_not_archived(access.school_class)
             if repository.find_warm_up(db, access.school_class.id, day) is not None:
                 return None
             return access.school_class.id, load_needs(db, self.course, access.school_class, utc_now())

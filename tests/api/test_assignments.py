@@ -259,7 +259,7 @@ def test_an_archived_class_stays_as_it_is(school: School) -> None:
     path = f"/{school.make()['id']}"
     with school.site.database.write() as db:
         (joined,) = classes.repository.load_joined_classes(db, school.martin.id)
-        classes.archive(joined.school_class)
+        classes.archive_class(joined.school_class)
     school.make(409)
     school.call(school.martin, "PATCH", path, 409, body={"title": "x"})
     school.call(school.martin, "DELETE", path, 409)

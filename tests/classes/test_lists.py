@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 
 from server.base.errors import Invalid
 from server.classes import folding, sheets
-from server.classes.codes import LETTERS, format_code, new_code, parse_code
+from server.classes.codes import LETTERS, draw_join_code, format_join_code, parse_join_code
 from server.classes.encodings import decode_text
 from server.classes.models import NAME_LENGTH
 from server.classes.roster import COLUMNS, read_roster
@@ -138,14 +138,14 @@ def test_a_spreadsheet_that_would_fill_the_memory_is_refused() -> None:
 
 @given(st.lists(st.sampled_from(" -\t\u00a0"), min_size=9, max_size=9))
 def test_a_code_is_read_however_it_is_typed(between: list[str]) -> None:
-    code = new_code()
+    code = draw_join_code()
     typed = "".join(sign + letter for sign, letter in zip(between, code.lower(), strict=False))
-    assert parse_code(typed) == parse_code(format_code(code)) == code
+    assert parse_join_code(typed) == parse_join_code(format_join_code(code)) == code
 
 
 @pytest.mark.parametrize("text", ["", "BCDFGHJ", "BCDFGHJKL", "ABCDFGHJ", "BCDFGHJ0", "BCDF GHJÉ", "B" * 1000])
 def test_what_can_be_no_code_is_none(text: str) -> None:
-    assert parse_code(text) is None
+    assert parse_join_code(text) is None
     assert len(set(LETTERS)) == 20
 
 

@@ -5,10 +5,10 @@ from __future__ import annotations
 import pytest
 
 from server.base.errors import Invalid
-from server.classes.encodings import damaged_word, decode_text, repair_word
+from server.classes.encodings import decode_text, find_damaged_word, repair_word
 from server.classes.full_names import split_full_name
 from server.classes.headers import recognise_header
-from server.classes.roster import ReadingChoice, UnreadColumns, read_roster
+from server.classes.roster import ReadingChoice, UndecidedColumns, read_roster
 from tests.support.spreadsheets import ods, workbook, xlsx, xlsx_sheets
 from tests.support.tables import folded
 
@@ -231,7 +231,7 @@ def test_a_school_list_is_read(content: bytes, people: list[Person], ignored: li
     assert roster.rejected == ()
     shown = [(line.family_name, line.given_name, line.login, line.email, *line.groups) for line in roster.lines]
     assert shown == [(*person, *[""] * (4 - len(person))) for person in people]
-    assert list(roster.ignored) == ignored
+    assert list(roster.ignored_headers) == ignored
 
 
 FORMULA = workbook(
@@ -299,7 +299,7 @@ def test_a_file_that_is_no_list_is_refused_with_what_to_do(content: bytes, words
 
 def test_a_person_says_which_column_is_which() -> None:
     content = text("Kind;Vorname;Stufe", "Petit;Ana;1", "Lacroix;Inès;2")
-    with pytest.raises(UnreadColumns) as asked:
+    with pytest.raises(UndecidedColumns) as asked:
         read_roster(content)
     assert asked.value.source.rows[0].cells == ("Kind", "Vorname", "Stufe")
     roster = read_roster(content, ReadingChoice(("nom", "prenom", "groupe"), first_line=2))
@@ -307,7 +307,7 @@ def test_a_person_says_which_column_is_which() -> None:
         (2, "Ana Petit", ("1",)),
         (3, "Inès Lacroix", ("2",)),
     ]
-    with pytest.raises(UnreadColumns, match="quelle colonne donne le nom"):
+    with pytest.raises(UndecidedColumns, match="quelle colonne donne le nom"):
         read_roster(content, ReadingChoice(("", "", "groupe")))
     headless = read_roster(text("Petit;Ana"), ReadingChoice(("nom", "prenom")))
     assert [line.line for line in headless.lines] == [1]
@@ -418,7 +418,7 @@ def test_utf8_read_as_something_else_is_mended(name: str, read_as: str) -> None:
      "HAŸ", "L'Haÿ", "CŒUR", "Abd-el-Kadér", "É.Dupont", "Nguyễn", "Ђорђе", "山田", "LÉa"],
 )  # fmt: skip
 def test_honest_names_are_not_called_damaged(name: str) -> None:
-    assert damaged_word(name) == ""
+    assert find_damaged_word(name) == ""
     assert decode_text(f"nom\n{name}".encode()).text == f"nom\n{name}"
 
 

@@ -99,9 +99,9 @@ def test_who_asks_is_let_in_or_not_by_a_teacher(sqlite: Database, classes: Class
         assert status(sqlite, made, one) == Status.pending
     with sqlite.write() as db:
         school_class = db.get_one(SchoolClass, made.id)
-        assert service.change_students(db, school_class, [ada.id], "accept") == 1
-        assert service.change_students(db, school_class, [bob.id], "refuse") == 1
-        assert service.change_students(db, school_class, [ada.id, bob.id], "accept") == 0
+        assert service.apply_action_to_students(db, school_class, [ada.id], "accept") == 1
+        assert service.apply_action_to_students(db, school_class, [bob.id], "refuse") == 1
+        assert service.apply_action_to_students(db, school_class, [ada.id, bob.id], "accept") == 0
     assert (status(sqlite, made, ada), status(sqlite, made, bob)) == (Status.active, Status.left)
 
 
@@ -118,7 +118,7 @@ def test_who_went_comes_back_by_the_code_alone(
         for one in (ada.id, alan):
             service.leave_class(db, school_class, one)
         with pytest.raises(Conflict, match="d’elle-même"):
-            service.change_students(db, school_class, [ada.id], "take_back")
+            service.apply_action_to_students(db, school_class, [ada.id], "take_back")
     plan = imported("nom,prenom,identifiant\nTuring,Alan,alan\nLovelace,Ada,\n")
     assert ([one.line for one in plan.rejected], len(plan.updated)) == ([3], 1), "the list's own accounts are its own"
     assert names(sqlite, made) == {"Ada Lovelace": "left", "Alan Turing": "active"}
@@ -148,7 +148,7 @@ def test_an_archived_class_is_joined_by_nobody_and_changes_no_more(
     sqlite: Database, classes: ClassService, made: SchoolClass, teacher: Account
 ) -> None:
     with sqlite.write() as db:
-        service.archive(db.get_one(SchoolClass, made.id))
+        service.archive_class(db.get_one(SchoolClass, made.id))
     with pytest.raises(NotFound):
         classes.join_class(str(made.join_code), new_account(sqlite), address=ADDRESS)
     with pytest.raises(Conflict):
@@ -156,9 +156,9 @@ def test_an_archived_class_is_joined_by_nobody_and_changes_no_more(
     with sqlite.write() as db:
         school_class = db.get_one(SchoolClass, made.id)
         with pytest.raises(Conflict):
-            service.renew_code(db, school_class, "jour")
-        service.reopen(school_class)
-        service.renew_code(db, school_class, "jour")
+            service.renew_join_code(db, school_class, "jour")
+        service.reopen_class(school_class)
+        service.renew_join_code(db, school_class, "jour")
         code = str(school_class.join_code)
     assert classes.join_class(code, new_account(sqlite), address=ADDRESS).school_class.id == made.id
 
@@ -333,6 +333,6 @@ def test_namesakes_are_told_apart_wherever_their_names_stand(
         members = [member for member in repository.load_members(db, made.id) if member.role is ClassRole.student]
         assert sorted(member.name for member in members) == shown
         assert sorted(student.name for student in repository.load_active_students(db, made.id)) == shown
-        assert sorted(student.name for student in repository.list_students(db, made.id)) == shown
+        assert sorted(student.name for student in repository.load_student_records(db, made.id)) == shown
     again = imported(listed)
     assert (len(again.unchanged), [line.line for line in again.rejected]) == (2, [4])

@@ -99,7 +99,7 @@ def test_a_choice_that_is_not_offered_is_told_in_the_form(site: Site, lesson: Le
     lesson.sent(lesson.arrive(), 4, 8)
     regrade = lesson.prepared()
     with lesson.database.write() as db:
-        classes.archive(db.merge(lesson.made))
+        classes.archive_class(db.merge(lesson.made))
     assert browser.post(base, data={"exercice": EXERCISE}).status_code == 409
     assert browser.post(f"{base}/{regrade.id}", data={"action": "appliquer"}).status_code == 409
 

@@ -69,7 +69,7 @@ def _add_as_staff_elsewhere(slip: Slip) -> None:
 
 def _archive(slip: Slip) -> None:
     with slip.database.write() as db:
-        classes.archive(db.get_one(SchoolClass, slip.made.id))
+        classes.archive_class(db.get_one(SchoolClass, slip.made.id))
 
 
 def _remove_teacher(slip: Slip) -> None:

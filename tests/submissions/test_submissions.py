@@ -154,7 +154,7 @@ def test_a_class_is_graded_before_other_accounts(desk: Desk, ada: Account) -> No
     seat(desk.database, made, asking, status=Status.pending)
     seat(desk.database, old, former)
     with desk.database.write() as db:
-        classes.archive(db.merge(old))
+        classes.archive_class(db.merge(old))
     for one in (ada, asking, former, pupil):
         row = desk.submit(one)
     with desk.database.read() as db:

@@ -35,7 +35,7 @@ from server.base.routing import FilteringRouter
 from server.base.school_time import parse_field
 from server.base.validation import encode_bounded, parse_uuid
 from server.board.extracts import anonymise_extract, extract_function
-from server.classes.codes import parse_code
+from server.classes.codes import parse_join_code
 from server.classes.encodings import redecode
 from server.classes.folding import normalise_name
 from server.classes.roster import read_roster
@@ -256,7 +256,7 @@ READERS: tuple[Reader, ...] = (
         "path:token query:code query:state form:state",
     ),
     Reader("a class's name", validate_class_name, BODY, TEXTS, "body:NewClass.name"),
-    Reader("a class's code", parse_code, HEAD, TEXTS, "body:JoinCode.code"),
+    Reader("a class's code", parse_join_code, HEAD, TEXTS, "body:JoinCode.code"),
     Reader("a guest's name", lambda text: validate_guest_name(text, text), BODY, TEXTS, "form:given form:family"),
     Reader("a message", validate_text, BODY, TEXTS, "form:texte body:NewComment.text"),
     Reader("a message that is shown", render_message, MESSAGE, {**TEXTS, **MARKDOWN}),

@@ -11,7 +11,7 @@ from server.assignments import editing
 from server.assignments.models import Assignment
 from server.assignments.schemas import AssignmentInput, validate_assignment
 from server.base.errors import InvalidFields
-from server.classes.service import require_open
+from server.classes.service import require_not_archived
 from server.course.dependencies import CourseOf
 from server.database import roll_back_then_read
 from server.database.dependencies import Db
@@ -60,7 +60,7 @@ def show_new_form(
     if reader.account is None:
         return redirect_to_login(request)
     access = rights.require_right(reader.db, reader.account, Right.manage_assignments, class_id)
-    require_open(access.school_class)
+    require_not_archived(access.school_class)
     values = exam_papers.paper_form_values(reader.course, access.school_class.module, sujet)
     if groupe in editing.load_groups(reader.db, access.school_class):
         values = replace(values, audience="groupes", groups=(groupe,))
@@ -120,7 +120,7 @@ def show_edit_form(request: Request, class_id: str, aid: str, reader: CurrentRea
     if reader.account is None:
         return redirect_to_login(request)
     access = rights.require_right(reader.db, reader.account, Right.manage_assignments, class_id)
-    require_open(access.school_class)
+    require_not_archived(access.school_class)
     found = editing.find_assignment(reader.db, access.school_class, aid)
     wanted = editing.load_editable_fields(reader.db, found)
     values = assignment_forms.stored_assignment_values(wanted)

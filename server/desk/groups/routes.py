@@ -11,7 +11,7 @@ from server.base.errors import Invalid, NotFound
 from server.behaviour import export, service
 from server.behaviour.models import BehaviourGroup
 from server.behaviour.repository import find_name
-from server.classes.service import require_open
+from server.classes.service import require_not_archived
 from server.course.dependencies import CourseOf
 from server.database import roll_back_then_read
 from server.database.dependencies import Db
@@ -109,7 +109,7 @@ def name_group(
     """Names the group, or takes its name back, as an emptied form does."""
     access = rights.require_right(db, account, Right.name_behaviours, which.class_id)
     group = which.find(db, access)
-    require_open(access.school_class)
+    require_not_archived(access.school_class)
     stored = name_texts(find_name(db, access.school_class.id, group.id) or GroupNameForm())
     require_same_version(fields, account, SUBJECT, stored, name_texts(GroupNameForm(title, explanation, question)))
     if action == "retirer" or not (title + explanation + question).strip():

@@ -179,7 +179,7 @@ def read_marks(db: Session, access: ClassAccess, column: ManualColumn, fields: F
     """
     stored = columns_repository.load_marks(db, column.id)
     rows, entries, conflicts, texts = [], [], [], {}
-    for student in classes.list_students(db, access.school_class.id):
+    for student in classes.load_student_records(db, access.school_class.id):
         mark = stored.get(student.id)
         current = NEVER_TYPED if mark is None else columns_repository.typed_mark(mark)
         current_text = _cell_text(format_mark(current), current.comment)

@@ -116,7 +116,7 @@ def download_mistakes(
     """The mistakes of each student, and where they stand in the objectives."""
     access = rights.require_right(db, account, Right.read_work, class_id)
     loaded = views.load_class_objectives(db, course, access.school_class, utc_now())
-    students = classes.list_students(db, access.school_class.id)
+    students = classes.load_student_records(db, access.school_class.id)
     if format is MistakeFormat.csv:
         sheet = mistakes_sheet(loaded, students, short_moment)
         content, media_type = b"".join(french_csv(sheet.header, sheet.rows)), CSV

@@ -12,7 +12,7 @@ from server.base.errors import Invalid
 from server.classes.encodings import AS_IS, ENCODINGS, redecode
 from server.classes.headers import FIELD_WORDS, ColumnReading
 from server.classes.roster import ReadingChoice
-from server.classes.sheets import ReadRows
+from server.classes.sheets import SheetReading
 from server.classes.spreadsheet import MAX_COLUMNS, MAX_LINES
 
 NO_LIST = "Collez une liste, ou choisissez un fichier."
@@ -76,7 +76,7 @@ def _field(fields: FormData, name: str, longest: int | None = MAX_FIELD) -> str:
     return value[:longest] if isinstance(value, str) else ""
 
 
-def build_columns(source: ReadRows, columns: Sequence[ColumnReading], read_as: str, rows: int) -> dict[str, Any]:
+def build_columns(source: SheetReading, columns: Sequence[ColumnReading], read_as: str, rows: int) -> dict[str, Any]:
     """Build the question which column is which: the columns with their first cells. `rows`: of headers; `read_as`: the
     encoding of the text."""
     people = source.rows[rows : rows + SAMPLES] or source.rows[:SAMPLES]

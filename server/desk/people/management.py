@@ -18,7 +18,7 @@ from server.classes import copying, service, slips
 from server.classes.dependencies import ClassServiceOf
 from server.classes.models import ClassRole
 from server.classes.repository import count_students
-from server.classes.roster import UnreadColumns
+from server.classes.roster import UndecidedColumns
 from server.classes.schemas import CODE_LIFETIMES, DEFAULT_CODE_LIFETIME, validate_class_name
 from server.classes.sheets import to_csv
 from server.course.dependencies import CourseOf
@@ -69,7 +69,7 @@ def change_students(
     if not eleve:
         raise Invalid(NOBODY)
     with recording_member_changes(db, access.school_class.id, account.id):
-        service.change_students(db, access.school_class, eleve, ACTIONS[action], groupe)
+        service.apply_action_to_students(db, access.school_class, eleve, ACTIONS[action], groupe)
     return redirect(f"{views.class_href(access.school_class)}/eleves")
 
 
@@ -78,7 +78,7 @@ def show_list_form(request: Request, class_id: str, reader: CurrentReader) -> Re
     if reader.account is None:
         return redirect_to_login(request)
     access = rights.require_right(reader.db, reader.account, Right.manage_roster, class_id)
-    service.require_open(access.school_class)
+    service.require_not_archived(access.school_class)
     return _render_list_form(request, reader.account, reader.course, access)
 
 
@@ -126,7 +126,7 @@ def import_list(
         plan, text = classes.preview_import(
             access.school_class, account, form.content, form.choice, replace=form.replace, recall=form.is_first
         )
-    except UnreadColumns as refused:
+    except UndecidedColumns as refused:
         question = list_import.build_columns(refused.source, refused.columns, form.read_as, 0)
         text = to_csv(refused.source.rows)
         return _render_list_form(request, account, course, access, text, refused.detail, question)
@@ -211,7 +211,7 @@ def update_settings(
     approbation: Field = "",
 ) -> Response:  # fmt: skip
     access = rights.require_right(db, account, Right.configure_class, class_id)
-    service.require_open(access.school_class)
+    service.require_not_archived(access.school_class)
     db.refresh(access.school_class, with_for_update=True)
     stored = views.settings_texts(access.school_class.name, access.school_class.approval)
     require_same_version(fields, account, SETTINGS, stored, views.settings_texts(name, bool(approbation)))
@@ -249,9 +249,9 @@ def change_join_code(
     """Renews the code, or closes it."""
     access = rights.require_right(db, account, Right.configure_class, class_id)
     if action == "fermer":
-        service.close_code(access.school_class)
+        service.remove_join_code(access.school_class)
     elif action == "renouveler":
-        service.renew_code(db, access.school_class, duree)
+        service.renew_join_code(db, access.school_class, duree)
     else:
         raise NotFound(UNKNOWN_ACTION)
     return redirect(f"{views.class_href(access.school_class)}/reglages#code")
@@ -270,7 +270,7 @@ def change_staff(
     school_class = access.school_class
     try:
         if retirer is None:
-            named = service.find_future_staff(db, school_class, login)
+            named = service.find_account_for_staff(db, school_class, login)
             if confirme != str(named.id):
                 roll_back_then_read(db)
                 return render_page(
@@ -325,7 +325,7 @@ def archive_or_reopen(class_id: str, account: SignedIn, db: Db, archiver: Annota
     """Archives the class, or opens it again."""
     access = rights.require_right(db, account, Right.configure_class, class_id)
     if archiver:
-        service.archive(access.school_class)
+        service.archive_class(access.school_class)
     else:
-        service.reopen(access.school_class)
+        service.reopen_class(access.school_class)
     return redirect(views.class_href(access.school_class))

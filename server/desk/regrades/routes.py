@@ -11,7 +11,7 @@ from fastapi.responses import Response, StreamingResponse
 from starlette.concurrency import run_in_threadpool
 
 from server.base.errors import NotFound, ServiceError
-from server.classes.service import require_open
+from server.classes.service import require_not_archived
 from server.course.dependencies import CourseOf
 from server.database import Database, roll_back_then_read
 from server.database.dependencies import DatabaseOf, Db
@@ -110,7 +110,7 @@ def change_regrade(
     access = rights.require_right(db, account, Right.regrade, class_id)
     regrade = service.find_regrade(db, access.school_class.id, regrade_id)
     try:
-        require_open(access.school_class)
+        require_not_archived(access.school_class)
         _perform_action(action, db, course, regrade, account)
     except ServiceError as refused:
         if isinstance(refused, NotFound):

@@ -183,7 +183,7 @@ def show_copy(request: Request, class_id: str, aid: str, student: UUID, reader: 
         return redirect_to_login(request)
     access = rights.require_right(reader.db, reader.account, Right.read_work, class_id)
     assignment = editing.find_assignment(reader.db, access.school_class, aid)
-    records = classes.list_students(reader.db, access.school_class.id, [student])
+    records = classes.load_student_records(reader.db, access.school_class.id, [student])
     if not records:
         raise NotFound(NOT_A_MEMBER)
     view = build_copy(reader, access, assignment, student, records[0].name)
@@ -200,7 +200,7 @@ def show_own_copy(request: Request, class_id: str, aid: str, reader: CurrentRead
         return redirect_to_login(request)
     access = rights.require_right(reader.db, reader.account, Right.sit_tests, class_id)
     assignment = editing.find_assignment(reader.db, access.school_class, aid)
-    records = classes.list_students(reader.db, access.school_class.id, [reader.account.id])
+    records = classes.load_student_records(reader.db, access.school_class.id, [reader.account.id])
     name = records[0].name if records else reader.account.name
     view = build_copy(reader, access, assignment, reader.account.id, name)
     head = class_head(reader.course, access)

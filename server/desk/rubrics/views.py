@@ -129,7 +129,7 @@ def list_copies(
     markings = rubrics_repository.load_markings(db, rubric.column_id)
     senders = desk.load_senders(db, access.school_class.id, assignment.id)
     items = rubrics_repository.items_of(rubric)
-    everyone = classes.list_students(db, access.school_class.id)
+    everyone = classes.load_student_records(db, access.school_class.id)
     sittings = load_sittings(db, [assignment.id])
     places = load_places_of_team_assignments(db, [assignment]).get(assignment.id, ())
     present = {s.id: s for s in everyone if is_assigned_to(assignment, s.groups) or (assignment.id, s.id) in sittings}

@@ -9,7 +9,7 @@ from fastapi import APIRouter, Request
 from fastapi.responses import Response
 from starlette.concurrency import run_in_threadpool
 
-from server.classes.service import require_open
+from server.classes.service import require_not_archived
 from server.course.dependencies import CourseOf
 from server.database import Database, utc_now
 from server.database.dependencies import DatabaseOf
@@ -76,7 +76,7 @@ def _require_course(
     """Return a course that is tied to the class, with its platform. Raises Forbidden, NotFound or Conflict."""
     with database.read() as db:
         access = rights.require_right(db, account, Right.manage_roster, class_id)
-        require_open(access.school_class)
+        require_not_archived(access.school_class)
         context = find_context(db, access.school_class, name)
         provider = repository.find_provider(db, context.provider_id)
         assert provider is not None, "a course has its platform"

@@ -24,7 +24,7 @@ from server.base.http import SESSION_COOKIE
 from server.behaviour.models import BehaviourGroup, BehaviourName, Fingerprint
 from server.board.live import LiveBoards
 from server.calendars import service as calendars
-from server.classes.codes import new_code
+from server.classes.codes import draw_join_code
 from server.classes.models import ClassRole, Membership, SchoolClass
 from server.comments.models import Message, Note, NoteReader, Thread, ThreadState
 from server.database import utc_now
@@ -202,7 +202,7 @@ class Stage:
             db.add_all(self.accounts.values())
             db.flush()
             later = utc_now().replace(year=2100)
-            self.made = SchoolClass(name="MPSI", module="l20", join_code=new_code(), join_code_until=later)
+            self.made = SchoolClass(name="MPSI", module="l20", join_code=draw_join_code(), join_code_until=later)
             db.add(self.made)
             db.flush()
             for who, account in self.accounts.items():
