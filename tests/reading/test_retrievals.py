@@ -13,7 +13,6 @@ from graders.core.answers.retrieval import (
     find_question_fault,
 )
 from server.course.lengths import estimate_minutes, length_in_words, reading_minutes
-from server.course.retrievals import find_faults
 from server.recall import repository, retrievals
 from tests.support.classes import person
 from tests.support.quick import the_course
@@ -101,23 +100,6 @@ def test_a_question_at_fault_is_told(question: RetrievalQuestion, fault: str) ->
     assert fault in find_question_fault(question)
     assert not find_question_fault(NUMBER)
     assert not find_question_fault(CHOICE)
-
-
-def test_all_questions_of_the_course_can_be_asked_and_stand_in_their_page() -> None:
-    for module in the_course().modules.values():
-        assert list(find_faults(module)) == []
-        standing = {f"{lesson.slug}/{name}" for lesson in module.lessons for name in lesson.text.retrievals}
-        assert set(module.retrievals) == standing
-
-
-def test_every_seance_asks_and_places_the_exercises_that_follow_it() -> None:
-    for module in the_course().modules.values():
-        placed = {slug for lesson in module.lessons for slug in lesson.text.exercises}
-        for lesson in module.lessons:
-            if lesson.kind.name == "seance":
-                assert lesson.text.retrievals, lesson.slug
-                left = [e.slug for e in module.exercises if e.seance == lesson.slug and not e.stars]
-                assert [slug for slug in left if slug not in placed] in ([], ["verification"]), lesson.slug
 
 
 def test_numbers_are_of_an_account_and_a_day(site: Site) -> None:
