@@ -12,16 +12,14 @@ from typing import TYPE_CHECKING
 from fastapi import Depends, FastAPI
 from sqlalchemy.exc import DBAPIError, SQLAlchemyError
 from starlette.concurrency import run_in_threadpool
-from starlette.middleware.gzip import GZipMiddleware
 
 from server.api import documentation
 from server.assignments import editing
-from server.base import middleware, root_path, school_time, turns
+from server.base import root_path, school_time
 from server.base.app_services import add_services, check_services
 from server.base.concurrency import Gate, SingleFlight, run_periodically
 from server.base.helpers import Helper
 from server.base.routing import FilteringRouter
-from server.base.security_headers import SecurityHeadersMiddleware
 from server.base.settings import Settings
 from server.behaviour import fingerprints
 from server.behaviour import repository as behaviour
@@ -36,18 +34,17 @@ from server.federation import outbox_task
 from server.federation import repository as federation
 from server.federation.service import Federation
 from server.figures.pictures import PictureRenderer
-from server.figures.program import helper_program
-from server.figures.service import Figures
-from server.figures.store import PictureStore
+from server.figures.program import drawing_helper_program
+from server.figures.service import FigureService
+from server.figures.store import PictureFileStore
 from server.grading import regrade_task, tryout_task
 from server.grading.grading_task import give_up_handlers
 from server.grading.job_lanes import JOB_LANES
 from server.grading.supervisor import WORKER_COMMAND, WorkerSupervisor
 from server.health.metrics import PrometheusMetrics
-from server.health.readiness import Readiness
+from server.health.readiness import ReadinessChecks
 from server.hunts.service import HuntService
 from server.identity import service as accounts
-from server.identity.devices import DEVICE_DAYS
 from server.mails import service as mails
 from server.offline.service import OfflineArchives
 from server.personal.accounts import make_account_service
@@ -58,7 +55,7 @@ from server.queue.lease_owner import LeaseOwner, process_owner
 from server.queue.service import TableQueue
 from server.queue.wakeups import WakeupDispatcher
 from server.queue.watchdog import StallWatchdog
-from server.reading.downloads import Downloads
+from server.reading.downloads import DownloadArchives
 from server.regrades.service import RegradeService
 from server.replays.routes import ReplayQueue
 from server.replays.service import ReplayLibrary
@@ -72,20 +69,19 @@ from server.submissions.service import GRADE, Submissions
 from server.submissions.sitting_collector import SittingCollector
 from server.web import errors
 from server.web.form_identity import FORM_LIMITS, require_same_account
+from server.web.middleware_stack import add_middleware_stack
 
 if TYPE_CHECKING:
     from server.queue.jetstream.engine import NatsEngine
 
 log = logging.getLogger(__name__)
 
-DAY = 86400
-GZIP_LEVEL = 4  # mathematics in HTML shrink twelvefold; higher levels gain little and cost time
 RECOVER_EVERY = 3.0  # seconds
 TIDY_EVERY = 3600.0
 
 
 @dataclass(frozen=True)
-class Services:
+class ApplicationServices:
     """What lives as long as the application."""
 
     settings: Settings
@@ -94,17 +90,17 @@ class Services:
     walls: Gate = field(default_factory=lambda: Gate(opened=True))
 
     @cached_property
-    def events(self) -> JobEvents:
+    def job_events(self) -> JobEvents:
         return JobEvents()
 
     @cached_property
-    def switchboard(self) -> WakeupDispatcher:
-        return WakeupDispatcher(self.events.job_changed)
+    def wakeup_dispatcher(self) -> WakeupDispatcher:
+        return WakeupDispatcher(self.job_events.job_changed)
 
     @cached_property
-    def engine(self) -> "NatsEngine | None":
+    def nats_engine(self) -> "NatsEngine | None":
         """What carries the work between machines; None where this one does all."""
-        return create_nats_engine(self.settings, JOB_LANES, self.switchboard.publish_change)
+        return create_nats_engine(self.settings, JOB_LANES, self.wakeup_dispatcher.publish_change)
 
     @cached_property
     def database(self) -> Database:
@@ -116,64 +112,74 @@ class Services:
 
     @cached_property
     def queue(self) -> Queue:
-        return TableQueue(self.switchboard if self.engine is None else self.engine.notifier)
+        return TableQueue(self.wakeup_dispatcher if self.nats_engine is None else self.nats_engine.notifier)
 
     @cached_property
     def supervisor(self) -> WorkerSupervisor:
-        return WorkerSupervisor(self.settings, self.switchboard, self.take_back, self.worker_command, self.walls)
+        return WorkerSupervisor(
+            self.settings, self.wakeup_dispatcher, self.requeue_jobs_of_dead_worker, self.worker_command, self.walls
+        )
 
     @cached_property
-    def watch(self) -> StallWatchdog:
+    def stall_watchdog(self) -> StallWatchdog:
         return StallWatchdog(self.queue, [GRADE])
 
     @cached_property
     def submissions(self) -> Submissions:
         course = self.course
-        return Submissions(self.settings, self.queue, lambda: self.watch.stalled, course.needed_version, course.reused)
+        return Submissions(
+            self.settings, self.queue, lambda: self.stall_watchdog.stalled, course.needed_version, course.reused
+        )
 
     @cached_property
-    def collecting(self) -> SittingCollector:
+    def sitting_collector(self) -> SittingCollector:
         return SittingCollector(self.course, self.submissions)
 
     @cached_property
-    def personal(self) -> PersonalData:
+    def personal_data(self) -> PersonalData:
         return PersonalData(self.database, self.settings, self.course)
 
     @cached_property
-    def cells(self) -> CellRunner:
+    def cell_runner(self) -> CellRunner:
         return CellRunner(self.settings, self.course.kits, walls=self.walls)
 
     @cached_property
     def steps(self) -> StepService:
-        return StepService(self.course, self.database, self.settings, self.cells.ask)
+        return StepService(self.course, self.database, self.settings, self.cell_runner.ask_process)
 
     @cached_property
     def hunts(self) -> HuntService:
-        return HuntService(self.course, self.database, self.settings, self.cells.ask, self.cells.prepare)
+        return HuntService(
+            self.course,
+            self.database,
+            self.settings,
+            self.cell_runner.ask_process,
+            self.cell_runner.start_process_early,
+        )
 
     @cached_property
-    def boards(self) -> LiveBoards:
-        return LiveBoards(self.database, self.course, self.events)
+    def live_boards(self) -> LiveBoards:
+        return LiveBoards(self.database, self.course, self.job_events)
 
     @cached_property
-    def figures(self) -> Figures:
-        kept = PictureStore(self.settings.data_dir / "figures")
-        return Figures(self.course, self.database, PictureRenderer(Helper(helper_program()), kept))
+    def figures(self) -> FigureService:
+        kept = PictureFileStore(self.settings.data_dir / "figures")
+        return FigureService(self.course, self.database, PictureRenderer(Helper(drawing_helper_program()), kept))
 
     @cached_property
     def federation(self) -> Federation:
         return Federation(self.settings)
 
     @cached_property
-    def downloads(self) -> Downloads:
-        return Downloads(self.course)
+    def downloads(self) -> DownloadArchives:
+        return DownloadArchives(self.course)
 
     @cached_property
-    def archives(self) -> OfflineArchives:
+    def offline_archives(self) -> OfflineArchives:
         return OfflineArchives(self.course, self.figures, self.downloads, self.settings.data_dir / "archives")
 
     @cached_property
-    def give_ups(self) -> Mapping[str, GiveUpHandler]:
+    def give_up_handlers(self) -> Mapping[str, GiveUpHandler]:
         """The end of each kind of job that has failed too often."""
         return {
             **give_up_handlers(self.course),
@@ -183,15 +189,15 @@ class Services:
             **outbox_task.give_up_handlers(),
         }
 
-    def take_back(self, owner: LeaseOwner) -> None:
+    def requeue_jobs_of_dead_worker(self, owner: LeaseOwner) -> None:
         """A local worker has died: its job goes back to the queue at once, or when lost leases are next looked for."""
         try:
             with self.database.write() as db:
-                self.queue.recover_from(db, owner, self.give_ups)
+                self.queue.recover_from(db, owner, self.give_up_handlers)
         except SQLAlchemyError:
             log.exception("the job of a dead worker could not be taken back; trying again later")
 
-    def tidy(self) -> None:
+    def delete_expired_data(self) -> None:
         with self.database.write() as db:
             editing.purge_removed_assignments(db, utc_now())
             accounts.delete_expired(db)
@@ -199,57 +205,64 @@ class Services:
             federation.delete_expired(db, utc_now())
             mails.delete_old(db, utc_now())
             authored_exercises.delete_abandoned(db)
-        self.personal.erase_lost_guests(utc_now())
-        self.personal.carry_out_erasures(utc_now())
-        erased = self.personal.erase_expired_students(utc_now())
+        self.personal_data.erase_lost_guests(utc_now())
+        self.personal_data.carry_out_erasures(utc_now())
+        erased = self.personal_data.erase_expired_students(utc_now())
         if erased:
             log.warning("%d accounts were erased, as the settings keep them no longer", len(erased))
 
-    def recover(self) -> None:
+    def recover_lost_jobs(self) -> None:
         """Leases that have run out, or whose holder died with another server; then tickets that were lost; then whether
         anybody takes what waits; then the tests whose time is over."""
         with self.database.write() as db:
-            self.queue.recover_lost(db, process_owner(os.getpid()), self.give_ups)
+            self.queue.recover_lost(db, process_owner(os.getpid()), self.give_up_handlers)
         with self.database.read() as db:
-            if self.engine is not None:
-                self.engine.sweeper.resend_missing(db)
-            self.watch.check(db)
-        self.collecting.collect_expired(self.database, utc_now())
+            if self.nats_engine is not None:
+                self.nats_engine.sweeper.resend_missing(db)
+            self.stall_watchdog.check(db)
+        self.sitting_collector.collect_expired(self.database, utc_now())
 
-    def recover_and_tidy_at_start(self) -> None:
+    def recover_and_clean_at_start(self) -> None:
         """Recover lost jobs and remove what has expired; where the database does not answer, leave it for later."""
         try:
-            self.recover()
-            self.tidy()
+            self.recover_lost_jobs()
+            self.delete_expired_data()
         except DBAPIError as error:
             if not is_unavailable(error):
                 raise
             log.exception("the database does not answer as the service starts; looking again later")
 
-    async def keep_recovering(self) -> None:
+    async def recover_lost_jobs_periodically(self) -> None:
         seconds = min(RECOVER_EVERY, self.settings.lease_seconds / 3)
-        await run_periodically(seconds, self.recover, "lost leases could not be looked for; trying again later")
+        await run_periodically(
+            seconds, self.recover_lost_jobs, "lost leases could not be looked for; trying again later"
+        )
 
-    async def keep_tidying(self) -> None:
+    async def delete_expired_data_periodically(self) -> None:
         """What is to be forgotten is, however long the service runs."""
-        await run_periodically(TIDY_EVERY, self.tidy, "what has ended could not be removed; trying again later")
+        await run_periodically(
+            TIDY_EVERY, self.delete_expired_data, "what has ended could not be removed; trying again later"
+        )
 
     @asynccontextmanager
-    async def running(self) -> AsyncIterator[None]:
+    async def run_during_lifespan(self) -> AsyncIterator[None]:
         """Workers, wake-ups and recovery, while the application serves."""
         async with AsyncExitStack() as stack:
-            self.switchboard.bind(asyncio.get_running_loop())
-            stack.callback(self.switchboard.bind, None)
-            if self.engine is not None:
-                self.engine.connection.start()
-                stack.push_async_callback(run_in_threadpool, self.engine.connection.close)  # after the last worker
-            await run_in_threadpool(self.recover_and_tidy_at_start)
-            await stack.enter_async_context(self.cells)
+            self.wakeup_dispatcher.bind(asyncio.get_running_loop())
+            stack.callback(self.wakeup_dispatcher.bind, None)
+            if self.nats_engine is not None:
+                self.nats_engine.connection.start()
+                stack.push_async_callback(run_in_threadpool, self.nats_engine.connection.close)  # after the last worker
+            await run_in_threadpool(self.recover_and_clean_at_start)
+            await stack.enter_async_context(self.cell_runner)
             stack.push_async_callback(self.figures.pictures.close)
-            stack.push_async_callback(self.archives.close)
+            stack.push_async_callback(self.offline_archives.close)
             await stack.enter_async_context(self.supervisor)
             stack.push_async_callback(run_in_threadpool, start_mails(self.database, self.settings, self.course))
-            chores = [asyncio.create_task(chore) for chore in (self.keep_recovering(), self.keep_tidying())]
+            chores = [
+                asyncio.create_task(chore)
+                for chore in (self.recover_lost_jobs_periodically(), self.delete_expired_data_periodically())
+            ]
             yield
             self.walls.close()
             for chore in chores:
@@ -270,11 +283,11 @@ def create_app(
     No student's code runs before `walls` is open; without it, they are known to stand.
     """
     course = course or load_course(render=False, check=True)
-    services = Services(settings, course, tuple(worker_command), walls or Gate(opened=True))
+    services = ApplicationServices(settings, course, tuple(worker_command), walls or Gate(opened=True))
 
     @asynccontextmanager
     async def lifespan(_app: FastAPI) -> AsyncIterator[None]:
-        async with services.running():
+        async with services.run_during_lifespan():
             yield
         services.database.close()
 
@@ -288,8 +301,8 @@ def create_app(
         redoc_url=None,
         form_limits={"max_fields": FORM_LIMITS["max_fields"], "max_files": FORM_LIMITS["max_files"]},
     )
-    _share(app, services)
-    _protect(app, settings)
+    _register_services(app, services)
+    add_middleware_stack(app, settings)
     for router in ROUTERS:
         named = [] if router in UNNAMED_ROUTERS else [Depends(require_same_account)]
         app.include_router(FilteringRouter(router, named))
@@ -298,49 +311,36 @@ def create_app(
     return app
 
 
-def _share(app: FastAPI, services: Services) -> None:
+def _register_services(app: FastAPI, services: ApplicationServices) -> None:
     course = services.course
     school_time.set_time_zone(services.settings.time_zone)
     root_path.set_root_path(services.settings.root_path)
-    add_services(app, services.settings, course, services.database, services.events, services.cells, services.steps)
-    add_services(app, services.hunts, services.personal, RegradeService(course, services.queue))
+    add_services(
+        app, services.settings, course, services.database, services.job_events, services.cell_runner, services.steps
+    )
+    add_services(app, services.hunts, services.personal_data, RegradeService(course, services.queue))
     add_services(app, ClassService(services.database, services.settings), PresenceRecorder(services.database))
     course.exercises.find_authored = AuthoredExercises(services.database, course).find
-    add_services(app, services.submissions, services.collecting, services.studio)
-    carrier = None if services.engine is None else services.engine.status
+    add_services(app, services.submissions, services.sitting_collector, services.studio)
+    carrier = None if services.nats_engine is None else services.nats_engine.status
     add_services(
-        app, Readiness(services.database, services.supervisor, services.walls, services.settings.data_dir, carrier)
+        app,
+        ReadinessChecks(services.database, services.supervisor, services.walls, services.settings.data_dir, carrier),
     )
     add_services(app, PrometheusMetrics(services.database, services.supervisor, services.settings.data_dir))
     add_services(
-        app, services.boards, services.figures, services.supervisor, services.downloads, ReplayQueue(ReplayLibrary())
+        app,
+        services.live_boards,
+        services.figures,
+        services.supervisor,
+        services.downloads,
+        ReplayQueue(ReplayLibrary()),
     )
     add_services(
         app,
-        services.archives,
+        services.offline_archives,
         SingleFlight(),
         services.federation,
         make_account_service(services.database, services.settings),
     )
     check_services(app)
-
-
-def _protect(app: FastAPI, settings: Settings) -> None:
-    app.add_middleware(middleware.RefusalMiddleware, refuse=errors.error_response)
-    app.add_middleware(middleware.LargeFormMiddleware)
-    app.add_middleware(turns.FairTurnsMiddleware, refuse=errors.error_response)
-    app.add_middleware(middleware.BodyLimitMiddleware, most=settings.body_bytes)
-    app.add_middleware(middleware.SameOriginMiddleware)
-    app.add_middleware(
-        middleware.SessionCookieMiddleware,
-        max_age=settings.session_days * DAY,
-        device_max_age=DEVICE_DAYS * DAY,
-        path=settings.root_path or "/",
-    )
-    app.add_middleware(SecurityHeadersMiddleware)
-    app.add_middleware(GZipMiddleware, minimum_size=1024, compresslevel=GZIP_LEVEL)
-    app.add_middleware(middleware.RefusedEncodingsMiddleware)
-    app.add_middleware(middleware.HeadAsGetMiddleware)
-    app.add_middleware(middleware.RequestLogMiddleware, proxied=bool(settings.trusted_proxies))
-    if settings.root_path:
-        app.add_middleware(root_path.RootPathMiddleware, root=settings.root_path)

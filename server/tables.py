@@ -32,7 +32,7 @@ TABLES = (
     identity.PasswordLink,
     identity.Invitation,
     personal.ErasureRequest,
-    limits.Allowance,
+    limits.TokenBucket,
     classes.SchoolClass,
     classes.Membership,
     audit.AuditEvent,

@@ -99,7 +99,7 @@ def create(body: NewClass, account: ApiAccount, course: CourseOf, db: Db) -> Cla
 @router.get("/classes", responses=problems(401))
 def list_classes(account: ApiAccount, db: Db) -> list[ClassSeen]:
     """Those where one teaches, helps, learns, or asks to; every class, for an administrator."""
-    return [_seen(rights.class_access(account, *seat)) for seat in repository.load_visible_classes(db, account)]
+    return [_seen(rights.build_class_access(account, *seat)) for seat in repository.load_visible_classes(db, account)]
 
 
 @router.post("/classes/join", responses=problems(400, 401, 404, 413, 422, 429))

@@ -28,7 +28,7 @@ def begin(class_id: str, body: NewRegrade, account: ApiAccount, store: RegradeSe
     """Grades attempts anew in the background; nothing counts until it is applied."""
     place = rights.require_right(db, account, Right.regrade, class_id)
     wanted = RegradeInput(body.exercise, RegradePolicy(body.policy), body.assignment, body.student)
-    return RegradeBegun(id=store.start(db, place.school_class, account.id, wanted).id)
+    return RegradeBegun(id=store.start_regrade(db, place.school_class, account.id, wanted).id)
 
 
 @router.get("/{regrade_id}", responses=problems(401, 403, 404))

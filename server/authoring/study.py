@@ -103,7 +103,7 @@ def minimise_program(found: UnexplainedGroup, exercise: Exercise, grader: Sandbo
     observer = BehaviourObserver(exercise.grader, exercise.version)
 
     def behaviour(text: str) -> Behaviour:
-        return observer.observe(text.encode(), grader.programs(exercise.id, tighten_limits(exercise.policy)))
+        return observer.observe(text.encode(), grader.program_starter(exercise.id, tighten_limits(exercise.policy)))
 
     wanted = behaviour(bare)
     if not wanted.shows_mistake:

@@ -31,7 +31,7 @@ class TableDigest:
 
 
 @dataclass(frozen=True)
-class Manifest:
+class BackupManifest:
     """Contents of a backup. `engine` is `sqlite` or `postgresql`; `revision` is that of the schema."""
 
     engine: str
@@ -41,7 +41,7 @@ class Manifest:
     format: int = FORMAT
 
     @property
-    def rows(self) -> int:
+    def row_count(self) -> int:
         return sum(table.rows for table in self.tables.values())
 
     @property
@@ -51,9 +51,9 @@ class Manifest:
         return hashlib.sha256(lines.encode()).hexdigest()
 
     def to_json(self) -> dict[str, Any]:
-        return {**asdict(self), "rows": self.rows, "digest": self.digest}
+        return {**asdict(self), "rows": self.row_count, "digest": self.digest}
 
-    def differences(self, restored: Mapping[str, TableDigest]) -> list[str]:
+    def find_differing_tables(self, restored: Mapping[str, TableDigest]) -> list[str]:
         """Return the tables that differ from the saved ones."""
         return sorted(
             name for name in self.tables.keys() | restored.keys() if self.tables.get(name) != restored.get(name)
@@ -81,30 +81,30 @@ def create_archive(path: Path) -> Iterator[zipfile.ZipFile]:
         raise BackupError(f"la sauvegarde ne s’écrit pas dans {path} : {error.strerror or error}.") from error
 
 
-def write_manifest(archive: zipfile.ZipFile, manifest: Manifest) -> None:
+def write_manifest(archive: zipfile.ZipFile, manifest: BackupManifest) -> None:
     archive.writestr(MANIFEST, json.dumps(manifest.to_json(), ensure_ascii=False, indent=1))
 
 
 @contextmanager
-def open_archive(path: Path) -> Iterator[tuple[zipfile.ZipFile, Manifest]]:
+def open_archive(path: Path) -> Iterator[tuple[zipfile.ZipFile, BackupManifest]]:
     """Open a backup and its manifest. Raises BackupError where it is none, or damaged."""
     try:
         with zipfile.ZipFile(path) as archive:
-            yield archive, _manifest(archive, path)
+            yield archive, _read_manifest(archive, path)
     except OSError as error:
         raise BackupError(f"{path} ne se lit pas : {error.strerror or error}.") from error
     except (zipfile.BadZipFile, EOFError) as error:
         raise BackupError(f"{path} n’est pas une sauvegarde, ou est abîmé : {error}.") from error
 
 
-def _manifest(archive: zipfile.ZipFile, path: Path) -> Manifest:
+def _read_manifest(archive: zipfile.ZipFile, path: Path) -> BackupManifest:
     try:
         content = json.loads(archive.read(MANIFEST))
         tables = {
             name: TableDigest(int(table["rows"]), str(table["digest"])) for name, table in content["tables"].items()
         }
         engine, revision, made_at = (str(content[name]) for name in ("engine", "revision", "made_at"))
-        manifest = Manifest(engine, revision, made_at, tables, int(content["format"]))
+        manifest = BackupManifest(engine, revision, made_at, tables, int(content["format"]))
         digest_matches = manifest.digest == content["digest"]
     except (KeyError, TypeError, ValueError, AttributeError) as error:
         raise BackupError(f"{path} n’est pas une sauvegarde de Balise.") from error

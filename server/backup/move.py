@@ -41,7 +41,7 @@ OTHER_CLIENTS = (
 Progress = Callable[[str, int], None]
 
 
-def move_rows(
+def copy_rows_into_empty_database(
     source: Database, target: Database, tables: Sequence[Table], progress: Progress
 ) -> Mapping[str, TableDigest]:
     """Copy all rows into an empty target, in one transaction, and compare both; return the digest of each table.
@@ -55,29 +55,29 @@ def move_rows(
     if not source.is_local_file:
         reading = reading.execution_options(isolation_level="REPEATABLE READ", postgresql_readonly=True)
     with reading.begin() as old, writing_engine(target.engine).begin() as new:
-        _require_unused(old)
+        _require_database_unused(old)
         lock_migrations(new)
-        _require_empty(new, tables)
-        return copy_rows(old, new, tables, progress)
+        _require_tables_empty(new, tables)
+        return copy_rows_in_transaction(old, new, tables, progress)
 
 
-def copy_rows(
+def copy_rows_in_transaction(
     old: Connection, new: Connection, tables: Sequence[Table], progress: Progress
 ) -> Mapping[str, TableDigest]:
     """Copy all rows into a database without any, in the caller's transaction, and compare. Raises BackupError."""
     upgrade_connection(new)
-    with without_triggers(new), without_foreign_keys(new):
+    with disable_triggers(new), defer_foreign_keys(new):
         copied = {}
         for table in tables:
             copied[table.name] = _copy_table(old, new, table)
             progress(table.name, copied[table.name].rows)
-    differences = [table.name for table in tables if table_digest(new, table) != copied[table.name]]
+    differences = [table.name for table in tables if compute_table_digest(new, table) != copied[table.name]]
     if differences:
         raise BackupError(f"ce qui a été copié diffère de l’original : {', '.join(differences[:5])}.")
     return copied
 
 
-def _require_unused(connection: Connection) -> None:
+def _require_database_unused(connection: Connection) -> None:
     """SQLite's data folder has a lock of its own."""
     if connection.dialect.name == "postgresql":
         others = connection.execute(text(OTHER_CLIENTS)).scalar_one()
@@ -87,7 +87,7 @@ def _require_unused(connection: Connection) -> None:
             )
 
 
-def _require_empty(connection: Connection, tables: Sequence[Table]) -> None:
+def _require_tables_empty(connection: Connection, tables: Sequence[Table]) -> None:
     existing = set(inspect(connection).get_table_names())
     for table in tables:
         if table.name in existing and connection.execute(select(1).select_from(table).limit(1)).first() is not None:
@@ -95,7 +95,7 @@ def _require_empty(connection: Connection, tables: Sequence[Table]) -> None:
 
 
 def _copy_table(old: Connection, new: Connection, table: Table) -> TableDigest:
-    statement, names = _insert_statement(new, table), [column.name for column in table.columns]
+    statement, names = _insert_with_json_as_text(new, table), [column.name for column in table.columns]
 
     def insert_batch(batch: Sequence[Sequence[Any]]) -> None:
         try:
@@ -103,15 +103,15 @@ def _copy_table(old: Connection, new: Connection, table: Table) -> TableDigest:
         except DBAPIError as error:
             raise BackupError(f"la table {table.name} ne se copie pas : {error.orig}") from error
 
-    return table_digest(old, table, insert_batch)
+    return compute_table_digest(old, table, insert_batch)
 
 
-def table_digest(
+def compute_table_digest(
     connection: Connection, table: Table, visit: Callable[[Sequence[Sequence[Any]]], object] = len
 ) -> TableDigest:
     """Return the number of rows, and the sum of the hashes of the rows, whatever their order; `visit` each batch."""
     rows, total = 0, 0
-    for batch in _batches(connection, table):
+    for batch in _iterate_row_batches(connection, table):
         rows += len(batch)
         for row in batch:
             total += int.from_bytes(hashlib.sha256(repr(tuple(row)).encode()).digest())
@@ -119,13 +119,13 @@ def table_digest(
     return TableDigest(rows, f"{total % HASH_MODULUS:064x}")
 
 
-def _batches(connection: Connection, table: Table) -> Iterator[Sequence[Sequence[Any]]]:
-    query = select_as_stored(table)
+def _iterate_row_batches(connection: Connection, table: Table) -> Iterator[Sequence[Sequence[Any]]]:
+    query = select_with_json_as_text(table)
     result = connection.execute(query, execution_options={"yield_per": BATCH_ROWS})
     yield from result.partitions()
 
 
-def select_as_stored(table: Table) -> Select[Any]:
+def select_with_json_as_text(table: Table) -> Select[Any]:
     """Return a query of all columns in which JSON is text."""
     columns: list[ColumnElement[Any]] = [
         cast(column, Text).label(column.name) if isinstance(column.type, JSON) else column for column in table.columns
@@ -133,7 +133,7 @@ def select_as_stored(table: Table) -> Select[Any]:
     return select(*columns)
 
 
-def _insert_statement(connection: Connection, table: Table) -> Any:
+def _insert_with_json_as_text(connection: Connection, table: Table) -> Any:
     """Return an INSERT that takes JSON as text."""
     is_postgres = connection.dialect.name == "postgresql"
     documents = {}
@@ -146,7 +146,7 @@ def _insert_statement(connection: Connection, table: Table) -> Any:
 
 
 @contextmanager
-def without_triggers(connection: Connection) -> Iterator[None]:
+def disable_triggers(connection: Connection) -> Iterator[None]:
     """Rows keep the revisions that they have."""
     if connection.dialect.name == "postgresql":
         names = inspect(connection).get_table_names()
@@ -165,10 +165,10 @@ def without_triggers(connection: Connection) -> Iterator[None]:
 
 
 @contextmanager
-def without_foreign_keys(connection: Connection) -> Iterator[None]:
+def defer_foreign_keys(connection: Connection) -> Iterator[None]:
     """Foreign keys are circular: they are held at the end, on SQLite at the commit."""
     if connection.dialect.name == "postgresql":
-        with postgres.without_foreign_keys(connection):
+        with postgres.drop_foreign_keys_meanwhile(connection):
             yield
         return
     connection.execute(text("PRAGMA defer_foreign_keys = ON"))

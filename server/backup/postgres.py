@@ -14,7 +14,7 @@ from typing import IO, TYPE_CHECKING
 
 from sqlalchemy import Connection, text
 
-from server.backup.archive import BackupError, Manifest, TableDigest
+from server.backup.archive import BackupError, BackupManifest, TableDigest
 from server.database import Database
 from server.database.migrate import current_revision, lock_migrations, upgrade_connection
 
@@ -49,7 +49,9 @@ FOREIGN_KEYS = (
 Sink = Callable[[bytes], object]
 
 
-def save(archive: zipfile.ZipFile, database: Database, table_names: Collection[str], made_at: str) -> Manifest:
+def save_tables(
+    archive: zipfile.ZipFile, database: Database, table_names: Collection[str], made_at: str
+) -> BackupManifest:
     """Save the tables of a snapshot; return the manifest."""
     engine = database.engine.execution_options(isolation_level="REPEATABLE READ", postgresql_readonly=True)
     tables: dict[str, TableDigest] = {}
@@ -58,13 +60,13 @@ def save(archive: zipfile.ZipFile, database: Database, table_names: Collection[s
         revision = current_revision(connection)
         if revision is None:
             raise BackupError("cette base de données n’est pas une base de Balise : rien n’est sauvegardé.")
-        for table in _own_tables(connection, table_names):
-            with archive.open(member_name(table), "w", force_zip64=True) as file:
-                tables[table] = _copy_table(connection, table, file.write)
-    return Manifest("postgresql", revision, made_at, tables)
+        for table in _list_own_tables(connection, table_names):
+            with archive.open(table_member_name(table), "w", force_zip64=True) as file:
+                tables[table] = _copy_table_to_sink(connection, table, file.write)
+    return BackupManifest("postgresql", revision, made_at, tables)
 
 
-def verify(archive: zipfile.ZipFile, manifest: Manifest, database: Database) -> None:
+def verify_by_rolled_back_restore(archive: zipfile.ZipFile, manifest: BackupManifest, database: Database) -> None:
     """Restore into a temporary schema that is rolled back. Raises BackupError where the content differs."""
     schema = f"balise_check_{secrets.token_hex(8)}"
     with database.engine.connect() as connection, closing(connection.begin()):
@@ -73,46 +75,53 @@ def verify(archive: zipfile.ZipFile, manifest: Manifest, database: Database) -> 
         _load_tables(archive, manifest, connection)
 
 
-def restore(
-    archive: zipfile.ZipFile, manifest: Manifest, database: Database, table_names: Collection[str], *, replace: bool
+def restore_tables(
+    archive: zipfile.ZipFile,
+    manifest: BackupManifest,
+    database: Database,
+    table_names: Collection[str],
+    *,
+    replace: bool,
 ) -> None:
     """Restore in one transaction: everything, at the current schema, or nothing."""
     with database.engine.begin() as connection:
-        clear(connection, table_names, replace=replace)
+        drop_own_tables(connection, table_names, replace=replace)
         _load_tables(archive, manifest, connection)
         upgrade_connection(connection)
 
 
-def clear(connection: Connection, table_names: Collection[str], *, replace: bool) -> None:
+def drop_own_tables(connection: Connection, table_names: Collection[str], *, replace: bool) -> None:
     """Drop Balise's tables until the commit, alone. Raises BackupError where there are some and `replace` is false."""
     connection.execute(text(LOCK_TIMEOUT))
     lock_migrations(connection)
-    existing = _own_tables(connection, table_names)
+    existing = _list_own_tables(connection, table_names)
     if existing and not replace:
         raise BackupError("cette base de données sert déjà : --replace la remplace, et efface ce qu’elle contient.")
     for table in existing:
         connection.execute(text(f'DROP TABLE "{table}" CASCADE'))
 
 
-def _load_tables(archive: zipfile.ZipFile, manifest: Manifest, connection: Connection) -> None:
+def _load_tables(archive: zipfile.ZipFile, manifest: BackupManifest, connection: Connection) -> None:
     connection.execute(text(CANONICAL_FORMATS))
     upgrade_connection(connection, manifest.revision)
-    with without_foreign_keys(connection):
+    with drop_foreign_keys_meanwhile(connection):
         existing = connection.execute(text(TABLES)).scalars().all()
         for table in manifest.tables:
             if table not in existing:
                 raise BackupError(f"la sauvegarde est abîmée : la table {table} n’est pas de sa version.")
             connection.execute(text(f'DELETE FROM "{table}"'))
-            with archive.open(member_name(table)) as file:
-                _load_table(connection, table, file)
+            with archive.open(table_member_name(table)) as file:
+                _load_table_from_file(connection, table, file)
     discard: Sink = len
-    differences = manifest.differences({table: _copy_table(connection, table, discard) for table in manifest.tables})
+    differences = manifest.find_differing_tables(
+        {table: _copy_table_to_sink(connection, table, discard) for table in manifest.tables}
+    )
     if differences:
         raise BackupError(f"la sauvegarde est abîmée : {', '.join(differences[:5])}.")
 
 
 @contextmanager
-def without_foreign_keys(connection: Connection) -> Iterator[None]:
+def drop_foreign_keys_meanwhile(connection: Connection) -> Iterator[None]:
     """Foreign keys are circular: they are dropped, and hold again at the end."""
     keys = connection.execute(text(FOREIGN_KEYS)).all()
     for table, name, _ in keys:
@@ -122,19 +131,19 @@ def without_foreign_keys(connection: Connection) -> Iterator[None]:
         connection.execute(text(f"ALTER TABLE {table} ADD CONSTRAINT {name} {definition}"))
 
 
-def _own_tables(connection: Connection, table_names: Collection[str]) -> list[str]:
+def _list_own_tables(connection: Connection, table_names: Collection[str]) -> list[str]:
     """Return the tables of this database that are Balise's: others may share it."""
     existing: list[str] = list(connection.execute(text(TABLES)).scalars().all())
     return [name for name in existing if name in table_names or name == "alembic_version"]
 
 
-def _copy_table(connection: Connection, table: str, sink: Sink) -> TableDigest:
+def _copy_table_to_sink(connection: Connection, table: str, sink: Sink) -> TableDigest:
     keys = _query_names(connection, KEYS, table) or _query_names(connection, COLUMNS, table)
     order = ", ".join(f'"{name}"::text COLLATE "C"' for name in keys)
-    columns = _columns(connection, table)
+    columns = _column_list(connection, table)
     query = f'COPY (SELECT {columns} FROM "{table}" ORDER BY {order}) TO STDOUT'
     rows, digest = 0, hashlib.sha256(columns.encode())
-    with _driver(connection).cursor() as cursor, cursor.copy(query.encode()) as copy:
+    with _psycopg_connection(connection).cursor() as cursor, cursor.copy(query.encode()) as copy:
         for chunk in copy:
             digest.update(chunk)
             rows += bytes(chunk).count(b"\n")  # newlines within a row are escaped
@@ -142,19 +151,19 @@ def _copy_table(connection: Connection, table: str, sink: Sink) -> TableDigest:
     return TableDigest(rows, digest.hexdigest())
 
 
-def _load_table(connection: Connection, table: str, file: IO[bytes]) -> None:
+def _load_table_from_file(connection: Connection, table: str, file: IO[bytes]) -> None:
     import psycopg
 
-    query = f'COPY "{table}" ({_columns(connection, table)}) FROM STDIN'
+    query = f'COPY "{table}" ({_column_list(connection, table)}) FROM STDIN'
     try:
-        with _driver(connection).cursor() as cursor, cursor.copy(query.encode()) as copy:
+        with _psycopg_connection(connection).cursor() as cursor, cursor.copy(query.encode()) as copy:
             while chunk := file.read(CHUNK_BYTES):
                 copy.write(chunk)
     except psycopg.DataError as error:
         raise BackupError(f"la sauvegarde est abîmée : {table}, {error}.") from error
 
 
-def _columns(connection: Connection, table: str) -> str:
+def _column_list(connection: Connection, table: str) -> str:
     return ", ".join(f'"{name}"' for name in _query_names(connection, COLUMNS, table))
 
 
@@ -162,10 +171,10 @@ def _query_names(connection: Connection, query: str, table: str) -> list[str]:
     return list(connection.execute(text(query), {"name": f'"{table}"'}).scalars().all())
 
 
-def _driver(connection: Connection) -> psycopg.Connection[tuple[object, ...]]:
+def _psycopg_connection(connection: Connection) -> psycopg.Connection[tuple[object, ...]]:
     driver: psycopg.Connection[tuple[object, ...]] = connection.connection.driver_connection  # type: ignore[assignment]
     return driver
 
 
-def member_name(table: str) -> str:
+def table_member_name(table: str) -> str:
     return f"tables/{table}.copy"

@@ -9,26 +9,26 @@ from collections.abc import Callable, Iterator, Mapping
 from contextlib import closing, contextmanager
 from pathlib import Path
 
-from server.backup.archive import OWNER_ALONE, BackupError, Manifest, TableDigest
+from server.backup.archive import OWNER_ALONE, BackupError, BackupManifest, TableDigest
 from server.database import Database
 from server.database.migrate import upgrade
 
 FILE_NAME = "balise.sqlite3"
 DATABASE_SUFFIXES = ("", "-wal", "-shm")
-Unpack = Callable[[zipfile.ZipFile, Manifest, Path], None]
+Unpack = Callable[[zipfile.ZipFile, BackupManifest, Path], None]
 
 
-def save(archive: zipfile.ZipFile, source: Path, made_at: str) -> Manifest:
-    with temporary_folder(source.parent) as folder:
+def save_snapshot(archive: zipfile.ZipFile, source: Path, made_at: str) -> BackupManifest:
+    with create_temporary_folder(source.parent) as folder:
         copy = folder / FILE_NAME
-        copy_database(source, copy)
+        copy_live_database(source, copy)
         with closing(sqlite3.connect(copy)) as new:
-            manifest = Manifest("sqlite", _revision(new), made_at, table_digests(new))
+            manifest = BackupManifest("sqlite", _read_schema_revision(new), made_at, compute_table_digests(new))
         archive.write(copy, FILE_NAME)
     return manifest
 
 
-def copy_database(source: Path, target: Path) -> None:
+def copy_live_database(source: Path, target: Path) -> None:
     """Copy a database as it is now, for its owner alone. Raises BackupError, and then leaves no copy."""
     try:
         target.touch(OWNER_ALONE, exist_ok=False)
@@ -41,14 +41,14 @@ def copy_database(source: Path, target: Path) -> None:
         raise BackupError(f"la base de données ne se copie pas dans {target} : {error}.") from error
 
 
-def verify(archive: zipfile.ZipFile, manifest: Manifest, parent: Path) -> None:
+def verify_by_temporary_restore(archive: zipfile.ZipFile, manifest: BackupManifest, parent: Path) -> None:
     """Restore into a temporary folder. Raises BackupError where the content differs."""
-    with temporary_folder(parent) as folder:
-        unpack(archive, manifest, folder / FILE_NAME)
+    with create_temporary_folder(parent) as folder:
+        unpack_database(archive, manifest, folder / FILE_NAME)
 
 
-def restore(
-    archive: zipfile.ZipFile, manifest: Manifest, target: Path, suffix_of_old: str, unpack: Unpack
+def replace_database_file(
+    archive: zipfile.ZipFile, manifest: BackupManifest, target: Path, suffix_of_old: str, unpack: Unpack
 ) -> Path | None:
     """Replace `target` by the backup, upgraded to the current schema. Nobody else may use it meanwhile.
 
@@ -56,7 +56,7 @@ def restore(
     `suffix_of_old` appended; return where, if there was one.
     """
     target.parent.mkdir(parents=True, exist_ok=True)
-    with temporary_folder(target.parent) as folder:
+    with create_temporary_folder(target.parent) as folder:
         restored = folder / FILE_NAME
         unpack(archive, manifest, restored)
         database = Database(f"sqlite:///{restored}")
@@ -71,7 +71,7 @@ def restore(
     return old_file
 
 
-def unpack(archive: zipfile.ZipFile, manifest: Manifest, path: Path) -> None:
+def unpack_database(archive: zipfile.ZipFile, manifest: BackupManifest, path: Path) -> None:
     """Write the database of a backup into a new file. Raises BackupError where it is damaged."""
     path.touch(OWNER_ALONE)
     with archive.open(FILE_NAME) as packed, path.open("wb") as file:
@@ -80,14 +80,14 @@ def unpack(archive: zipfile.ZipFile, manifest: Manifest, path: Path) -> None:
         with closing(sqlite3.connect(path)) as database:
             problems = [row[0] for row in database.execute("PRAGMA integrity_check") if row[0] != "ok"]
             problems += [f"{row[0]} → {row[2]}" for row in database.execute("PRAGMA foreign_key_check")]
-            problems += manifest.differences(table_digests(database))
+            problems += manifest.find_differing_tables(compute_table_digests(database))
     except sqlite3.DatabaseError as error:
         raise BackupError(f"la sauvegarde est abîmée : {error}.") from error
     if problems:
         raise BackupError(f"la sauvegarde est abîmée : {', '.join(problems[:5])}.")
 
 
-def table_digests(database: sqlite3.Connection) -> Mapping[str, TableDigest]:
+def compute_table_digests(database: sqlite3.Connection) -> Mapping[str, TableDigest]:
     """Return the number of rows and the digest of each table."""
     query = "SELECT name FROM sqlite_master WHERE type = 'table' AND name NOT LIKE 'sqlite!_%' ESCAPE '!' ORDER BY name"
     return {name: _digest_table(database, name) for (name,) in database.execute(query).fetchall()}
@@ -106,7 +106,7 @@ def _digest_table(database: sqlite3.Connection, table: str) -> TableDigest:
     return TableDigest(rows, digest.hexdigest())
 
 
-def _revision(database: sqlite3.Connection) -> str:
+def _read_schema_revision(database: sqlite3.Connection) -> str:
     try:
         row = database.execute("SELECT version_num FROM alembic_version").fetchone()
     except sqlite3.OperationalError:
@@ -117,7 +117,7 @@ def _revision(database: sqlite3.Connection) -> str:
 
 
 @contextmanager
-def temporary_folder(folder: Path | None) -> Iterator[Path]:
+def create_temporary_folder(parent: Path | None) -> Iterator[Path]:
     """Create a temporary folder, on the disk of `folder` where one is named."""
-    with tempfile.TemporaryDirectory(prefix=".balise-", dir=folder) as name:
+    with tempfile.TemporaryDirectory(prefix=".balise-", dir=parent) as name:
         yield Path(name)

@@ -81,7 +81,7 @@ def _class_events(
     db: Session, account: Account, joined: JoinedClass, base: str, now: datetime
 ) -> Iterator[CalendarEvent]:
     school_class, membership = joined.school_class, joined.membership
-    if not rights.class_access(account, school_class, membership).has(Right.see_assignments):
+    if not rights.build_class_access(account, school_class, membership).has(Right.see_assignments):
         return  # asks to join
     page = f"{base}/classes/{school_class.id}"
     if membership.is_staff:

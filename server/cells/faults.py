@@ -3,13 +3,13 @@
 from collections.abc import Iterator
 
 from server.cells.run import POLICY, run_cell
-from server.cells.schemas import RunOut
+from server.cells.schemas import CellRunResult
 from server.course import Course, Problem
 from server.course.models import Cell
 from server.sandbox import Sandbox
 
 
-def faults(course: Course) -> Iterator[Problem]:
+def find_failing_cells(course: Course) -> Iterator[Problem]:
     """Runs every cell of every lesson as a reader would; a problem for each that fails. Slow; raises SandboxFault."""
     with Sandbox(course.kits, POLICY) as sandbox:
         for module in course.modules.values():
@@ -17,18 +17,20 @@ def faults(course: Course) -> Iterator[Problem]:
                 path = lesson.text.source.path
                 for cell in lesson.cells:
                     shown = run_cell(sandbox, module.slug, cell.code.encode())
-                    if message := _fault_message(shown):
-                        yield Problem(path, _line(cell, shown), f"cellule « {cell.name} » : {message}")
+                    if message := _failure_message(shown):
+                        yield Problem(
+                            path, _source_line_of_failure(cell, shown), f"cellule « {cell.name} » : {message}"
+                        )
 
 
-def _fault_message(shown: RunOut) -> str:
-    if shown.fault:
-        return shown.fault.message
-    if shown.truncated:
+def _failure_message(run: CellRunResult) -> str:
+    if run.fault:
+        return run.fault.message
+    if run.truncated:
         return "ce qu’elle affiche est trop long"
-    return "" if shown.stdout or shown.figures else "elle n’affiche rien"
+    return "" if run.stdout or run.figures else "elle n’affiche rien"
 
 
-def _line(cell: Cell, shown: RunOut) -> int:
-    inside = shown.fault.line if shown.fault else None
+def _source_line_of_failure(cell: Cell, run: CellRunResult) -> int:
+    inside = run.fault.line if run.fault else None
     return cell.line + (inside or 1) - 1

@@ -23,22 +23,29 @@ class MalformedPng(ValueError):
     """These bytes are not a picture that we take."""
 
 
-def rebuild_png(data: bytes) -> bytes:
+def reencode_png(data: bytes) -> bytes:
     """A PNG of the same pixels, made by us. Raises Malformed, and nothing else, for anything out of the ordinary."""
-    header, packed = _read(data)
+    header, packed = _read_header_and_image_data(data)
     width, height, samples = _parse_header(header)
-    rows = _inflate(packed, height * (1 + width * samples))
+    rows = _inflate_exactly(packed, height * (1 + width * samples))
     if max(rows[:: 1 + width * samples]) >= _FILTERS:
         raise MalformedPng("unknown filter")
-    made = b"".join((SIGNATURE, _chunk(b"IHDR", header), _chunk(b"IDAT", zlib.compress(rows)), _chunk(b"IEND", b"")))
+    made = b"".join(
+        (
+            SIGNATURE,
+            _encode_chunk(b"IHDR", header),
+            _encode_chunk(b"IDAT", zlib.compress(rows)),
+            _encode_chunk(b"IEND", b""),
+        )
+    )
     if len(made) > MAX_BYTES:
         raise MalformedPng("too many bytes")
     return made
 
 
-def _read(data: bytes) -> tuple[bytes, bytes]:
+def _read_header_and_image_data(data: bytes) -> tuple[bytes, bytes]:
     """The header, and the compressed data of all its pieces."""
-    chunks = _chunks(data)
+    chunks = _iterate_chunks(data)
     kind, header = next(chunks, (b"", b""))
     if kind != b"IHDR":
         raise MalformedPng("no header")
@@ -56,7 +63,7 @@ def _read(data: bytes) -> tuple[bytes, bytes]:
     return header, b"".join(pieces)
 
 
-def _chunks(data: bytes) -> Iterator[tuple[bytes, bytes]]:
+def _iterate_chunks(data: bytes) -> Iterator[tuple[bytes, bytes]]:
     """Kind and content of each chunk up to IEND, which must be the last thing there is."""
     if not data.startswith(SIGNATURE):
         raise MalformedPng("no signature")
@@ -87,11 +94,11 @@ def _parse_header(header: bytes) -> tuple[int, int, int]:
     return width, height, _SAMPLES[colour]
 
 
-def _inflate(packed: bytes, size: int) -> bytes:
+def _inflate_exactly(compressed: bytes, size: int) -> bytes:
     """Exactly `size` bytes, of one whole zlib stream that is all there is; never asks for more memory than that."""
     stream = zlib.decompressobj()
     try:
-        rows = stream.decompress(packed, size + 1)
+        rows = stream.decompress(compressed, size + 1)
     except zlib.error as error:
         raise MalformedPng("data that do not inflate") from error
     if len(rows) != size or not stream.eof or stream.unused_data or stream.unconsumed_tail:
@@ -99,5 +106,5 @@ def _inflate(packed: bytes, size: int) -> bytes:
     return rows
 
 
-def _chunk(kind: bytes, content: bytes) -> bytes:
+def _encode_chunk(kind: bytes, content: bytes) -> bytes:
     return struct.pack(">I4s", len(content), kind) + content + struct.pack(">I", zlib.crc32(content, zlib.crc32(kind)))

@@ -30,14 +30,14 @@ def serve_cells(line: ServiceLine) -> None:
     _, opening = next(questions)
     beginning = json.loads(opening)
     with Sandbox(beginning["kits"], POLICY) as sandbox:
-        threading.Thread(target=_warm, args=(sandbox,), name="warm-up", daemon=True).start()
+        threading.Thread(target=_start_templates, args=(sandbox,), name="warm-up", daemon=True).start()
         pool = ThreadPoolExecutor(beginning["at_once"], thread_name_prefix="cell")
         for number, question in questions:
-            pool.submit(_answer, line, sandbox, number, question)
+            pool.submit(_answer_question_safely, line, sandbox, number, question)
         pool.shutdown(wait=False, cancel_futures=True)
 
 
-def _warm(sandbox: Sandbox) -> None:
+def _start_templates(sandbox: Sandbox) -> None:
     """Cells that draw and cells that do not follow one another. What fails here is told when a cell meets it."""
     for imports in ("numpy", DRAWING):
         try:
@@ -46,42 +46,47 @@ def _warm(sandbox: Sandbox) -> None:
             log.info("the %s template did not start", imports, exc_info=True)
 
 
-def _answer(line: ServiceLine, sandbox: Sandbox, number: int, asked: bytes) -> None:
-    question = json.loads(asked)
+def _answer_question_safely(line: ServiceLine, sandbox: Sandbox, number: int, question_json: bytes) -> None:
+    question = json.loads(question_json)
     try:
-        shown = _answer_of(sandbox, question, asked)
+        shown = _dispatch_question(sandbox, question, question_json)
     except Exception:
-        log.exception("a cell could not be run, or a program not be followed: %.200r", asked)
+        log.exception("a cell could not be run, or a program not be followed: %.200r", question_json)
         line.answer(number, helper_line.FAILED, b"")
     else:
         line.answer(number, helper_line.DONE, shown)
 
 
-def _answer_of(sandbox: Sandbox, question: dict[str, str], asked: bytes) -> bytes:
+def _dispatch_question(sandbox: Sandbox, question: dict[str, str], question_json: bytes) -> bytes:
     if "steps" in question:
-        return _trace(sandbox, asked)
-    return _hunt(sandbox, asked) if "hunts" in question else _run_cell(sandbox, question)
+        return _answer_trace_question(sandbox, question_json)
+    return _answer_hunt_question(sandbox, question_json) if "hunts" in question else _run_cell(sandbox, question)
 
 
 def _run_cell(sandbox: Sandbox, question: dict[str, str]) -> bytes:
     return run_cell(sandbox, question["module"], question["code"].encode()).model_dump_json().encode()
 
 
-def _trace(sandbox: Sandbox, asked: bytes) -> bytes:
+def _answer_trace_question(sandbox: Sandbox, question_json: bytes) -> bytes:
     from server.steps.questions import TraceQuestion
     from server.steps.run import answer_question  # with the graders, which who only runs cells need not wait for
 
-    return answer_question(sandbox, TraceQuestion.model_validate_json(asked)).model_dump_json().encode()
+    return answer_question(sandbox, TraceQuestion.model_validate_json(question_json)).model_dump_json().encode()
 
 
-def _hunt(sandbox: Sandbox, asked: bytes) -> bytes:
+def _answer_hunt_question(sandbox: Sandbox, question_json: bytes) -> bytes:
     from server.hunts.protocol import HuntQuestion
 
-    return _hunt_runner(sandbox).answer(HuntQuestion.model_validate_json(asked)).model_dump_json().encode()
+    return (
+        _cached_hunt_runner(sandbox)
+        .answer_question(HuntQuestion.model_validate_json(question_json))
+        .model_dump_json()
+        .encode()
+    )
 
 
 @cache
-def _hunt_runner(sandbox: Sandbox) -> HuntRunner:
+def _cached_hunt_runner(sandbox: Sandbox) -> HuntRunner:
     """Return the runner of the process's sandbox, which remembers what it has found."""
     from server.hunts.run import HuntRunner  # with the graders
 

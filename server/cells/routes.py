@@ -9,7 +9,7 @@ from server.base.app_services import SettingsOf, app_service
 from server.base.errors import NotFound
 from server.base.http import client_address
 from server.cells import service
-from server.cells.schemas import NewRun
+from server.cells.schemas import CellRunInput
 from server.cells.supervisor import CellRunner
 from server.course.dependencies import CourseOf
 from server.database.dependencies import DatabaseOf
@@ -23,10 +23,10 @@ CLIENT_CLOSED_REQUEST = 499
 
 
 @router.post("/{module}/cellules")
-async def run(
+async def run_cell(
     request: Request,
     module: str,
-    body: NewRun,
+    body: CellRunInput,
     account: BrowserAccount,
     course: CourseOf,
     cells: CellsOf,
@@ -40,7 +40,7 @@ async def run(
     running = asyncio.ensure_future(
         service.run_reader_cell(cells, database, settings, account, module, code, address=address)
     )
-    leaving = asyncio.ensure_future(_wait_disconnect(request))
+    leaving = asyncio.ensure_future(_wait_for_disconnect(request))
     await asyncio.wait((running, leaving), return_when=asyncio.FIRST_COMPLETED)
     leaving.cancel()
     if not running.done():
@@ -49,7 +49,7 @@ async def run(
     return Response(running.result(), media_type="application/json", headers=NO_STORE)
 
 
-async def _wait_disconnect(request: Request) -> None:
+async def _wait_for_disconnect(request: Request) -> None:
     """Wait until the client disconnects."""
     while (await request.receive())["type"] != "http.disconnect":
         pass

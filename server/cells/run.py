@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 from graders.core.contract.outcomes import Outcome
 from server.cells import png
-from server.cells.schemas import FaultOut, RunOut
+from server.cells.schemas import CellFault, CellRunResult
 from server.sandbox import FaultKind, Frame, Kit, Policy, ProgramFault, Sandbox, SandboxFault, Session
 from server.sandbox.install import import_set_of
 from server.text.plain import show_invisible_characters
@@ -46,53 +46,53 @@ class _CellOutput:
     fault: ProgramFault | None = None
 
 
-def run_cell(sandbox: Sandbox, kit: str, source: bytes) -> RunOut:
+def run_cell(sandbox: Sandbox, kit: str, source: bytes) -> CellRunResult:
     """Raises SandboxFault when the fault is ours, and nothing else. The time told is without a template's start."""
     with suppress(SandboxFault):  # opening a session tries again, and tells
         sandbox.warm(import_set_of(source, drawing=True))
     start = time.monotonic()
-    shown = _execute(sandbox, kit, source)
-    return RunOut(
+    shown = _execute_cell(sandbox, kit, source)
+    return CellRunResult(
         stdout=show_invisible_characters(shown.stdout),
         truncated=shown.truncated,
-        fault=_fault_out(shown.fault) if shown.fault else None,
+        fault=_describe_fault(shown.fault) if shown.fault else None,
         figures=["data:image/png;base64," + base64.b64encode(picture).decode() for picture in shown.figures],
         milliseconds=round(1000 * (time.monotonic() - start)),
     )
 
 
-def _execute(sandbox: Sandbox, kit: str, source: bytes) -> _CellOutput:
+def _execute_cell(sandbox: Sandbox, kit: str, source: bytes) -> _CellOutput:
     settings = Kit(kit, {"seed": SEED})
     try:
         session = sandbox.open(source, kit=settings, policy=POLICY, filename=FILENAME, drawing=True, echo_last=True)
     except ProgramFault as unloaded:
         return _CellOutput(unloaded.stdout, unloaded.stdout_truncated, fault=unloaded)
-    figures, fault = _figures(session)
+    figures, fault = _collect_figures(session)
     return _CellOutput(session.stdout(), session.stdout_truncated, figures, fault)
 
 
-def _figures(session: Session) -> tuple[tuple[bytes, ...], ProgramFault | None]:
+def _collect_figures(session: Session) -> tuple[tuple[bytes, ...], ProgramFault | None]:
     """Pictures of our own making, or why there are none; ends the session."""
     try:
         with session:
             given = session.figures()
-        return tuple(png.rebuild_png(file) for file in given), None
+        return tuple(png.reencode_png(file) for file in given), None
     except ProgramFault as fault:
         return (), fault
     except png.MalformedPng:
         return (), ProgramFault(FaultKind.INVALID_OUTPUT, UNREADABLE)
 
 
-def _fault_out(fault: ProgramFault) -> FaultOut:
+def _describe_fault(fault: ProgramFault) -> CellFault:
     title = Outcome(fault.kind.value).wording().title
     message = fault.message
     for pattern, instead in _MESSAGE_REPLACEMENTS:
         message = re.sub(pattern, instead, message)
-    return FaultOut(
-        title=title, message=message, line=fault.line, frames=[_frame_text(frame) for frame in fault.frames]
+    return CellFault(
+        title=title, message=message, line=fault.line, frames=[_format_frame(frame) for frame in fault.frames]
     )
 
 
-def _frame_text(frame: Frame) -> str:
+def _format_frame(frame: Frame) -> str:
     inside = "" if frame.function.startswith("<") else f", dans {frame.function}"
     return f"ligne {frame.line}{inside} : {frame.source.strip()}"

@@ -5,13 +5,13 @@ from pydantic import BaseModel
 from server.base.validation import RequestBody
 
 
-class NewRun(RequestBody):
+class CellRunInput(RequestBody):
     """The cell as the reader has changed it."""
 
     code: str
 
 
-class FaultOut(BaseModel):
+class CellFault(BaseModel):
     """What went wrong in the cell; `frames` lead to it, from the outside in."""
 
     title: str
@@ -20,11 +20,11 @@ class FaultOut(BaseModel):
     frames: list[str]
 
 
-class RunOut(BaseModel):
+class CellRunResult(BaseModel):
     """What a run shows; `figures` are addresses of the kind ``data:image/png;base64,…``."""
 
     stdout: str
     truncated: bool
-    fault: FaultOut | None
+    fault: CellFault | None
     figures: list[str]
     milliseconds: int

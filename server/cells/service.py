@@ -34,7 +34,7 @@ async def run_reader_cell(
 
     sender = await run_in_threadpool(take)
     try:
-        return await cells.run(module, code, reader=str(account.id), flow=sender.flow, rank=sender.rank)
+        return await cells.run_cell(module, code, reader=str(account.id), flow=sender.flow, rank=sender.rank)
     except (Overloaded, InternalFailure):
         await run_in_threadpool(give_back)
         raise

@@ -65,21 +65,21 @@ class CellRunner:
     async def __aexit__(self, *_fault: object) -> None:
         await self.close()
 
-    def prepare(self, question: bytes) -> None:
+    def start_process_early(self, question: bytes) -> None:
         """Start the process with a question of ours, so that who asks next does not wait for that; not where it runs.
 
         Called in the event loop. Nothing is started before or after the application serves.
         """
         if self._serves and not self.helper.is_running and (self._preparing is None or self._preparing.done()):
-            self._preparing = asyncio.create_task(self._ask(question))
-            self._preparing.add_done_callback(_tell_failure)
+            self._preparing = asyncio.create_task(self._ask_helper(question))
+            self._preparing.add_done_callback(_log_early_start_failure)
 
-    async def run(self, module: str, code: str, *, reader: str, flow: str, rank: int = 0) -> bytes:
+    async def run_cell(self, module: str, code: str, *, reader: str, flow: str, rank: int = 0) -> bytes:
         """What the page gets, as JSON text. Raises Crowded or Failed."""
         question = json.dumps({"module": module, "code": code}).encode()
-        return await self.ask(question, reader=reader, flow=flow, rank=rank)
+        return await self.ask_process(question, reader=reader, flow=flow, rank=rank)
 
-    async def ask(self, question: bytes, *, reader: str, flow: str, rank: int = 0) -> bytes:
+    async def ask_process(self, question: bytes, *, reader: str, flow: str, rank: int = 0) -> bytes:
         """The answer to a cell, or to what is to be followed line by line (`server.steps`). Raises Crowded or Failed.
 
         `flow` and `rank` are those of the queue (`server.queue.interfaces.Sender`): guests of an address share turns.
@@ -90,35 +90,35 @@ class CellRunner:
             raise Overloaded(TOO_MANY_CELLS, retry_after=2)
         self._count_by_reader[reader] += 1
         async with out_of_turn():
-            return await self._wait_and_ask(question, reader, flow, rank)
+            return await self._wait_for_turn_and_ask(question, reader, flow, rank)
 
-    async def _wait_and_ask(self, question: bytes, reader: str, flow: str, rank: int) -> bytes:
+    async def _wait_for_turn_and_ask(self, question: bytes, reader: str, flow: str, rank: int) -> bytes:
         try:
             await self._limiter.acquire(flow, rank)
         except LimiterFullError:
-            self._decrement(reader)
+            self._decrement_reader_count(reader)
             raise Overloaded(CROWDED, retry_after=5) from None
         except BaseException:
-            self._decrement(reader)
+            self._decrement_reader_count(reader)
             raise
-        asked = asyncio.create_task(self._ask(question))
+        asked = asyncio.create_task(self._ask_helper(question))
         self._running.add(asked)
-        asked.add_done_callback(partial(self._finish, reader, flow, rank))
+        asked.add_done_callback(partial(self._release_turn, reader, flow, rank))
         return await asyncio.shield(asked)
 
-    def _decrement(self, reader: str) -> None:
+    def _decrement_reader_count(self, reader: str) -> None:
         self._count_by_reader[reader] -= 1
         if not self._count_by_reader[reader]:
             del self._count_by_reader[reader]
 
-    def _finish(self, reader: str, flow: str, rank: int, asked: asyncio.Task[bytes]) -> None:
-        self._running.discard(asked)
+    def _release_turn(self, reader: str, flow: str, rank: int, finished_task: asyncio.Task[bytes]) -> None:
+        self._running.discard(finished_task)
         self._limiter.release(flow, rank)
-        self._decrement(reader)
-        if not asked.cancelled():
-            asked.exception()  # of a run that nobody waits for any more, too
+        self._decrement_reader_count(reader)
+        if not finished_task.cancelled():
+            finished_task.exception()  # of a run that nobody waits for any more, too
 
-    async def _ask(self, question: bytes) -> bytes:
+    async def _ask_helper(self, question: bytes) -> bytes:
         try:
             await self._walls.wait_open()
             return await self.helper.ask(question)
@@ -132,7 +132,7 @@ class CellRunner:
         await asyncio.gather(*self._running, *preparing, return_exceptions=True)
 
 
-def _tell_failure(preparing: asyncio.Task[bytes]) -> None:
+def _log_early_start_failure(preparing: asyncio.Task[bytes]) -> None:
     """The next question starts the process again, and tells its reader."""
     if not preparing.cancelled() and (error := preparing.exception()) is not None:
         log.info("the process of cells could not be started ahead", exc_info=error)

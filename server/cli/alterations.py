@@ -23,7 +23,7 @@ from graders.core.code.checks import Check
 from graders.core.code.grading import CodeGrader
 from graders.core.contract.malformed import MalformedExerciseError
 from server.cli import CannotRun, parallel
-from server.client.program.report import number
+from server.client.program.report import format_number
 from server.course import Course, Exercise
 from server.grading.sandbox_grader import SandboxGrader
 from server.sandbox import Policy
@@ -110,7 +110,7 @@ class MutationSubject:
         return self._first_failed(grader, source, seed)
 
     def _first_failed(self, grader: SandboxGrader, source: str, seed: int) -> str | None:
-        programs = grader.programs(self.exercise.id, self.policy)
+        programs = grader.program_starter(self.exercise.id, self.policy)
         return self.code.first_failed_check(source.encode(), programs, seed=seed, checks=self.checks)
 
 
@@ -248,7 +248,7 @@ def report_lines(tally: MutantTally) -> Iterator[str]:
 def percent(some: int, all_: int) -> str:
     """« 97,5 % (39/40) »; rounded down, so that the goal never seems reached before it is."""
     tenths = some * 1000 // all_ if all_ else 1000
-    return f"{number(tenths / 10)} % ({some}/{all_})"
+    return f"{format_number(tenths / 10)} % ({some}/{all_})"
 
 
 def summary(tallies: Sequence[MutantTally]) -> str:

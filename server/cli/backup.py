@@ -5,7 +5,7 @@ from argparse import Namespace
 from pathlib import Path
 
 from server.backup import service
-from server.backup.archive import BackupError, Manifest
+from server.backup.archive import BackupError, BackupManifest
 from server.cli import CannotRun
 from server.cli.configuration import read_settings
 from server.cli.database import explaining_database_errors, require_database
@@ -29,11 +29,11 @@ def run(arguments: Namespace) -> int:
     return 0
 
 
-def show(manifest: Manifest, path: Path, as_json: bool, said: str) -> None:
+def show(manifest: BackupManifest, path: Path, as_json: bool, said: str) -> None:
     if as_json:
         print(json.dumps({"file": str(path), **manifest.to_json()}, ensure_ascii=False))
         return
     width = max(map(len, manifest.tables), default=0)
     for table, saved in manifest.tables.items():
         print(f"  {table:<{width}} {saved.rows:>9}")
-    print(f"{said} : {plural(manifest.rows, 'ligne')}, empreinte {manifest.digest[:16]}.")
+    print(f"{said} : {plural(manifest.row_count, 'ligne')}, empreinte {manifest.digest[:16]}.")

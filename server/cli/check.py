@@ -199,11 +199,11 @@ def _subject(job: Job) -> object:
 
 
 def _figures(course: Course, _: SandboxGrader) -> Sequence[Problem]:
-    return [*lessons.faults(course)]
+    return [*lessons.find_drawing_faults(course)]
 
 
 def _cells(course: Course, _: SandboxGrader) -> Sequence[Problem]:
-    return [*cells.faults(course)]
+    return [*cells.find_failing_cells(course)]
 
 
 def _replays(course: Course, _: SandboxGrader) -> Sequence[Problem]:

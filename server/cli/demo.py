@@ -18,8 +18,8 @@ from server.cli.sandboxes import Probing
 from server.cli.serve import serve
 from server.course import Course
 from server.database import Database
-from server.demo.living import OngoingLesson
-from server.demo.loading import DemoClass, create_demo_class, demo_module
+from server.demo.living import SimulatedLessonThread
+from server.demo.loading import DemoClass, choose_demo_module, create_demo_class
 from server.identity import repository as identity
 from server.submissions.service import Submissions
 
@@ -28,14 +28,14 @@ def run(arguments: Namespace) -> int:
     with _folder(arguments.data) as folder:
         settings = read_settings(data_dir=folder)
         loaded: list[DemoClass] = []
-        lessons: list[OngoingLesson] = []
+        lessons: list[SimulatedLessonThread] = []
 
         def prepare(settings: Settings, course: Course, probing: Probing) -> None:
             loaded.append(_loaded(settings, course, probing, arguments.seed, arguments.students))
 
         def announce(app: FastAPI, address: str) -> None:
             _announce(loaded[0], address)
-            lesson = OngoingLesson(
+            lesson = SimulatedLessonThread(
                 get_service(app, Database), get_service(app, Course), get_service(app, Submissions), loaded[0]
             )
             lesson.start()
@@ -70,7 +70,14 @@ def _loaded(settings: Settings, course: Course, probing: Probing, seed: int, stu
         print("Une classe fictive s’écrit (quelques dizaines de secondes)…", file=sys.stderr, flush=True)
         with local_grader(course, probing) as grader:
             return create_demo_class(
-                database, course, demo_module(course), grader.grade, settings, seed=seed, students=students, told=_tell
+                database,
+                course,
+                choose_demo_module(course),
+                grader.grade,
+                settings,
+                seed=seed,
+                students=students,
+                report_progress=_tell,
             )
     finally:
         database.close()

@@ -45,7 +45,7 @@ def solution_faults(exercise: Exercise, grader: SandboxGrader) -> Sequence[Probl
     """Return why the solution of a declared exercise does not answer as its author says."""
     if not isinstance(exercise.grader, DeclaredGrader):
         return []
-    programs = grader.programs(exercise.id, exercise.policy)
+    programs = grader.program_starter(exercise.id, exercise.policy)
     fault = exercise.grader.solution_fault(programs, secrets.randbits(SEED_BITS))
     path = (exercise.grader.folder or Path()) / DECLARATION
     return [Problem(path, None, fault)] if fault else []

@@ -9,7 +9,7 @@ from server.cli.progress import Progress
 from server.course import Course, Module
 from server.offline import paper, site
 from server.offline.site import Pictures
-from server.reading.downloads import Downloads
+from server.reading.downloads import DownloadArchives
 
 NO_BROWSER = (
     "il faut un Chromium pour écrire des PDF, et cette machine n’en a pas (cherchés : {names}). "
@@ -37,7 +37,7 @@ def run(arguments: Namespace) -> int:
 
 
 def _archive(course: Course, module: Module, pictures: Pictures, file: Path) -> None:
-    made = site.build_archive_zip(course, module, pictures, Downloads(course))
+    made = site.build_archive_zip(course, module, pictures, DownloadArchives(course))
     try:
         file.write_bytes(made)
     except OSError as error:

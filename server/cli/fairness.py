@@ -22,7 +22,7 @@ from graders.core.contract.outcomes import Outcome
 from graders.core.contract.verdict import Verdict
 from server.behaviour.limits import SEARCH_PROCESSOR_SECONDS
 from server.cli import CannotRun
-from server.client.program.report import number
+from server.client.program.report import format_number
 from server.course import Course, Exercise
 from server.grading.sandbox_grader import SandboxGrader
 
@@ -157,7 +157,7 @@ def grade_on_seeds(grader: SandboxGrader, submission: FairnessSubmission, seeds:
     verdicts = [
         grader.grade(submission.exercise.id, source, seed).verdict for seed in range(FIRST_SEED, FIRST_SEED + seeds)
     ]
-    diagnosis = grader.find_place(submission.exercise.id, source, verdicts[0], seconds=SEARCH_PROCESSOR_SECONDS)
+    diagnosis = grader.locate_mistakes(submission.exercise.id, source, verdicts[0], seconds=SEARCH_PROCESSOR_SECONDS)
     return GradedProgram(submission, [replace(verdicts[0], diagnosis=diagnosis), *verdicts[1:]])
 
 
@@ -166,7 +166,7 @@ def result_line(finding: GradedProgram) -> str:
     submission = finding.submission
     well = finding.accepted == submission.right and not finding.varies and not finding.failed
     judged = "correction échouée" if finding.failed else "accepté" if finding.accepted else "refusé"
-    points = " ou ".join(number(value) for value in finding.points)
+    points = " ou ".join(format_number(value) for value in finding.points)
     varying = ", selon la graine" if finding.varies else ""
     names = "" if submission.right else f" ; nom : {_names(finding)}"
     where = f"{submission.exercise.id.split('/')[-1]} {submission.path.parent.name}/{submission.path.name}"

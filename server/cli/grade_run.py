@@ -41,7 +41,7 @@ def grade_code(arguments: Namespace, source: bytes, sandbox: Future[Sandbox], pr
         wall_cache.save()
     grader = SandboxGrader(course, sandbox.result())
     judgement = grader.grade(arguments.exercise, source, _seed(arguments), own=own)
-    diagnosis = grader.find_place(arguments.exercise, source, judgement.verdict, own=own, seconds=SEARCH_SECONDS)
+    diagnosis = grader.locate_mistakes(arguments.exercise, source, judgement.verdict, own=own, seconds=SEARCH_SECONDS)
     return _report(arguments, replace(judgement, verdict=replace(judgement.verdict, diagnosis=diagnosis)))
 
 

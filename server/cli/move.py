@@ -12,7 +12,7 @@ from sqlalchemy.exc import ArgumentError
 
 from server.audit.models import AuditAction
 from server.backup.archive import BackupError
-from server.backup.move import move_rows
+from server.backup.move import copy_rows_into_empty_database
 from server.base.settings import Settings
 from server.cli import CannotRun
 from server.cli.admin import journal
@@ -41,7 +41,7 @@ def run(arguments: Namespace) -> int:
             closing(Database(old.url)) as source,
             closing(Database(new.url)) as target,
         ):
-            moved = move_rows(source, target, metadata.sorted_tables, progress)
+            moved = copy_rows_into_empty_database(source, target, metadata.sorted_tables, progress)
             rows = sum(table.rows for table in moved.values())
             journal.record_now(target, AuditAction.database_moved, after={"rows": rows})
     except BackupError as error:

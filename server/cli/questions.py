@@ -2,7 +2,7 @@
 
 from graders.core.answers import Paper
 from server.cli.report import paragraph
-from server.client.program.report import number
+from server.client.program.report import format_number
 
 EXAMPLES = {"number": '"0,1"', "one": '"a"', "several": '["a", "b"]', "order": '["b", "a"]'}
 FORMS = {"one": "Une seule réponse est bonne.", "several": "Une ou plusieurs réponses sont bonnes."}
@@ -16,7 +16,7 @@ def render_questions(exercise: str, paper: Paper, seed: int) -> str:
         unit = f" [{question.unit}]" if question.unit else ""
         lines += [
             "",
-            f"{question.id}{unit} : {question.title} ({number(question.points)} points)",
+            f"{question.id}{unit} : {question.title} ({format_number(question.points)} points)",
             *paragraph(question.text, indent=2),
         ]
         if question.form in FORMS:

@@ -10,7 +10,7 @@ from graders.core.compare.told_apart import text_pair
 from graders.core.contract.headline import headline
 from graders.core.contract.outcomes import Blame
 from graders.core.contract.verdict import TEACHER, CheckResult, Counterexample, Diagnosis, Verdict
-from server.client.program.report import number, printable
+from server.client.program.report import format_number, replace_control_characters
 
 WIDTH = 100
 FULL_MARKS, NOT_FULL, CANNOT = 0, 1, 2
@@ -29,7 +29,7 @@ def render(verdict: Verdict) -> str:
 
 def _lines(verdict: Verdict) -> Iterator[str]:
     if verdict.outcome.counts:
-        mark = f"{number(verdict.points)}/{number(verdict.max_points)}"
+        mark = f"{format_number(verdict.points)}/{format_number(verdict.max_points)}"
         yield f"{verdict.exercise} : {mark} — {verdict.outcome.brief}"
         if (told := headline(verdict)) != verdict.outcome.wording():
             yield from paragraph(f"{told.title}. {told.sentence}", indent=2)
@@ -50,7 +50,7 @@ def _lines(verdict: Verdict) -> Iterator[str]:
 
 def _check(check: CheckResult, messages: set[str]) -> Iterator[str]:
     mark = "✓" if check.passed else "–" if check.neutral else "✗"
-    yield f"  {mark} {check.title}  ({number(check.points)}/{number(check.max_points)})"
+    yield f"  {mark} {check.title}  ({format_number(check.points)}/{format_number(check.max_points)})"
     if check.passed:
         if check.message:
             yield from paragraph(check.message)
@@ -96,10 +96,10 @@ def _diagnosis(diagnosis: Diagnosis) -> Iterator[str]:
 def _stdout(text: str) -> Iterator[str]:
     if text.strip():
         yield "Affiché par le programme :"
-        yield from (f"  │ {printable(line)}" for line in text.rstrip("\n").splitlines())
+        yield from (f"  │ {replace_control_characters(line)}" for line in text.rstrip("\n").splitlines())
 
 
 def paragraph(text: str, indent: int = 6) -> Iterator[str]:
     margin = " " * indent
-    for line in printable(text).splitlines():
+    for line in replace_control_characters(text).splitlines():
         yield from textwrap.wrap(line, WIDTH, initial_indent=margin, subsequent_indent=margin) or [""]

@@ -8,7 +8,7 @@ from sqlalchemy.exc import SQLAlchemyError
 
 from server.audit.models import AuditAction
 from server.backup import service
-from server.backup.archive import BackupError, Manifest
+from server.backup.archive import BackupError, BackupManifest
 from server.base.settings import Settings
 from server.cli import CannotRun
 from server.cli.admin import journal
@@ -24,10 +24,10 @@ def run(arguments: Namespace) -> int:
     settings = read_settings(data_dir=arguments.data)
     try:
         if arguments.check:
-            show(service.verify(settings, arguments.file), arguments.file, arguments.json, "Sauvegarde intacte")
+            show(service.verify_backup(settings, arguments.file), arguments.file, arguments.json, "Sauvegarde intacte")
             return 0
         with exclusive_data_folder(settings):
-            manifest, kept = service.restore(
+            manifest, kept = service.restore_backup(
                 settings, arguments.file, metadata.sorted_tables, replace=arguments.replace, now=utc_now()
             )
             _record(settings, manifest)
@@ -41,7 +41,7 @@ def run(arguments: Namespace) -> int:
     return 0
 
 
-def _record(settings: Settings, manifest: Manifest) -> None:
+def _record(settings: Settings, manifest: BackupManifest) -> None:
     """Record the restoration in the restored audit log, unless that is of an older schema, which `serve` upgrades."""
     with closing(Database(settings.url)) as database:
         try:

@@ -19,7 +19,7 @@ from sqlalchemy.exc import DBAPIError, SQLAlchemyError
 
 from server.app import create_app
 from server.backup.archive import BackupError
-from server.backup.service import save_before_upgrade
+from server.backup.service import back_up_before_upgrade
 from server.base import http_protocol, logs, traces
 from server.base.app_services import get_service
 from server.base.concurrency import Gate
@@ -33,7 +33,7 @@ from server.course import Course, load_course
 from server.course.start_cache import CACHE_FILE, StartCache
 from server.database import STARTUP_TIMEOUT, Database, is_unavailable, utc_now
 from server.database.migrate import WrongSchema, upgrade
-from server.figures.service import Figures
+from server.figures.service import FigureService
 from server.grading.supervisor import WorkerSupervisor
 from server.health.metrics import PrometheusMetrics
 from server.identity import links
@@ -91,7 +91,7 @@ def serve(settings: Settings, host: str, port: int, announce: Announce, prepare:
             if settings.warm_up:
                 Thread(target=_prepare, args=(course,), name="read-ahead", daemon=True).start()
             if settings.warm_figures:
-                get_service(app, Figures).pictures.warm()
+                get_service(app, FigureService).pictures.start_process_in_background()
 
         try:
             _serve(app, settings, listener, ready, probing, walls)
@@ -176,7 +176,7 @@ def _serve(
     """Pages are served while the walls are tried; where they do not stand, it ends before any student's code ran."""
     end_streams = get_service(app, JobEvents).close  # open, they would keep it from ending
     server = Server(
-        configuration(app, settings), ready, get_service(app, WorkerSupervisor).expect_shutdown, end_streams
+        configuration(app, settings), ready, get_service(app, WorkerSupervisor).stop_restarting_workers, end_streams
     )
     open_once_tried(probing, walls, get_service(app, PrometheusMetrics), server.leave)
     server.run([listener])
@@ -193,7 +193,7 @@ def open_once_tried(probing: Probing, walls: Gate, metrics: PrometheusMetrics, l
         if done.exception() is not None or not safe_to_serve(done.result()):
             leave()
             return
-        metrics.set_walls({wall.name: wall.status is WallStatus.STANDING for wall in done.result()})
+        metrics.set_wall_states({wall.name: wall.status is WallStatus.STANDING for wall in done.result()})
         walls.open()
 
     probing.add_done_callback(tried)
@@ -227,7 +227,7 @@ def _migrate(settings: Settings) -> None:
     database = Database(settings.url)
     try:
         database.wait_until_available(STARTUP_TIMEOUT)
-        save_before_upgrade(settings, database, TABLE_NAMES, utc_now())
+        back_up_before_upgrade(settings, database, TABLE_NAMES, utc_now())
         upgrade(database.engine)
     except (WrongSchema, BackupError) as error:
         raise CannotRun(str(error)) from error

@@ -7,19 +7,19 @@ from server.cli import CannotRun
 from server.client.program import tokens
 from server.client.program.errors import ClientError
 
-path = tokens.path
+path = tokens.token_file_path
 
 
 def read() -> dict[str, str]:
     """Load the tokens by server; the latest stored comes last."""
     with _explained():
-        return tokens.read()
+        return tokens.load_tokens_by_server()
 
 
 def save(server: str, token: str) -> None:
     """Store a token; the file is replaced atomically and never readable by others."""
     with _explained():
-        tokens.save(server, token)
+        tokens.save_token(server, token)
 
 
 @contextmanager

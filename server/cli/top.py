@@ -73,7 +73,7 @@ def _local(database: Any) -> Read:
 
     def read() -> Json:
         with explaining_database_errors(), database.read() as db:
-            return service_status.to_json(service_status.load_status(db))
+            return service_status.service_status_to_json(service_status.load_service_status(db))
 
     return read
 

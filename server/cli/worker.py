@@ -14,7 +14,7 @@ from server.cli.database import open_database
 from server.cli.sandboxes import require_safe_sandbox, start_probing
 from server.database import STARTUP_TIMEOUT
 from server.grading.worker_process import run_worker, stop_on_signals
-from server.health.event_counter import EventCounter
+from server.health.event_counter import TemplateRenewalCounter
 from server.queue.graceful_stop import StopRequested
 from server.queue.interfaces import NullNotifier
 from server.queue.polling import PollingSource
@@ -39,7 +39,9 @@ def run(_arguments: Namespace) -> int:
                 print(ALONE, file=sys.stderr)
             place = make_url(settings.url).render_as_string(hide_password=True)
             print(f"Balise corrige ce qui attend dans {place} ; Ctrl+C pour arrêter.", flush=True)
-            run_worker(settings, PollingSource(), NullNotifier(), EventCounter(database).count_template_renewal)
+            run_worker(
+                settings, PollingSource(), NullNotifier(), TemplateRenewalCounter(database).count_template_renewal
+            )
     except StopRequested:
         return 0
     finally:

@@ -17,9 +17,9 @@ MAIN = f"import sys\n\nfrom {PACKAGE}.commands import main\n\nsys.exit(main())\n
 
 
 @lru_cache(maxsize=8)
-def build(server: str) -> bytes:
+def build_client_archive(server_address: str) -> bytes:
     """Return the client for a server (its address, without a slash at the end)."""
-    release = f"SERVER = {server!r}\nVERSION = {VERSION!r}\n"
+    release = f"SERVER = {server_address!r}\nVERSION = {VERSION!r}\n"
     members = {"__main__.py": MAIN, f"{PACKAGE}/release.py": release}
     for path in sorted(PROGRAM.glob("*.py")):
         if path.name != "release.py":

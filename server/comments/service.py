@@ -117,7 +117,9 @@ def _title_of_check(attempt: Attempt, check_id: str) -> str:
 
 
 def _insert(db: Session, by: Account, thread: Thread, text: str, settings: Settings) -> Thread:
-    if not thread.by_staff and not rights.has_readers(db, thread.account_id, rights.module_of(thread.exercise)):
+    if not thread.by_staff and not rights.has_staff_readers(
+        db, thread.account_id, rights.module_of_exercise(thread.exercise)
+    ):
         raise Conflict(NOBODY)
     _limit_rate(db, by, settings)
     if repository.count_threads(db, thread.account_id, thread.exercise) >= MAX_THREADS:

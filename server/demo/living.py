@@ -20,13 +20,13 @@ log = logging.getLogger(__name__)
 ADDRESS = "198.51.100.1"  # of documentation: nobody's
 
 
-class OngoingLesson:
+class SimulatedLessonThread:
     """A thread that sends each attempt at its time, until there is none left or it is stopped."""
 
     def __init__(self, database: Database, course: Course, store: Submissions, loaded: DemoClass) -> None:
         self._database, self._course, self._store, self._loaded = database, course, store, loaded
         self._stopping = threading.Event()
-        self._thread = threading.Thread(target=self._run, name="lesson", daemon=True)
+        self._thread = threading.Thread(target=self._send_attempts_on_time, name="lesson", daemon=True)
 
     def start(self) -> None:
         self._thread.start()
@@ -39,15 +39,15 @@ class OngoingLesson:
         self._stopping.set()
         self.join()
 
-    def _run(self) -> None:
+    def _send_attempts_on_time(self) -> None:
         steps: Sequence[PlannedAttempt] = self._loaded.upcoming
         for step in steps:
             wait = (step.sent_at - utc_now()).total_seconds()
             if self._stopping.wait(max(0.0, wait)):
                 return
-            self._send(step)
+            self._send_attempt(step)
 
-    def _send(self, step: PlannedAttempt) -> None:
+    def _send_attempt(self, step: PlannedAttempt) -> None:
         exercise = self._course.exercises[step.exercise]
         try:
             with self._database.write() as db:

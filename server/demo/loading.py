@@ -19,9 +19,9 @@ from server.classes.models import ClassRole, Membership, SchoolClass
 from server.course import Course, Module
 from server.database import Database, utc_now
 from server.demo import teaching
-from server.demo.people import Pupil, draw_pupils
-from server.demo.programs import as_student_file
-from server.demo.story import PlannedAttempt, lesson_starts, plan_attempts
+from server.demo.people import SimulatedStudent, draw_simulated_students
+from server.demo.programs import format_as_student_file
+from server.demo.story import PlannedAttempt, lesson_start_times, plan_attempts
 from server.gradebook import service as gradebook
 from server.gradebook.schemas import GradingResult
 from server.identity import secrets
@@ -52,7 +52,7 @@ class DemoClass:
     seeds: Mapping[str, int]
 
 
-def demo_module(course: Course) -> Module:
+def choose_demo_module(course: Course) -> Module:
     """The module that a demonstration is of: the one with the most exercises."""
     return max(course.modules.values(), key=lambda module: len(module.exercises))
 
@@ -66,40 +66,40 @@ def create_demo_class(
     *,
     seed: int,
     students: int,
-    told: ProgressCallback,
+    report_progress: ProgressCallback,
 ) -> DemoClass:
     """Into an empty database. `grade` says the judgement of a file; `told` hears how many attempts are written."""
     random, now = Random(seed), utc_now()
-    everyone = draw_pupils(random, students)
+    everyone = draw_simulated_students(random, students)
     steps = plan_attempts(module, everyone, random, now)
     seeds = {exercise.id: random.getrandbits(50) for exercise in module.exercises}
     logins = {login: secrets.new_token()[:12] for login in (TEACHER[0], everyone[0].login)}
     hashes = {login: secrets.hash_password(password) for login, password in logins.items()}
     with database.write() as db:
-        made, teacher, accounts = _create_people(db, module, everyone, hashes, now)
-        room = teaching.Classroom(course, module, made, teacher, accounts)
+        made, teacher, accounts = _create_class_and_accounts(db, module, everyone, hashes, now)
+        room = teaching.DemoClassroom(course, module, made, teacher, accounts)
         test = teaching.create_assignments(db, room, now)
     past = [step for step in steps if step.sent_at <= now]
-    _write_history(database, course, past, accounts, seeds, grade, told)
+    _grade_and_record_attempts(database, course, past, accounts, seeds, grade, report_progress)
     with database.write() as db:
         room = replace(room, school_class=db.get_one(SchoolClass, made.id), teacher=db.get_one(Account, teacher.id))
-        teaching.record_sittings(db, room, db.get_one(Assignment, test.id), past)
-        teaching.write_comments(db, room, past, settings)
-        teaching.create_marked_column(db, room, now)
-        teaching.hold_lessons(db, room, now)
+        teaching.record_test_sittings(db, room, db.get_one(Assignment, test.id), past)
+        teaching.write_example_comments(db, room, past, settings)
+        teaching.create_oral_marks_column(db, room, now)
+        teaching.record_lessons_with_presence(db, room, now)
     return DemoClass(made.id, logins, [step for step in steps if step.sent_at > now], accounts, seeds)
 
 
-def _create_people(
-    db: Session, module: Module, everyone: Sequence[Pupil], hashes: Mapping[str, str], now: datetime
+def _create_class_and_accounts(
+    db: Session, module: Module, pupils: Sequence[SimulatedStudent], hashes: Mapping[str, str], now: datetime
 ) -> tuple[SchoolClass, Account, list[UUID]]:
-    first = lesson_starts(now)[0]
+    first = lesson_start_times(now)[0]
     teacher = _create_account(db, *TEACHER, Role.teacher, hashes)
     assistant = _create_account(db, *ASSISTANT, Role.teacher, hashes)
     made = classes.create_class(db, teacher, CLASS_NAME, module.slug)
     made.created_at = first - WEEK
     db.add(Membership(class_id=made.id, account_id=assistant.id, role=ClassRole.assistant))
-    accounts = [_enrol_student(db, made, pupil, first, hashes) for pupil in everyone]
+    accounts = [_enrol_student(db, made, pupil, first, hashes) for pupil in pupils]
     return made, teacher, accounts
 
 
@@ -110,10 +110,12 @@ def _create_account(db: Session, login: str, name: str, role: Role, hashes: Mapp
     return account
 
 
-def _enrol_student(db: Session, made: SchoolClass, pupil: Pupil, since: datetime, hashes: Mapping[str, str]) -> UUID:
+def _enrol_student(
+    db: Session, school_class: SchoolClass, pupil: SimulatedStudent, since: datetime, hashes: Mapping[str, str]
+) -> UUID:
     account = _create_account(db, pupil.login, pupil.name, Role.student, hashes)
     row = Membership(
-        class_id=made.id,
+        class_id=school_class.id,
         account_id=account.id,
         family_name=pupil.family,
         given_name=pupil.given,
@@ -129,23 +131,23 @@ def _enrol_student(db: Session, made: SchoolClass, pupil: Pupil, since: datetime
 def attempt_source(step: PlannedAttempt, seed: int, *, code: bool) -> bytes:
     """The file of an attempt. The same program again differs from itself, as what students send does."""
     source = step.submission.source_for_seed(seed)
-    return as_student_file(source, step.repeats) if code else source
+    return format_as_student_file(source, step.repeats) if code else source
 
 
-def _write_history(
+def _grade_and_record_attempts(
     database: Database,
     course: Course,
-    steps: Sequence[PlannedAttempt],
+    planned_attempts: Sequence[PlannedAttempt],
     accounts: Sequence[UUID],
     seeds: Mapping[str, int],
     grade: Grade,
-    told: ProgressCallback,
+    report_progress: ProgressCallback,
 ) -> None:
     """The same file of code on the same seed is graded once; answers are to each student's own deal."""
     judged: dict[tuple[str, bytes, int], Judgement] = {}
-    for start in range(0, len(steps), BATCH_SIZE):
+    for start in range(0, len(planned_attempts), BATCH_SIZE):
         with database.write() as db:
-            for step in steps[start : start + BATCH_SIZE]:
+            for step in planned_attempts[start : start + BATCH_SIZE]:
                 exercise, account = course.exercises[step.exercise], db.get_one(Account, accounts[step.pupil])
                 code = exercise.kind == "code"
                 seed = seeds[step.exercise] if code else get_or_create_seed(db, account, step.exercise)
@@ -154,7 +156,7 @@ def _write_history(
                 if key not in judged:
                     judged[key] = grade(*key)
                 _record_attempt(db, account, step, source, seed, judged[key])
-        told(min(start + BATCH_SIZE, len(steps)), len(steps))
+        report_progress(min(start + BATCH_SIZE, len(planned_attempts)), len(planned_attempts))
 
 
 def _record_attempt(

@@ -22,7 +22,7 @@ GROUPS = ("TP1", "TP2")
 
 
 @dataclass(frozen=True)
-class Pupil:
+class SimulatedStudent:
     """A simulated student; `ease` in [0, 1]: how soon an exercise is understood."""
 
     given: str
@@ -37,12 +37,12 @@ class Pupil:
         return f"{self.given} {self.family}"
 
 
-def draw_pupils(random: Random, count: int) -> tuple[Pupil, ...]:
+def draw_simulated_students(random: Random, count: int) -> tuple[SimulatedStudent, ...]:
     """So many, no two of one login; as many names as there are bound how many."""
     pairs = [(given, family) for given in GIVEN for family in FAMILY]
     chosen = random.sample(pairs, count)
     return tuple(
-        Pupil(
+        SimulatedStudent(
             *(given, family, f"{_ascii_letters(given)}.{_ascii_letters(family)}"),
             group=GROUPS[number * len(GROUPS) // count],
             ease=random.betavariate(4.0, 3.0),

@@ -12,7 +12,7 @@ FOR_LINTER = re.compile(r"[ \t]*# noqa\b.*")
 DEFINITIONS = (ast.FunctionDef, ast.ClassDef)
 
 
-def as_student_file(source: bytes, repeats: int) -> bytes:
+def format_as_student_file(source: bytes, repeats: int) -> bytes:
     """Return a program of the course in the form of a student's file.
 
     A mistake of the catalogue may be the solution followed by wrong functions: each function stays once, and the words
@@ -22,21 +22,21 @@ def as_student_file(source: bytes, repeats: int) -> bytes:
     mark = f'print("ici{f" {repeats}" if repeats > 1 else ""}")'
     try:
         source = FOR_LINTER.sub("", source.decode()).encode()
-        lines = _without_notes(source.decode().split("\n"), parse_source(source).body)
-        lines = _with_line_before_return(lines, mark) if repeats else lines
+        lines = _remove_docstring_and_redefined_functions(source.decode().split("\n"), parse_source(source).body)
+        lines = _insert_line_before_last_return(lines, mark) if repeats else lines
     except (SyntaxError, ValueError):
         return source + f"\n{mark}\n".encode() if repeats else source
     return "\n".join(lines).encode()
 
 
-def _without_notes(lines: Sequence[str], body: Sequence[ast.stmt]) -> list[str]:
+def _remove_docstring_and_redefined_functions(lines: Sequence[str], body: Sequence[ast.stmt]) -> list[str]:
     """Leave out the text at the top, and functions that are defined again later unless used meanwhile."""
-    left_out = {place for statement in _unwritten(body) for place in _places(statement)}
+    left_out = {place for statement in _find_docstring_and_redefinitions(body) for place in _line_indices(statement)}
     kept = [line for number, line in enumerate(lines) if number not in left_out]
-    return _without_wide_gaps(kept) if left_out else list(lines)
+    return _collapse_blank_lines(kept) if left_out else list(lines)
 
 
-def _unwritten(body: Sequence[ast.stmt]) -> Iterator[ast.stmt]:
+def _find_docstring_and_redefinitions(body: Sequence[ast.stmt]) -> Iterator[ast.stmt]:
     latest = {statement.name: statement for statement in body if isinstance(statement, DEFINITIONS)}
     used = {
         node.id
@@ -49,22 +49,22 @@ def _unwritten(body: Sequence[ast.stmt]) -> Iterator[ast.stmt]:
         if isinstance(statement, DEFINITIONS):
             if latest[statement.name] is not statement and statement.name not in used:
                 yield statement
-        elif number == 0 and _is_text(statement):
+        elif number == 0 and _is_docstring(statement):
             yield statement
 
 
-def _is_text(statement: ast.stmt) -> bool:
+def _is_docstring(statement: ast.stmt) -> bool:
     return isinstance(statement, ast.Expr) and isinstance(getattr(statement.value, "value", None), str)
 
 
-def _places(statement: ast.stmt) -> range:
+def _line_indices(statement: ast.stmt) -> range:
     """Return the places of its lines, from 0, decorators included."""
     decorators = getattr(statement, "decorator_list", [])
     first = min(node.lineno for node in (statement, *decorators))
     return range(first - 1, statement.end_lineno or first)
 
 
-def _without_wide_gaps(lines: Sequence[str]) -> list[str]:
+def _collapse_blank_lines(lines: Sequence[str]) -> list[str]:
     """Leave at most two empty lines together, and none at the top."""
     shown: list[str] = []
     for line in lines:
@@ -73,7 +73,7 @@ def _without_wide_gaps(lines: Sequence[str]) -> list[str]:
     return shown
 
 
-def _with_line_before_return(lines: Sequence[str], added: str) -> list[str]:
+def _insert_line_before_last_return(lines: Sequence[str], inserted_line: str) -> list[str]:
     """Add a line before the last `return` that stands alone on its lines; at the end where there is none.
 
     Raise SyntaxError as `parse_source` does.
@@ -84,7 +84,7 @@ def _with_line_before_return(lines: Sequence[str], added: str) -> list[str]:
         if isinstance(node, ast.Return) and lines[node.lineno - 1].lstrip().startswith("return")
     ]
     if not places:
-        return [*lines, added, ""]
+        return [*lines, inserted_line, ""]
     place = max(places)
     line = lines[place]
-    return [*lines[:place], line[: len(line) - len(line.lstrip())] + added, *lines[place:]]
+    return [*lines[:place], line[: len(line) - len(line.lstrip())] + inserted_line, *lines[place:]]

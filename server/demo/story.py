@@ -17,7 +17,7 @@ from random import Random
 from graders.core.contract.outcomes import Outcome
 from graders.core.contract.protocol import KnownSubmission
 from server.course import Exercise, Module
-from server.demo.people import Pupil
+from server.demo.people import SimulatedStudent
 
 LESSON_COUNT = 4
 BETWEEN_LESSONS = timedelta(days=7)
@@ -35,7 +35,7 @@ UNNAMED = (Outcome.WRONG_ANSWER, Outcome.RUNTIME_ERROR, Outcome.SYNTAX_ERROR, Ou
 
 
 @dataclass(frozen=True)
-class Repertoire:
+class SubmissionRepertoire:
     """What one may send to an exercise, by its place in what is known of it (`Exercise.grader.known`)."""
 
     right: tuple[KnownSubmission, ...]
@@ -54,12 +54,12 @@ class PlannedAttempt:
     repeats: int
 
 
-def lesson_starts(now: datetime) -> tuple[datetime, ...]:
+def lesson_start_times(now: datetime) -> tuple[datetime, ...]:
     """When the lessons began: the last is going on."""
     return tuple(now - ELAPSED - BETWEEN_LESSONS * weeks for weeks in reversed(range(LESSON_COUNT)))
 
 
-def exercises_by_lesson(module: Module) -> tuple[tuple[Exercise, ...], ...]:
+def divide_exercises_among_lessons(module: Module) -> tuple[tuple[Exercise, ...], ...]:
     """The module's exercises in the order in which one meets them, shared among the lessons."""
     places = {lesson.slug: place for place, lesson in enumerate(module.lessons)}
     met = sorted(module.exercises, key=lambda exercise: places.get(exercise.seance, len(places)))
@@ -68,7 +68,7 @@ def exercises_by_lesson(module: Module) -> tuple[tuple[Exercise, ...], ...]:
     return tuple(tuple(met[start:end]) for start, end in itertools.pairwise(cuts))
 
 
-def build_repertoire(exercise: Exercise, random: Random) -> Repertoire:
+def build_submission_repertoire(exercise: Exercise, random: Random) -> SubmissionRepertoire:
     """The misconceptions in an order of their own: the first are those that many have."""
     known = list(exercise.grader.known_submissions())
     named: dict[str, list[KnownSubmission]] = {}
@@ -80,37 +80,43 @@ def build_repertoire(exercise: Exercise, random: Random) -> Repertoire:
     unnamed = [
         submission
         for submission in known
-        if submission.diagnosis is None and submission.outcome in UNNAMED and _is_honest(submission)
+        if submission.diagnosis is None and submission.outcome in UNNAMED and _is_honest_submission(submission)
     ]
-    return Repertoire(
+    return SubmissionRepertoire(
         right=tuple(submission for submission in known if submission.outcome is Outcome.OK),
         named=tuple(tuple(named[name]) for name in order),
         unnamed=tuple(sorted(unnamed, key=lambda submission: UNNAMED.index(submission.outcome))),
     )
 
 
-def _is_honest(known: KnownSubmission) -> bool:
+def _is_honest_submission(known: KnownSubmission) -> bool:
     """Not a program that plays tricks on its grader, which nobody of the class would write."""
     return b"__" not in known.source_for_seed(0)
 
 
-def plan_attempts(module: Module, pupils: Sequence[Pupil], random: Random, now: datetime) -> list[PlannedAttempt]:
+def plan_attempts(
+    module: Module, pupils: Sequence[SimulatedStudent], random: Random, now: datetime
+) -> list[PlannedAttempt]:
     """Everything that is sent in the four lessons and between them, in time; what the last still brings lies after
     `now`."""
-    repertoires = {exercise.id: build_repertoire(exercise, random) for exercise in module.exercises}
+    repertoires = {exercise.id: build_submission_repertoire(exercise, random) for exercise in module.exercises}
     steps = [
         step
-        for start, exercises in zip(lesson_starts(now), exercises_by_lesson(module), strict=True)
+        for start, exercises in zip(lesson_start_times(now), divide_exercises_among_lessons(module), strict=True)
         for number, pupil in enumerate(pupils)
         if random.random() >= ABSENCE_PROBABILITY
-        for step in _pupil_attempts(number, pupil, exercises, repertoires, random, start)
+        for step in _plan_attempts_in_lesson(number, pupil, exercises, repertoires, random, start)
     ]
-    steps += [step for start in lesson_starts(now)[:-1] for step in _homework(steps, start, repertoires, random)]
+    steps += [
+        step
+        for start in lesson_start_times(now)[:-1]
+        for step in _plan_homework_attempts(steps, start, repertoires, random)
+    ]
     return sorted(steps, key=lambda step: step.sent_at)
 
 
-def _homework(
-    steps: Sequence[PlannedAttempt], start: datetime, repertoires: Mapping[str, Repertoire], random: Random
+def _plan_homework_attempts(
+    steps: Sequence[PlannedAttempt], start: datetime, repertoires: Mapping[str, SubmissionRepertoire], random: Random
 ) -> Iterator[PlannedAttempt]:
     """Some of those who left an exercise of the lesson wrong, on some of the days before the next one."""
     sent: dict[tuple[int, str], list[PlannedAttempt]] = {}
@@ -122,11 +128,14 @@ def _homework(
     for own in left.values():
         if len(days) >= HOMEWORK_DAYS and random.random() < HOMEWORK_PROBABILITY:
             chosen = sorted(random.sample(days, HOMEWORK_DAYS))
-            yield from _attempts_at_home(own, [start + timedelta(days=day) for day in chosen], repertoires, random)
+            yield from _plan_attempts_at_home(own, [start + timedelta(days=day) for day in chosen], repertoires, random)
 
 
-def _attempts_at_home(
-    own: Sequence[PlannedAttempt], days: Sequence[datetime], repertoires: Mapping[str, Repertoire], random: Random
+def _plan_attempts_at_home(
+    own: Sequence[PlannedAttempt],
+    days: Sequence[datetime],
+    repertoires: Mapping[str, SubmissionRepertoire],
+    random: Random,
 ) -> Iterator[PlannedAttempt]:
     """What somebody sends at home on these days to an exercise that they left wrong, until it is right."""
     pupil, exercise, last = own[-1].pupil, own[-1].exercise, own[-1].submission
@@ -142,11 +151,11 @@ def _attempts_at_home(
             return
 
 
-def _pupil_attempts(
+def _plan_attempts_in_lesson(
     number: int,
-    pupil: Pupil,
+    pupil: SimulatedStudent,
     exercises: Sequence[Exercise],
-    repertoires: Mapping[str, Repertoire],
+    repertoires: Mapping[str, SubmissionRepertoire],
     random: Random,
     start: datetime,
 ) -> Iterator[PlannedAttempt]:
@@ -162,16 +171,16 @@ def _pupil_attempts(
         at += timedelta(minutes=random.uniform(1, 4))  # reads the next
 
 
-def _draw_submissions(of: Repertoire, ease: float, random: Random) -> Iterator[KnownSubmission]:
+def _draw_submissions(repertoire: SubmissionRepertoire, ease: float, random: Random) -> Iterator[KnownSubmission]:
     """Wrong ones while the exercise is not understood, then the right one; who finds it hard may leave it."""
     while random.random() > SUCCESS_PROBABILITY[0] + SUCCESS_PROBABILITY[1] * ease:
-        if of.unnamed and (not of.named or random.random() < UNNAMED_PROBABILITY):
-            yield of.unnamed[min(int(random.expovariate(1.0)), len(of.unnamed) - 1)]
-        elif of.named:
-            popular = of.named[min(int(random.expovariate(1 / POPULARITY_SCALE)), len(of.named) - 1)]
+        if repertoire.unnamed and (not repertoire.named or random.random() < UNNAMED_PROBABILITY):
+            yield repertoire.unnamed[min(int(random.expovariate(1.0)), len(repertoire.unnamed) - 1)]
+        elif repertoire.named:
+            popular = repertoire.named[min(int(random.expovariate(1 / POPULARITY_SCALE)), len(repertoire.named) - 1)]
             yield random.choice(popular)
             while random.random() < REPEAT_PROBABILITY:
                 yield random.choice(popular)
         if random.random() < GIVE_UP_PROBABILITY * (1 - ease):
             return
-    yield random.choice(of.right)
+    yield random.choice(repertoire.right)

@@ -25,7 +25,7 @@ from server.comments.line_tracking import LineRange
 from server.comments.schemas import WHOLE_WORK, ThreadTarget
 from server.course import Course, Exercise, Module
 from server.demo.people import GROUPS
-from server.demo.story import LESSON_DURATION, PlannedAttempt, exercises_by_lesson, lesson_starts
+from server.demo.story import LESSON_DURATION, PlannedAttempt, divide_exercises_among_lessons, lesson_start_times
 from server.gradebook import service as gradebook
 from server.identity.models import Account
 from server.lesson import service as lessons
@@ -52,7 +52,7 @@ WORD = "Beaucoup d’entre vous ont la même difficulté : relisez la définitio
 
 
 @dataclass(frozen=True)
-class Classroom:
+class DemoClassroom:
     """The class, who teaches it and who learns there."""
 
     course: Course
@@ -62,34 +62,38 @@ class Classroom:
     students: Sequence[UUID]
 
 
-def create_assignments(db: Session, room: Classroom, now: datetime) -> Assignment:
+def create_assignments(db: Session, room: DemoClassroom, now: datetime) -> Assignment:
     """One for each lesson, due a week after, and a test in one of them; a test to come. The test that is past."""
-    starts, by_lesson = lesson_starts(now), exercises_by_lesson(room.module)
+    starts, by_lesson = lesson_start_times(now), divide_exercises_among_lessons(room.module)
     for number, (start, exercises) in enumerate(zip(starts, by_lesson, strict=True)):
         late, per_day = (LatePolicy.accept, None) if number % 2 else (LatePolicy.penalty, 2.0)
         given = exercises[:-TEST_LENGTH] if number == TEST_LESSON and len(exercises) > TEST_LENGTH else exercises
         due = start + WEEK
         last = _create_assignment(
-            db, room, AssignmentInput(f"Semaine {number + 1}", _weighted(given), start, due, due + WEEK, late, per_day)
+            db,
+            room,
+            AssignmentInput(f"Semaine {number + 1}", _with_weights(given), start, due, due + WEEK, late, per_day),
         )
     grant = ExemptionInput(due_at=starts[-1] + WEEK + 2 * DAY, reason="sortie de classe")
     _grant_exemption(db, room, last, ExemptionTarget(label=GROUPS[-1]), grant)
     opens = (now + WEEK).replace(minute=0, second=0, microsecond=0)
     asked = (by_lesson[0][-1], by_lesson[-1][-1])
     end = _create_assignment(
-        db, room, _test_input("Contrôle de fin de module", asked, opens, opens + timedelta(hours=2), 55)
+        db,
+        room,
+        _build_test_assignment_input("Contrôle de fin de module", asked, opens, opens + timedelta(hours=2), 55),
     )
     _grant_exemption(db, room, end, ExemptionTarget((room.students[-1],)), ExemptionInput(time_factor=4 / 3))
     start = starts[TEST_LESSON]
-    test = _test_input(
+    test = _build_test_assignment_input(
         "Contrôle de mi-parcours", by_lesson[TEST_LESSON][-TEST_LENGTH:], start, start + LESSON_DURATION, None
     )
     return _create_assignment(db, room, test)
 
 
-def hold_lessons(db: Session, room: Classroom, now: datetime) -> None:
+def record_lessons_with_presence(db: Session, room: DemoClassroom, now: datetime) -> None:
     """Hold each lesson with its first exercises; the last one goes on, and who has finished helps somebody."""
-    starts, by_lesson = lesson_starts(now), exercises_by_lesson(room.module)
+    starts, by_lesson = lesson_start_times(now), divide_exercises_among_lessons(room.module)
     for start, exercises in zip(starts, by_lesson, strict=True):
         names = tuple(exercise.id for exercise in exercises[: lessons.MAX_EXERCISES])
         plan = LessonPlan(names, Afterwards.help if start == starts[-1] else Afterwards.none)
@@ -98,15 +102,15 @@ def hold_lessons(db: Session, room: Classroom, now: datetime) -> None:
             lessons.end_lesson(db, room.school_class, room.teacher.id, start + LESSON_DURATION)
 
 
-def _weighted(exercises: Sequence[Exercise]) -> tuple[WeightedExercise, ...]:
+def _with_weights(exercises: Sequence[Exercise]) -> tuple[WeightedExercise, ...]:
     return tuple(WeightedExercise(exercise.id) for exercise in exercises)
 
 
-def _test_input(
-    title: str, asked: Sequence[Exercise], opens: datetime, closes: datetime, minutes: int | None
+def _build_test_assignment_input(
+    title: str, exercises: Sequence[Exercise], opens: datetime, closes: datetime, minutes: int | None
 ) -> AssignmentInput:
     return AssignmentInput(
-        *(title, _weighted(asked), opens, None, closes),
+        *(title, _with_weights(exercises), opens, None, closes),
         late=LatePolicy.refuse,
         weight=2.0,
         mode=Mode.test,
@@ -114,23 +118,23 @@ def _test_input(
     )
 
 
-def _create_assignment(db: Session, room: Classroom, wanted: AssignmentInput) -> Assignment:
-    return editing.create_assignment(db, room.course, room.school_class, room.teacher.id, wanted)
+def _create_assignment(db: Session, room: DemoClassroom, fields: AssignmentInput) -> Assignment:
+    return editing.create_assignment(db, room.course, room.school_class, room.teacher.id, fields)
 
 
 def _grant_exemption(
-    db: Session, room: Classroom, assignment: Assignment, whom: ExemptionTarget, wanted: ExemptionInput
+    db: Session, room: DemoClassroom, assignment: Assignment, target: ExemptionTarget, fields: ExemptionInput
 ) -> None:
     exemption_service.grant_exemptions(
-        db, room.school_class, room.teacher.id, assignment, _members(db, room), whom, wanted
+        db, room.school_class, room.teacher.id, assignment, _load_members(db, room), target, fields
     )
 
 
-def _members(db: Session, room: Classroom) -> Sequence[Member]:
+def _load_members(db: Session, room: DemoClassroom) -> Sequence[Member]:
     return classes.load_members(db, room.school_class.id)
 
 
-def record_sittings(db: Session, room: Classroom, test: Assignment, steps: Sequence[PlannedAttempt]) -> None:
+def record_test_sittings(db: Session, room: DemoClassroom, test: Assignment, steps: Sequence[PlannedAttempt]) -> None:
     """Those who came to that lesson sat the test, which is released since."""
     end = test.opens_at + LESSON_DURATION
     came = sorted({step.pupil for step in steps if test.opens_at <= step.sent_at <= end})
@@ -142,7 +146,7 @@ def record_sittings(db: Session, room: Classroom, test: Assignment, steps: Seque
     releases.release_feedback(db, test, room.teacher.id, test.opens_at + 2 * DAY)
 
 
-def create_marked_column(db: Session, room: Classroom, now: datetime) -> None:
+def create_oral_marks_column(db: Session, room: DemoClassroom, now: datetime) -> None:
     """Have the teacher type the marks of an oral, published: a few students are not called yet, one was absent."""
     oral = columns.create_column(
         db, room.school_class, room.teacher, ColumnInput("Oral", ORAL_SCALE, (now - WEEK).date(), 0.5)
@@ -154,7 +158,9 @@ def create_marked_column(db: Session, room: Classroom, now: datetime) -> None:
     columns.publish_column(db, room.school_class, room.teacher, oral.id, published=True)
 
 
-def write_comments(db: Session, room: Classroom, steps: Sequence[PlannedAttempt], settings: Settings) -> None:
+def write_example_comments(
+    db: Session, room: DemoClassroom, steps: Sequence[PlannedAttempt], settings: Settings
+) -> None:
     """A mark that is set, a comment on a line, a kept phrase, questions answered and open, a word to several.
 
     About what the first students have sent last to code exercises.

@@ -7,9 +7,9 @@ from server.base.helper_line import connect_to_service
 
 def main(line: int, parent: int) -> None:
     service = connect_to_service("figures", line, parent)
-    from server.figures.process import serve
+    from server.figures.process import serve_drawings
 
-    serve(service)
+    serve_drawings(service)
 
 
 if __name__ == "__main__":

@@ -32,13 +32,13 @@ class DrawingFork:
             warnings.simplefilter("ignore", DeprecationWarning)  # the threads beside it only wait for other forks
             self._pid = os.fork()
         if self._pid == 0:
-            _draw_until_closed(inner, parent, draw, cpu_seconds)
+            _serve_drawings_until_closed(inner, parent, draw, cpu_seconds)
         inner.close()
         self._ended = False
 
-    def draw(self, question: bytes) -> bytes | None:
+    def request_picture(self, request_json: bytes) -> bytes | None:
         """Return the picture; None where there is none. Raises EOFError or OSError where the fork has ended."""
-        self._channel.send_bytes(question)
+        self._channel.send_bytes(request_json)
         picture: bytes | None = self._channel.recv()
         return picture
 
@@ -48,7 +48,7 @@ class DrawingFork:
             self._ended = os.waitpid(self._pid, os.WNOHANG) != (0, 0)
         return self._ended
 
-    def end(self) -> None:
+    def terminate(self) -> None:
         self._channel.close()
         if self._ended:
             return
@@ -65,35 +65,35 @@ class DrawingForkPool:
         self._idle: list[DrawingFork] = []
         self._lock = threading.Lock()
 
-    def take(self) -> DrawingFork:
+    def take_idle_or_fork(self) -> DrawingFork:
         """Return an artist with nothing to draw. Called by one thread only, since it may fork."""
         with self._lock:
             idle = self._idle.pop() if self._idle else None
         if idle is not None:
             if not idle.has_ended():
                 return idle
-            idle.end()
+            idle.terminate()
         return DrawingFork(self._draw, self._cpu_seconds)
 
-    def ask(self, artist: DrawingFork, question: bytes) -> bytes | None:
-        """Have an artist of `take` draw a picture; None where it cannot, or has ended: of too much processor time."""
+    def draw_with_fork(self, drawing_fork: DrawingFork, request_json: bytes) -> bytes | None:
+        """Have a fork of `take_idle_or_fork` draw a picture; None where it cannot, or has ended by too much work."""
         try:
-            picture = artist.draw(question)
+            picture = drawing_fork.request_picture(request_json)
         except (EOFError, OSError):
-            artist.end()
+            drawing_fork.terminate()
             return None
-        self._give_back(artist)
+        self._return_fork(drawing_fork)
         return picture
 
-    def _give_back(self, artist: DrawingFork) -> None:
+    def _return_fork(self, drawing_fork: DrawingFork) -> None:
         with self._lock:
             if len(self._idle) < _MAX_IDLE:
-                self._idle.append(artist)
+                self._idle.append(drawing_fork)
                 return
-        artist.end()
+        drawing_fork.terminate()
 
 
-def _draw_until_closed(channel: Connection, parent: int, draw: Draw, cpu_seconds: float) -> NoReturn:
+def _serve_drawings_until_closed(channel: Connection, parent: int, draw: Draw, cpu_seconds: float) -> NoReturn:
     try:
         die_with_parent(parent)
         gc.freeze()

@@ -5,6 +5,6 @@ from typing import Annotated
 from fastapi import Depends
 
 from server.base.app_services import app_service
-from server.figures.service import Figures
+from server.figures.service import FigureService
 
-FiguresOf = Annotated[Figures, Depends(app_service(Figures))]
+FiguresOf = Annotated[FigureService, Depends(app_service(FigureService))]

@@ -57,37 +57,37 @@ class DrawingRequest:
 WARM_UP_PAYLOAD = json.dumps({"kind": "warm"}).encode()
 
 
-def lesson_figure_request(drawing: Drawing, theme: Theme) -> DrawingRequest:
+def build_lesson_figure_request(drawing: Drawing, theme: Theme) -> DrawingRequest:
     """A drawing of the texts."""
     asked = {"path": str(drawing.path), "function": drawing.function, "size": drawing.size, "theme": theme}
-    return _drawing_request(
-        "lesson", asked | {"form": "svg"}, f"{code_version()} {folder_version(_module_folder(drawing))}"
+    return _build_drawing_request(
+        "lesson", asked | {"form": "svg"}, f"{drawing_code_digest()} {module_drawings_digest(_module_folder(drawing))}"
     )
 
 
-def verdict_figure_request(exercise: str, data: Mapping[str, Any], form: Form, theme: Theme) -> DrawingRequest:
+def build_verdict_figure_request(exercise: str, data: Mapping[str, Any], form: Form, theme: Theme) -> DrawingRequest:
     """A figure of a verdict, from the data that are stored with it."""
-    return _drawing_request(
-        "verdict", {"exercise": exercise, "data": data, "theme": theme, "form": form}, code_version()
+    return _build_drawing_request(
+        "verdict", {"exercise": exercise, "data": data, "theme": theme, "form": form}, drawing_code_digest()
     )
 
 
-def film_request(exercise: str, data: Mapping[str, Any], title: str) -> DrawingRequest:
+def build_replay_request(exercise: str, data: Mapping[str, Any], title: str) -> DrawingRequest:
     """The replay of what a program did in the check of that title."""
-    return _drawing_request(
-        "film", {"exercise": exercise, "data": data, "title": title}, code_version(), REPLAY_MESSAGES
+    return _build_drawing_request(
+        "film", {"exercise": exercise, "data": data, "title": title}, drawing_code_digest(), REPLAY_MESSAGES
     )
 
 
-def _drawing_request(
-    kind: str, asked: Mapping[str, Any], drawn_by: str, words: FailureMessages = FIGURE_MESSAGES
+def _build_drawing_request(
+    kind: str, parameters: Mapping[str, Any], drawing_version: str, messages: FailureMessages = FIGURE_MESSAGES
 ) -> DrawingRequest:
-    question = json.dumps({"kind": kind, **asked}).encode()
-    return DrawingRequest(question, hashlib.sha256(drawn_by.encode() + b"\0" + question).hexdigest(), words)
+    question = json.dumps({"kind": kind, **parameters}).encode()
+    return DrawingRequest(question, hashlib.sha256(drawing_version.encode() + b"\0" + question).hexdigest(), messages)
 
 
 @cache
-def code_version() -> str:
+def drawing_code_digest() -> str:
     """Return a digest of the code and libraries that draw figures and replays."""
     rooms = [(name, place / name) for place in COURSES.folders for name in ("graders", "reference")]
     rooms.append(("server/figures", ROOT / "server" / "figures"))
@@ -95,9 +95,9 @@ def code_version() -> str:
 
 
 @cache
-def folder_version(module: Path) -> str:
+def module_drawings_digest(module_folder: Path) -> str:
     """Return a digest of a module's drawings, kit and replays."""
-    return digest_files([(name, module / name) for name in ("figures", "kit", MANIPULATIONS, "rejeux")])
+    return digest_files([(name, module_folder / name) for name in ("figures", "kit", MANIPULATIONS, "rejeux")])
 
 
 def _module_folder(drawing: Drawing) -> Path:

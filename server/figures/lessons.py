@@ -26,21 +26,23 @@ class RenderedDrawing:
     size: tuple[float, float]
 
 
-def draw(drawing: Drawing, theme: str, extension: str) -> RenderedDrawing:
+def draw_lesson_figure(drawing: Drawing, theme: str, extension: str) -> RenderedDrawing:
     """Draw as "svg" or "png". Loads matplotlib. What the drawing function raises goes through."""
-    return draw_function(drawing.path, drawing.function, drawing.size, theme, extension)
+    return draw_figure_of_function(drawing.path, drawing.function, drawing.size, theme, extension)
 
 
-def draw_function(path: Path, function: str, size: tuple[float, float], theme: str, extension: str) -> RenderedDrawing:
-    """Draw the function of a file, as `draw` does."""
+def draw_figure_of_function(
+    path: Path, function: str, size: tuple[float, float], theme: str, extension: str
+) -> RenderedDrawing:
+    """Draw the function of a file, as `draw_lesson_figure` does."""
     from graders.plotting import to_bytes
 
-    with _drawn_figure(path, function, size, theme) as figure:
-        return RenderedDrawing(to_bytes(figure, extension), _inches(figure))
+    with _open_drawn_figure(path, function, size, theme) as figure:
+        return RenderedDrawing(to_bytes(figure, extension), _figure_size_inches(figure))
 
 
 @contextmanager
-def _drawn_figure(path: Path, function: str, size: tuple[float, float], theme: str) -> Iterator[Figure]:
+def _open_drawn_figure(path: Path, function: str, size: tuple[float, float], theme: str) -> Iterator[Figure]:
     from graders.plotting import drawing, palette
 
     fill = getattr(import_file(path), function)
@@ -50,21 +52,21 @@ def _drawn_figure(path: Path, function: str, size: tuple[float, float], theme: s
         yield figure
 
 
-def _inches(figure: Figure) -> tuple[float, float]:
+def _figure_size_inches(figure: Figure) -> tuple[float, float]:
     width, height = map(float, figure.get_size_inches())
     return width, height
 
 
-def size_fault(drawing: Drawing, size: tuple[float, float]) -> str:
+def describe_size_fault(drawing: Drawing, size_inches: tuple[float, float]) -> str:
     """What to change where the size is not the announced one: a page makes room for a figure before it is drawn."""
-    if size == drawing.size:
+    if size_inches == drawing.size:
         return ""
-    width, height = size
+    width, height = size_inches
     announced = f'"{drawing.name}": ({drawing.function}, "…", ({width:g}, {height:g}))'
     return f"la figure « {drawing.name} » change de taille ; annoncez-la dans FIGURES : {announced}"
 
 
-def faults(course: Course) -> Iterator[Problem]:
+def find_drawing_faults(course: Course) -> Iterator[Problem]:
     """Draw everything: what cannot be drawn, or is not of the announced size. Slow.
 
     Each drawing is filled in every theme, for what its author's function says, and written as a file in one of them:
@@ -73,14 +75,17 @@ def faults(course: Course) -> Iterator[Problem]:
     for module in course.modules.values():
         for drawing in module.drawings.values():
             try:
-                sizes = {draw(drawing, THEMES[0], "svg").size, *(_drawn_size(drawing, theme) for theme in THEMES[1:])}
-                message = next(filter(None, (size_fault(drawing, size) for size in sizes)), "")
+                sizes = {
+                    draw_lesson_figure(drawing, THEMES[0], "svg").size,
+                    *(_draw_and_measure_inches(drawing, theme) for theme in THEMES[1:]),
+                }
+                message = next(filter(None, (describe_size_fault(drawing, size) for size in sizes)), "")
             except Exception as error:  # whatever an author's function raises is reported with its place
                 message = f"la figure « {drawing.name} » ne se dessine pas ({type(error).__name__}: {error})"
             if message:
                 yield Problem(drawing.path, drawing.line, message)
 
 
-def _drawn_size(drawing: Drawing, theme: str) -> tuple[float, float]:
-    with _drawn_figure(drawing.path, drawing.function, drawing.size, theme) as figure:
-        return _inches(figure)
+def _draw_and_measure_inches(drawing: Drawing, theme: str) -> tuple[float, float]:
+    with _open_drawn_figure(drawing.path, drawing.function, drawing.size, theme) as figure:
+        return _figure_size_inches(figure)

@@ -18,7 +18,7 @@ from server.base.helpers import HelperError
 from server.base.turns import out_of_turn
 from server.figures.drawing_requests import WARM_UP_PAYLOAD, DrawingRequest
 from server.figures.program import RESERVE
-from server.figures.store import PictureStore
+from server.figures.store import PictureFileStore
 
 log = logging.getLogger(__name__)
 
@@ -45,29 +45,29 @@ class PendingPicture:
         self.viewers = 0
         self.started = False
 
-    def begin(self, bringing: Coroutine[None, None, bytes]) -> None:
-        self.task = asyncio.create_task(bringing)
+    def start_rendering(self, rendering: Coroutine[None, None, bytes]) -> None:
+        self.task = asyncio.create_task(rendering)
 
 
 class PictureRenderer:
     """For one event loop."""
 
-    def __init__(self, drawer: DrawingHelper, store: PictureStore, *, most_waiting: int = MAX_WAITING) -> None:
+    def __init__(self, drawer: DrawingHelper, store: PictureFileStore, *, most_waiting: int = MAX_WAITING) -> None:
         self._drawer, self._store = drawer, store
         self._limiter = FairLimiter(1, most_waiting, RESERVE)
         self._cache: LRUCache[str, bytes] = LRUCache(MEMORY_CACHE_BYTES, len)
         self._in_flight: dict[str, PendingPicture] = {}
         self._warming: asyncio.Task[None] | None = None
 
-    async def get(self, order: DrawingRequest, flow: str, rank: int) -> bytes:
+    async def load_or_render(self, request: DrawingRequest, flow: str, rank: int) -> bytes:
         """Return a picture for a sender's flow and rank. Raises Crowded, or Failed to all who wait for it.
 
         Whoever leaves does not stop it for the others; what all have left before it was begun is not drawn.
         """
-        known = self._cache.get(order.key)
+        known = self._cache.get(request.key)
         if known is not None:
             return known
-        coming = self._in_flight.get(order.key) or self._start(order, flow, rank)
+        coming = self._in_flight.get(request.key) or self._start_pending_picture(request, flow, rank)
         coming.viewers += 1
         try:
             async with out_of_turn():
@@ -75,52 +75,54 @@ class PictureRenderer:
         finally:
             coming.viewers -= 1
             if not coming.viewers and not coming.started:
-                self._remove_in_flight(order.key, coming)
+                self._forget_pending_picture(request.key, coming)
                 coming.task.cancel()
 
-    def _start(self, order: DrawingRequest, flow: str, rank: int) -> PendingPicture:
-        coming = self._in_flight[order.key] = PendingPicture()
-        coming.begin(self._load_or_render(order, flow, rank, coming))
-        coming.task.add_done_callback(partial(self._finish, order.key, coming))
+    def _start_pending_picture(self, request: DrawingRequest, flow: str, rank: int) -> PendingPicture:
+        coming = self._in_flight[request.key] = PendingPicture()
+        coming.start_rendering(self._load_from_store_or_render(request, flow, rank, coming))
+        coming.task.add_done_callback(partial(self._finish_pending_picture, request.key, coming))
         return coming
 
-    def _finish(self, key: str, coming: PendingPicture, task: asyncio.Task[bytes]) -> None:
-        self._remove_in_flight(key, coming)
+    def _finish_pending_picture(self, key: str, pending: PendingPicture, task: asyncio.Task[bytes]) -> None:
+        self._forget_pending_picture(key, pending)
         if not task.cancelled():
             task.exception()  # where nobody waits any more, too
 
-    def _remove_in_flight(self, key: str, coming: PendingPicture) -> None:
+    def _forget_pending_picture(self, key: str, pending: PendingPicture) -> None:
         """Drop the entry, unless a newer one has replaced it."""
-        if self._in_flight.get(key) is coming:
+        if self._in_flight.get(key) is pending:
             del self._in_flight[key]
 
-    async def _load_or_render(self, order: DrawingRequest, flow: str, rank: int, coming: PendingPicture) -> bytes:
-        kept = await run_in_threadpool(self._store.get, order.key)
-        picture = await self._render(order, flow, rank, coming) if kept is None else kept
-        return self._cache.put(order.key, picture)
+    async def _load_from_store_or_render(
+        self, request: DrawingRequest, flow: str, rank: int, pending: PendingPicture
+    ) -> bytes:
+        kept = await run_in_threadpool(self._store.get, request.key)
+        picture = await self._render_in_turn(request, flow, rank, pending) if kept is None else kept
+        return self._cache.put(request.key, picture)
 
-    async def _render(self, order: DrawingRequest, flow: str, rank: int, coming: PendingPicture) -> bytes:
-        if len(order.payload) > MAX_PAYLOAD_BYTES:
-            raise InternalFailure(order.messages.failed)
+    async def _render_in_turn(self, request: DrawingRequest, flow: str, rank: int, pending: PendingPicture) -> bytes:
+        if len(request.payload) > MAX_PAYLOAD_BYTES:
+            raise InternalFailure(request.messages.failed)
         try:
             await self._limiter.acquire(flow, rank)
         except LimiterFullError:
-            raise Overloaded(order.messages.crowded, retry_after=5) from None
-        coming.started = True
+            raise Overloaded(request.messages.crowded, retry_after=5) from None
+        pending.started = True
         try:
-            picture = await self._drawer.ask(order.payload)
+            picture = await self._drawer.ask(request.payload)
         except HelperError as error:
-            raise InternalFailure(order.messages.failed) from error
+            raise InternalFailure(request.messages.failed) from error
         finally:
             self._limiter.release(flow, rank)
-        await run_in_threadpool(self._store.put, order.key, picture)
+        await run_in_threadpool(self._store.put, request.key, picture)
         return picture
 
-    def warm(self) -> None:
+    def start_process_in_background(self) -> None:
         """Start the drawing process in the background, so that the first request does not wait for it."""
-        self._warming = asyncio.create_task(self._warm())
+        self._warming = asyncio.create_task(self._start_process())
 
-    async def _warm(self) -> None:
+    async def _start_process(self) -> None:
         try:
             await self._drawer.ask(WARM_UP_PAYLOAD)
         except HelperError:

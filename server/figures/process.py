@@ -23,64 +23,66 @@ from server.figures.program import MAX_MEMORY_BYTES, MAX_PICTURE_BYTES, MAX_REPL
 log = logging.getLogger(__name__)
 
 
-def serve(line: ServiceLine) -> None:
+def serve_drawings(line: ServiceLine) -> None:
     """Until the line is closed."""
     resource.setrlimit(resource.RLIMIT_DATA, (MAX_MEMORY_BYTES, MAX_MEMORY_BYTES))
     questions = line.questions()
     _, told = next(questions)
     opening = json.loads(told)
     _warm_up()
-    studio = DrawingForkPool(_draw, opening["cpu_seconds"])
+    studio = DrawingForkPool(_draw_in_fork, opening["cpu_seconds"])
     pool = ThreadPoolExecutor(opening["at_once"], thread_name_prefix="artist")
     for number, asked in questions:
-        pool.submit(_answer, line, studio, studio.take(), number, asked)
+        pool.submit(_answer_request, line, studio, studio.take_idle_or_fork(), number, asked)
     pool.shutdown(wait=False, cancel_futures=True)
 
 
-def _answer(line: ServiceLine, studio: DrawingForkPool, artist: DrawingFork, number: int, asked: bytes) -> None:
-    picture = studio.ask(artist, asked)
+def _answer_request(
+    line: ServiceLine, fork_pool: DrawingForkPool, drawing_fork: DrawingFork, number: int, request_json: bytes
+) -> None:
+    picture = fork_pool.draw_with_fork(drawing_fork, request_json)
     if picture is None:
-        log.error("a figure or a replay could not be drawn: %.200r", asked)
+        log.error("a figure or a replay could not be drawn: %.200r", request_json)
         line.answer(number, helper_line.FAILED, b"")
     else:
         line.answer(number, helper_line.DONE, picture)
 
 
-def _draw(asked: bytes) -> bytes | None:
+def _draw_in_fork(request_json: bytes) -> bytes | None:
     """Return the picture, in a fork; None where it cannot be drawn, or is too large."""
     try:
-        picture = render(json.loads(asked))
+        picture = render_request(json.loads(request_json))
     except Exception:
-        log.exception("a figure or a replay could not be drawn: %.200r", asked)
+        log.exception("a figure or a replay could not be drawn: %.200r", request_json)
         return None
     if len(picture) > MAX_PICTURE_BYTES:
-        log.error("a figure of %d bytes is too large: %.200r", len(picture), asked)
+        log.error("a figure of %d bytes is too large: %.200r", len(picture), request_json)
         return None
     return picture
 
 
-def render(question: dict[str, Any]) -> bytes:
+def render_request(request: dict[str, Any]) -> bytes:
     """The picture or the replay that an `Order` asks for; nothing where it is only to be ready for one."""
-    if question["kind"] == "warm":
+    if request["kind"] == "warm":
         return b""
-    if question["kind"] == "film":
-        return _render_replay(question)
-    theme, form = question["theme"], question["form"]
-    if question["kind"] == "lesson":
+    if request["kind"] == "film":
+        return _render_replay_json(request)
+    theme, form = request["theme"], request["form"]
+    if request["kind"] == "lesson":
         from server.figures.lessons import (
-            draw_function,  # slow to import: who waits for a verdict's figure need not wait
+            draw_figure_of_function,  # slow to import: who waits for a verdict's figure need not wait
         )
 
-        width, height = question["size"]
-        return draw_function(Path(question["path"]), question["function"], (width, height), theme, form).picture
-    return counterexample(question["exercise"], question["data"], theme=theme, extension=form)
+        width, height = request["size"]
+        return draw_figure_of_function(Path(request["path"]), request["function"], (width, height), theme, form).picture
+    return counterexample(request["exercise"], request["data"], theme=theme, extension=form)
 
 
-def _render_replay(question: dict[str, Any]) -> bytes:
+def _render_replay_json(request: dict[str, Any]) -> bytes:
     """JSON, compressed."""
     from graders.scene.films import wire
 
-    scene = wire(question["exercise"], question["data"], question["title"])
+    scene = wire(request["exercise"], request["data"], request["title"])
     body = json.dumps(scene, ensure_ascii=False, separators=(",", ":"), allow_nan=False).encode()
     if len(body) > MAX_REPLAY_BYTES:
         raise ValueError(f"a replay of {len(body)} bytes is too large")

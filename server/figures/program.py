@@ -23,7 +23,7 @@ MAX_REPLAY_BYTES = 2 << 20
 MAX_MEMORY_BYTES = 2 << 30
 
 
-def helper_program(*, patience: float = ANSWER_TIMEOUT, cpu_seconds: float = CPU_SECONDS) -> HelperProgram:
+def drawing_helper_program(*, patience: float = ANSWER_TIMEOUT, cpu_seconds: float = CPU_SECONDS) -> HelperProgram:
     """It needs nothing of the settings, and is given none."""
     beginning = json.dumps({"cpu_seconds": cpu_seconds, "at_once": 1 + RESERVE + 1}).encode()
     return HelperProgram(COMMAND, bare_environment(), MAX_PICTURE_BYTES, patience, first_message=beginning)

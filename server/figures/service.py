@@ -34,7 +34,7 @@ class VerdictFigureQuery:
 
 
 @dataclass(frozen=True)
-class Figures:
+class FigureService:
     course: Course
     database: Database
     pictures: PictureRenderer
@@ -44,51 +44,55 @@ class Figures:
         course_module = self.course.modules.get(module)
         if course_module is None or name not in course_module.drawings:
             raise NotFound(NO_FIGURE)
-        order = await run_in_threadpool(drawing_requests.lesson_figure_request, course_module.drawings[name], theme)
-        return await self.pictures.get(order, address, MEMBER_RANK)  # there are few, and each is drawn once
+        order = await run_in_threadpool(
+            drawing_requests.build_lesson_figure_request, course_module.drawings[name], theme
+        )
+        return await self.pictures.load_or_render(order, address, MEMBER_RANK)  # there are few, and each is drawn once
 
-    async def draw_verdict_figure(self, account: Account | None, wanted: VerdictFigureQuery, address: str) -> bytes:
+    async def draw_verdict_figure(self, account: Account | None, query: VerdictFigureQuery, address: str) -> bytes:
         """A figure of a submission that this account may see. Raises NotFound, Crowded or Failed."""
-        order, sender = await run_in_threadpool(self._verdict_figure_request, account, wanted, address)
-        return await self.pictures.get(order, sender.flow, sender.rank)
+        order, sender = await run_in_threadpool(self._build_verdict_figure_request, account, query, address)
+        return await self.pictures.load_or_render(order, sender.flow, sender.rank)
 
-    async def render_film(
-        self, account: Account | None, submission_id: str, check: str, grading: UUID | None, address: str
+    async def render_replay(
+        self, account: Account | None, submission_id: str, check_id: str, grading: UUID | None, address: str
     ) -> bytes:
         """What the program of a submission that this account may see did in a check: JSON for the player, compressed.
 
         Raises NotFound, Crowded or Failed.
         """
-        order, sender = await run_in_threadpool(self._film_request, account, submission_id, check, grading, address)
-        return await self.pictures.get(order, sender.flow, sender.rank)
+        order, sender = await run_in_threadpool(
+            self._build_replay_request, account, submission_id, check_id, grading, address
+        )
+        return await self.pictures.load_or_render(order, sender.flow, sender.rank)
 
-    def _film_request(
-        self, account: Account | None, submission_id: str, check: str, grading: UUID | None, address: str
+    def _build_replay_request(
+        self, account: Account | None, submission_id: str, check_id: str, grading: UUID | None, address: str
     ) -> tuple[DrawingRequest, Sender]:
         with self.database.read() as db:
             attempt = gradebook.find_attempt(db, account, submission_id)
-            film, title = load_film_data(db, attempt, check, grading)
-            sender = _viewer(db, account, address)
+            film, title = load_film_data(db, attempt, check_id, grading)
+            sender = _turn_of_viewer(db, account, address)
         exercise = attempt.submission.exercise
         if exercise not in self.course.exercises:
             raise NotFound(NO_FILM)
-        return drawing_requests.film_request(exercise, film, title), sender
+        return drawing_requests.build_replay_request(exercise, film, title), sender
 
-    def _verdict_figure_request(
-        self, account: Account | None, wanted: VerdictFigureQuery, address: str
+    def _build_verdict_figure_request(
+        self, account: Account | None, query: VerdictFigureQuery, address: str
     ) -> tuple[DrawingRequest, Sender]:
         """In a transaction of its own, over before anything is drawn. Raises NotFound."""
         with self.database.read() as db:
-            attempt = gradebook.find_attempt(db, account, wanted.submission_id)
-            data = load_figure_data(db, attempt, wanted.name, wanted.grading)
-            sender = _viewer(db, account, address)
+            attempt = gradebook.find_attempt(db, account, query.submission_id)
+            data = load_figure_data(db, attempt, query.name, query.grading)
+            sender = _turn_of_viewer(db, account, address)
         exercise = attempt.submission.exercise
         if exercise not in self.course.exercises:
             raise NotFound(NO_FIGURE)
-        return drawing_requests.verdict_figure_request(exercise, data, wanted.form, wanted.theme), sender
+        return drawing_requests.build_verdict_figure_request(exercise, data, query.form, query.theme), sender
 
 
-def _viewer(db: Session, account: Account | None, address: str) -> Sender:
+def _turn_of_viewer(db: Session, account: Account | None, address: str) -> Sender:
     """Return whose turn a figure of a verdict takes: turns are those of the queue."""
     if account is None:
         return Sender(address=address, flow=address, rank=GUEST_RANK)

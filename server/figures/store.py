@@ -24,7 +24,7 @@ UNFINISHED = ".new"
 _DIGEST_BYTES = hashlib.sha256().digest_size
 
 
-class PictureStore:
+class PictureFileStore:
     """A file is a digest of the picture, then the picture. For several threads; the folder is this process's own.
 
     What cannot be read is not there, what cannot be written is not kept, and both are no more than that.
@@ -32,24 +32,24 @@ class PictureStore:
 
     def __init__(self, folder: Path, most: int = MAX_STORE_BYTES) -> None:
         self._folder, self._most = folder, most
-        self._files: FileIndex | None = None
+        self._files: PictureFileIndex | None = None
         self._lock = Lock()
 
     def get(self, key: str) -> bytes | None:
         with self._lock:
-            files = self._opened()
+            files = self._open_index_once()
             if key not in files:
                 return None
-            picture = _read_verified(self._folder / key)
+            picture = _read_picture_with_valid_digest(self._folder / key)
             if picture is None:
-                files.forget(key)
+                files.delete_file(key)
                 return None
-            files.use(key)
+            files.mark_as_used(key)
             return picture
 
     def put(self, key: str, picture: bytes) -> None:
         with self._lock:
-            files = self._opened()
+            files = self._open_index_once()
             content = hashlib.sha256(picture).digest() + picture
             if len(content) > self._most:
                 return
@@ -60,13 +60,13 @@ class PictureStore:
             else:
                 files[key] = len(content)
 
-    def _opened(self) -> FileIndex:
+    def _open_index_once(self) -> PictureFileIndex:
         if self._files is None:
-            self._files = FileIndex(self._folder, self._most)
+            self._files = PictureFileIndex(self._folder, self._most)
         return self._files
 
 
-class FileIndex(LRUCache[str, int]):
+class PictureFileIndex(LRUCache[str, int]):
     """The size of each file, in the order of use; one that leaves for lack of room leaves the disk."""
 
     def __init__(self, folder: Path, most: int) -> None:
@@ -77,9 +77,9 @@ class FileIndex(LRUCache[str, int]):
             folder.chmod(0o700)
             for path in folder.glob(f"*{UNFINISHED}"):
                 path.unlink(missing_ok=True)
-            self._take_in([path for path in folder.iterdir() if KEY.fullmatch(path.name) and path.is_file()])
+            self._add_existing_files([path for path in folder.iterdir() if KEY.fullmatch(path.name) and path.is_file()])
 
-    def _take_in(self, paths: list[Path]) -> None:
+    def _add_existing_files(self, paths: list[Path]) -> None:
         stats = {path: path.stat() for path in paths}
         for path in sorted(paths, key=lambda path: stats[path].st_mtime_ns):
             if stats[path].st_size <= self.maxsize:
@@ -87,12 +87,12 @@ class FileIndex(LRUCache[str, int]):
             else:
                 path.unlink(missing_ok=True)
 
-    def use(self, key: str) -> None:
+    def mark_as_used(self, key: str) -> None:
         self[key]  # it is now the latest, and will be after a restart
         with suppress(OSError):
             os.utime(self._folder / key)
 
-    def forget(self, key: str) -> None:
+    def delete_file(self, key: str) -> None:
         del self[key]
         with suppress(OSError):
             (self._folder / key).unlink()
@@ -104,7 +104,7 @@ class FileIndex(LRUCache[str, int]):
         return key, size
 
 
-def _read_verified(path: Path) -> bytes | None:
+def _read_picture_with_valid_digest(path: Path) -> bytes | None:
     try:
         content = path.read_bytes()
     except OSError:

@@ -27,7 +27,7 @@ class CustomBuildHook(BuildHookInterface):  # type: ignore[type-arg]
 
     def initialize(self, version: str, build_data: dict[str, Any]) -> None:
         try:
-            ensure_built(FRONTEND, STATIC)
+            build_if_outdated(FRONTEND, STATIC)
         except BuildError as error:
             shutil.rmtree(STATIC, ignore_errors=True)
             self.app.display_warning(f"Front end not built, the editor will be a plain text area: {error}")
@@ -37,9 +37,9 @@ class BuildError(Exception):
     """npm or esbuild did not succeed; the message ends with what they said."""
 
 
-def ensure_built(frontend: Path, static: Path) -> bool:
+def build_if_outdated(frontend: Path, static: Path) -> bool:
     """Build unless `static` is up to date; True when a build took place. Raises BuildError."""
-    stamp = source_stamp(frontend)
+    stamp = compute_source_digest(frontend)
     current = static / STAMP
     if current.is_file() and current.read_text(encoding="utf-8") == stamp:
         return False
@@ -56,7 +56,7 @@ def ensure_built(frontend: Path, static: Path) -> bool:
     return True
 
 
-def source_stamp(frontend: Path) -> str:
+def compute_source_digest(frontend: Path) -> str:
     """sha256 over the names and contents of everything that the output depends on."""
     total = hashlib.sha256()
     files = [frontend / "build.mjs", frontend / "package.json", frontend / "package-lock.json"]
@@ -90,4 +90,4 @@ def run_node(folder: Path, *arguments: str) -> None:
 
 
 if __name__ == "__main__":
-    print("built" if ensure_built(FRONTEND, STATIC) else "up to date")
+    print("built" if build_if_outdated(FRONTEND, STATIC) else "up to date")

@@ -74,7 +74,7 @@ def load_solution_access(db: Session, account: Account | None, exercise_id: str)
     """Load the access of an account in one query, besides what is withheld."""
     if account is None:
         return SolutionAccess(repository.find_opening(db, exercise_id) is not None, False, False)
-    module = rights.module_of(exercise_id)
+    module = rights.module_of_exercise(exercise_id)
     to_all, to_class, teaches = repository.load_solution_access(
         db, account.id, exercise_id, module, rights.teaches_clause
     )
@@ -91,7 +91,7 @@ def list_audiences(db: Session, account: Account | None, exercise_id: str) -> Se
         if Right.open_solutions_to_all in rights.server_rights(account)
         else []
     )
-    classes = rights.classes_to_open(db, account, exercise_id)
+    classes = rights.load_classes_to_open_solution_to(db, account, exercise_id)
     opened = repository.list_classes_with_solution(db, exercise_id, [school_class.id for school_class in classes])
     return to_all + [
         SolutionAudience(school_class.id, school_class.name, school_class.id in opened) for school_class in classes
@@ -104,7 +104,7 @@ def set_solution_open(db: Session, account: Account, exercise_id: str, class_id:
         rights.require_server_right(account, Right.open_solutions_to_all)
     else:
         place = rights.require_right(db, account, Right.open_solutions, class_id)
-        if place.school_class.module != rights.module_of(exercise_id):
+        if place.school_class.module != rights.module_of_exercise(exercise_id):
             raise NotFound(UNKNOWN_CLASS)
     opening = _find_opening(db, exercise_id, class_id)
     if is_open and opening is None:

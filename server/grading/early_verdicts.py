@@ -23,18 +23,18 @@ log = logging.getLogger(__name__)
 PATIENCE_SECONDS = 0.15
 
 
-class EarlyVerdicts:
+class EarlyVerdictStore:
     """Stores the verdict without a diagnosis of a submission whose mistake takes long to name, and wakes its page."""
 
     def __init__(self, database: Database, notifier: QueueNotifier, patience: float = PATIENCE_SECONDS) -> None:
         self._database, self._notifier, self._patience = database, notifier, patience
 
-    def naming_context(self, submission_id: UUID) -> WhileNaming:
+    def show_verdict_while_naming(self, submission_id: UUID) -> WhileNaming:
         """Return the context in which a mistake is named: where that takes long, the verdict is shown without it."""
 
         @contextmanager
         def while_naming(judgement: Judgement) -> Iterator[None]:
-            timer = threading.Timer(self._patience, self._show, (submission_id, judgement))
+            timer = threading.Timer(self._patience, self._store_early_verdict, (submission_id, judgement))
             timer.daemon = True
             timer.start()
             try:
@@ -45,7 +45,7 @@ class EarlyVerdicts:
 
         return while_naming
 
-    def _show(self, submission_id: UUID, judgement: Judgement) -> None:
+    def _store_early_verdict(self, submission_id: UUID, judgement: Judgement) -> None:
         """Store the verdict. Where that fails, the page waits for the whole one."""
         try:
             with self._database.write() as db:

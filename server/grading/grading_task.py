@@ -80,7 +80,7 @@ class GradingTask:
         return GradingResult(judgement, work.started_at)
 
     def record(self, db: Session, work: GradingInput, result: GradingResult) -> None:
-        _record(db, work.submission_id, result)
+        _store_grading_result(db, work.submission_id, result)
         outcome = result.verdict.outcome.value
         logs.log_event("verdict", submission=str(work.submission_id), exercise=work.exercise, outcome=outcome)
 
@@ -90,11 +90,11 @@ def give_up_handlers(course: Course) -> Mapping[str, GiveUpHandler]:
     return {GRADE: _give_up_handler(course)}
 
 
-def _record(db: Session, submission_id: UUID, graded: GradingResult) -> None:
+def _store_grading_result(db: Session, submission_id: UUID, graded: GradingResult) -> None:
     """Record the grading; an internal error gives its author the rate-limit token back."""
     account_id = gradebook.record_grading(db, submission_id, graded)
     if account_id is not None and not graded.verdict.outcome.counts:
-        limits.give_back_token(db, limits.submission_key(account_id))
+        limits.give_back_token(db, limits.submission_bucket_key(account_id))
 
 
 def _give_up_handler(course: Course) -> GiveUpHandler:
@@ -109,6 +109,6 @@ def _give_up_handler(course: Course) -> GiveUpHandler:
             *(submission.id, submission.exercise, submission.seed, len(submission.source), submission.digest),
         )
         verdict = internal_error_verdict(submission.exercise, course.version_of(submission.exercise), submission.seed)
-        _record(db, submission.id, GradingResult(Judgement(verdict), lease.started_at))
+        _store_grading_result(db, submission.id, GradingResult(Judgement(verdict), lease.started_at))
 
     return give_up

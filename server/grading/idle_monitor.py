@@ -9,15 +9,15 @@ from threading import Event, Lock
 IDLE_SECONDS, CHECK_SECONDS = 0.5, 0.05
 
 
-class IdleMonitor:
-    """Tracks one worker, whose threads each run one job at a time; `wait_idle` is for its other threads."""
+class WorkerIdleMonitor:
+    """Tracks one worker, whose threads each run one job at a time; `wait_until_idle` is for its other threads."""
 
     def __init__(self, clock: Callable[[], float] = time.monotonic) -> None:
         self._clock = clock
         self._lock, self._running, self._last_job_end = Lock(), 0, -IDLE_SECONDS
 
     @contextmanager
-    def busy(self) -> Iterator[None]:
+    def mark_busy(self) -> Iterator[None]:
         """Mark a job as running for the duration of the block."""
         with self._lock:
             self._running += 1
@@ -32,7 +32,7 @@ class IdleMonitor:
     def is_idle(self) -> bool:
         return not self._running and self._clock() - self._last_job_end >= IDLE_SECONDS
 
-    def wait_idle(self, stopping: Event) -> bool:
+    def wait_until_idle(self, stopping: Event) -> bool:
         """Wait until the worker is idle; False where it is to stop first."""
         while not self.is_idle:
             if stopping.wait(CHECK_SECONDS):

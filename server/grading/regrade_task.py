@@ -20,7 +20,7 @@ log = logging.getLogger(__name__)
 
 
 @dataclass(frozen=True)
-class RegradeInput:
+class RegradeAttemptInput:
     """Input to grade one attempt of a regrade, with its original seed."""
 
     regrade_id: UUID
@@ -36,23 +36,23 @@ class RegradeTask:
         self._course, self._queue, self._grade = course, queue, grade
         self.give_up = _give_up_handler(course, queue)
 
-    def read(self, db: Session, lease: Lease) -> RegradeInput | None:
+    def read(self, db: Session, lease: Lease) -> RegradeAttemptInput | None:
         """Load the next attempt; None when none is left, or the regrade was stopped."""
-        return _load_next(db, self._course, lease)
+        return _load_next_attempt(db, self._course, lease)
 
-    def run(self, work: RegradeInput) -> GradingResult:
+    def run(self, work: RegradeAttemptInput) -> GradingResult:
         return GradingResult(self._grade(work.file), work.file.started_at)
 
-    def record(self, db: Session, work: RegradeInput, result: GradingResult) -> None:
+    def record(self, db: Session, work: RegradeAttemptInput, result: GradingResult) -> None:
         service.record_grading(db, self._queue, work.regrade_id, work.item_id, result, work.needs)
 
 
-def _load_next(db: Session, course: Course, lease: Lease) -> RegradeInput | None:
-    row = repository.load_next_item(db, UUID(lease.key))
+def _load_next_attempt(db: Session, course: Course, lease: Lease) -> RegradeAttemptInput | None:
+    row = repository.load_next_item_to_grade(db, UUID(lease.key))
     if row is None:
         return None
     item, submission, _ = row
-    return RegradeInput(
+    return RegradeAttemptInput(
         item.regrade_id, item.id, load_grading_input(db, course, submission, lease.started_at), lease.required_version
     )
 
@@ -66,7 +66,7 @@ def _give_up_handler(course: Course, queue: Queue) -> GiveUpHandler:
     """Return the handler that records an internal error, so that the regrade goes on with the other attempts."""
 
     def give_up(db: Session, lease: Lease) -> None:
-        work = _load_next(db, course, lease)
+        work = _load_next_attempt(db, course, lease)
         if work is None:
             return
         file = work.file

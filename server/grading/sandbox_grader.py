@@ -49,7 +49,7 @@ class JudgingTimeBudget:
     def __init__(self, policy: Policy) -> None:
         self._policy, self._started = policy, time.thread_time()
 
-    def exhausted_fault(self) -> StudentFault | None:
+    def fault_if_exhausted(self) -> StudentFault | None:
         """Return the fault that answers every call once the budget is exhausted."""
         if time.thread_time() - self._started <= self._policy.judging_seconds:
             return None
@@ -57,7 +57,7 @@ class JudgingTimeBudget:
 
     def raise_if_exhausted(self) -> None:
         """Raise StudentFault once the budget is exhausted."""
-        if fault := self.exhausted_fault():
+        if fault := self.fault_if_exhausted():
             raise fault
 
 
@@ -76,30 +76,30 @@ class SandboxProgram:
         try:
             reply = self._session.call(function, *args, return_arguments=return_arguments)
         except ProgramFault as fault:
-            raise student_fault(fault) from fault
+            raise convert_to_student_fault(fault) from fault
         return Reply(reply.value, reply.arguments)
 
     def call_many(self, function: str, calls: Iterable[Arguments], *, faults: int | None = None) -> Iterator[Answer]:
         for answer in self._session.call_many(function, calls, faults=faults):
-            if fault := self._budget.exhausted_fault():
+            if fault := self._budget.fault_if_exhausted():
                 yield fault
                 return
-            yield _answer(answer)
+            yield _convert_answer(answer)
 
     def call_batches(self, requests: Sequence[PlannedCalls]) -> Iterator[Block]:
         blocks = (
             self._session.first_answers
             if requests is self._ahead
-            else self._session.call_batches(list(map(_calls, requests)))
+            else self._session.call_batches(list(map(_convert_planned_calls, requests)))
         )
         for number, answers in blocks:
-            if fault := self._budget.exhausted_fault():
+            if fault := self._budget.fault_if_exhausted():
                 yield number, (fault,)
                 return
             if isinstance(answers, sandbox.Replies):
                 yield number, ArrayReplies(answers.values)
             else:
-                yield number, [_answer(answer) for answer in answers]
+                yield number, [_convert_answer(answer) for answer in answers]
 
     def stdout(self) -> str:
         return self._session.stdout()
@@ -144,23 +144,27 @@ class SandboxPrograms:
         return self._ended_cpu_seconds
 
     def prepare(self, source: bytes, kit: KitSettings, launches: int) -> None:
-        self._sandbox.prepare(source, launches, kit=self._kit(kit), policy=self._policy)
+        self._sandbox.prepare(source, launches, kit=self._load_kit(kit), policy=self._policy)
 
-    def _kit(self, kit: KitSettings) -> Kit:
+    def _load_kit(self, kit: KitSettings) -> Kit:
         return Kit(kit.module, dict(kit.parameters), kit.without, self._library)
 
     def open(self, source: bytes, kit: KitSettings, ahead: Sequence[PlannedCalls] = ()) -> SandboxProgram:
         self._budget.raise_if_exhausted()
-        settings = self._kit(kit)
-        self._shorten_after_timeout()
+        settings = self._load_kit(kit)
+        self._shorten_time_limits_after_timeout()
         try:
             session = self._sandbox.open(
-                source, kit=settings, policy=self._policy, filename=FILENAME, first_calls=list(map(_calls, ahead))
+                source,
+                kit=settings,
+                policy=self._policy,
+                filename=FILENAME,
+                first_calls=list(map(_convert_planned_calls, ahead)),
             )
         except ProgramFault as fault:
             if not self._has_started:
                 self.load_error = _first_paragraph(fault.message)
-            raise student_fault(fault) from fault
+            raise convert_to_student_fault(fault) from fault
         finally:
             is_first, self._has_started = not self._has_started, True
         if is_first:
@@ -169,7 +173,7 @@ class SandboxPrograms:
         self._opened.append(session)
         return SandboxProgram(session, self._budget, ahead, self._ended)
 
-    def _shorten_after_timeout(self) -> None:
+    def _shorten_time_limits_after_timeout(self) -> None:
         if not any(session.has_timed_out for session in self._sessions):
             return
         self._sessions.clear()
@@ -183,18 +187,20 @@ def _first_paragraph(message: str) -> str:
     return message.partition("\n")[0][:MAX_LOAD_ERROR]
 
 
-def _calls(planned: PlannedCalls) -> CallBatch:
+def _convert_planned_calls(planned: PlannedCalls) -> CallBatch:
     columns = planned.calls.columns if isinstance(planned.calls, Rows) else None
     return CallBatch(planned.function, planned.calls, planned.faults, planned.return_arguments, columns)
 
 
-def _answer(answer: sandbox.Reply | ProgramFault) -> Answer:
-    return student_fault(answer) if isinstance(answer, ProgramFault) else Reply(answer.value, answer.arguments)
+def _convert_answer(answer: sandbox.Reply | ProgramFault) -> Answer:
+    return (
+        convert_to_student_fault(answer) if isinstance(answer, ProgramFault) else Reply(answer.value, answer.arguments)
+    )
 
 
-def student_fault(fault: ProgramFault) -> StudentFault:
+def convert_to_student_fault(fault: ProgramFault) -> StudentFault:
     """Convert the sandbox's report of a fault to the graders' one."""
-    frames = tuple(_frame_text(frame) for frame in fault.frames)
+    frames = tuple(_format_frame(frame) for frame in fault.frames)
     return StudentFault(
         Outcome(fault.kind.value),
         fault.message,
@@ -205,7 +211,7 @@ def student_fault(fault: ProgramFault) -> StudentFault:
     )
 
 
-def _frame_text(frame: Frame) -> str:
+def _format_frame(frame: Frame) -> str:
     location = f"ligne {frame.line}, dans {frame.function}"
     return f"{location} : {frame.source.strip()}" if frame.source else location
 
@@ -217,22 +223,22 @@ class SandboxGrader:
         self._course = course
         self._sandbox = sandbox
 
-    def programs(
-        self, exercise_id: str, policy: Policy, own: Own = NOTHING_OWN, tested: Collection[str] = ()
+    def program_starter(
+        self, exercise_id: str, policy: Policy, own: Own = NOTHING_OWN, exercises_under_test: Collection[str] = ()
     ) -> SandboxPrograms:
         """Return a starter of files for one grading of an exercise, under a policy; the others are as in `grade`."""
-        library = reuse.build_library(self._course, exercise_id, own, tested)
+        library = reuse.build_library(self._course, exercise_id, own, exercises_under_test)
         asked = [function.name for function in self._course.exercises[exercise_id].functions]
         return SandboxPrograms(self._sandbox, policy, library, asked)
 
-    def find_place(
+    def locate_mistakes(
         self, exercise_id: str, source: bytes, verdict: Verdict, *, own: Own = NOTHING_OWN, seconds: float
     ) -> Diagnosis | None:
         """Return the verdict's diagnosis with the places of the mistakes, searched for so many seconds of processor."""
         exercise = self._course.exercises[exercise_id]
         if not isinstance(exercise.grader, CodeGrader):
             return verdict.diagnosis
-        programs = self.programs(exercise_id, search_limits(exercise.policy), own)
+        programs = self.program_starter(exercise_id, search_limits(exercise.policy), own)
         spent = start_time_limit(SEARCH_SECONDS, seconds, programs)
         found = find_place(exercise.grader, source.decode("utf-8", "replace"), verdict, programs, spent)
         return verdict.diagnosis if found is None else add_place_to_diagnosis(verdict.diagnosis, found.diagnosis)
@@ -260,8 +266,10 @@ class SandboxGrader:
             try:
                 exercise = self._course.exercises[exercise_id]
                 version = exercise.version
-                programs = self.programs(exercise_id, policy or exercise.policy, own, tested)
-                early = {"while_naming": _completed(while_naming, programs)} if while_naming else {}
+                programs = self.program_starter(exercise_id, policy or exercise.policy, own, tested)
+                early = (
+                    {"while_naming": _complete_judgements_while_naming(while_naming, programs)} if while_naming else {}
+                )
                 judgement = exercise.grader.grade(source, programs, seed=seed, version=version, **early)
                 verdict = replace(judgement.verdict, remarks=programs.remarks, load_error=programs.load_error)
                 return replace(judgement, verdict=verdict)
@@ -275,7 +283,7 @@ class SandboxGrader:
         return Judgement(internal_error_verdict(exercise_id, version, seed))
 
 
-def _completed(while_naming: WhileNaming, programs: SandboxPrograms) -> WhileNaming:
+def _complete_judgements_while_naming(while_naming: WhileNaming, programs: SandboxPrograms) -> WhileNaming:
     """Return `while_naming` of judgements with what the sandbox says of the file."""
     return lambda judgement: while_naming(
         replace(

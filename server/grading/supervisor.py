@@ -25,7 +25,7 @@ RESTART_PAUSE = 1.0
 DRAIN_SECONDS = 0.5
 
 
-class WorkerSocket:
+class WorkerWakeupSocket:
     """Implements `server.queue.wakeups.WorkerConnection`: a few bytes now and then, on a non-blocking socket."""
 
     def __init__(self, ours: socket.socket) -> None:
@@ -48,7 +48,7 @@ class WorkerProcess:
     owner: LeaseOwner
     reader: asyncio.StreamReader
     writer: asyncio.StreamWriter
-    wire: WorkerSocket
+    wire: WorkerWakeupSocket
 
 
 class WorkerSupervisor:
@@ -72,53 +72,55 @@ class WorkerSupervisor:
         self._stopping = False
 
     async def __aenter__(self) -> "WorkerSupervisor":
-        self._tasks = [asyncio.create_task(self._keep_alive(slot)) for slot in range(self._settings.workers)]
+        self._tasks = [
+            asyncio.create_task(self._restart_worker_until_stopped(slot)) for slot in range(self._settings.workers)
+        ]
         return self
 
     @property
-    def target_count(self) -> int:
+    def target_worker_count(self) -> int:
         return self._settings.workers
 
     @property
-    def stopping(self) -> bool:
+    def is_stopping(self) -> bool:
         return self._stopping
 
-    def alive_count(self) -> int:
+    def alive_worker_count(self) -> int:
         """Count the workers that run at this moment."""
         return sum(worker.process.returncode is None for worker in list(self._processes.values()))
 
-    def expect_shutdown(self) -> None:
+    def stop_restarting_workers(self) -> None:
         """The server is stopping: workers that exit from now on are not restarted."""
         self._stopping = True
 
     async def __aexit__(self, *_exc: object) -> None:
         self._stopping = True
         if self._tasks:
-            self._signal(signal.SIGTERM)
+            self._send_signal_to_workers(signal.SIGTERM)
             _, late = await asyncio.wait(self._tasks, timeout=STOP_SECONDS)
-            self._signal(signal.SIGKILL if late else signal.SIGTERM)
+            self._send_signal_to_workers(signal.SIGKILL if late else signal.SIGTERM)
             await asyncio.gather(*self._tasks)
 
-    def _signal(self, number: signal.Signals) -> None:
+    def _send_signal_to_workers(self, number: signal.Signals) -> None:
         for worker in self._processes.values():
             if worker.process.returncode is None:
                 with suppress(ProcessLookupError):
                     worker.process.send_signal(number)
 
-    async def _keep_alive(self, slot: int) -> None:
+    async def _restart_worker_until_stopped(self, slot: int) -> None:
         try:
             await self._walls.wait_open()
         except GateClosed:
             return
         while not self._stopping:
             started = asyncio.get_running_loop().time()
-            worker = self._processes[slot] = await self._start()
-            code = await self._wait_for_exit(worker)
+            worker = self._processes[slot] = await self._start_worker()
+            code = await self._wait_for_worker_exit(worker)
             await asyncio.to_thread(self._on_death, worker.owner)
-            await self._pause(code, started)
+            await self._pause_before_restart(code, started)
 
-    async def _wait_for_exit(self, worker: WorkerProcess) -> int:
-        listening = asyncio.create_task(self._listen(worker))
+    async def _wait_for_worker_exit(self, worker: WorkerProcess) -> int:
+        listening = asyncio.create_task(self._listen_to_worker(worker))
         code = await worker.process.wait()
         await asyncio.wait([listening], timeout=DRAIN_SECONDS)  # its last messages are still in the socket
         listening.cancel()
@@ -127,14 +129,14 @@ class WorkerSupervisor:
         worker.writer.close()
         return code
 
-    async def _pause(self, code: int, started: float) -> None:
+    async def _pause_before_restart(self, code: int, started: float) -> None:
         if self._stopping:
             return
         log.error("a worker has ended with status %d; starting another", code)
         if asyncio.get_running_loop().time() - started < QUICK_DEATH_SECONDS:
             await asyncio.sleep(RESTART_PAUSE)
 
-    async def _start(self) -> WorkerProcess:
+    async def _start_worker(self) -> WorkerProcess:
         ours, theirs = socket.socketpair()
         with theirs:
             arguments = [*self._command, str(theirs.fileno()), str(os.getpid())]
@@ -144,11 +146,11 @@ class WorkerSupervisor:
                 env=child_environment(self._settings),
                 stdin=asyncio.subprocess.DEVNULL,
             )
-        owner, wire = process_owner(process.pid), WorkerSocket(ours.dup())
+        owner, wire = process_owner(process.pid), WorkerWakeupSocket(ours.dup())
         reader, writer = await asyncio.open_connection(sock=ours)  # makes both duplicates non-blocking
         return WorkerProcess(process, owner, reader, writer, wire)
 
-    async def _listen(self, worker: WorkerProcess) -> None:
+    async def _listen_to_worker(self, worker: WorkerProcess) -> None:
         with suppress(ConnectionError):
             while line := await worker.reader.readline():
                 self._switchboard.handle_message(worker.wire, line.decode().rstrip("\n"))

@@ -34,7 +34,7 @@ GAVE_UP = "L’essai n’a pas abouti, de notre côté : enregistrez de nouveau 
 
 
 @dataclass(frozen=True)
-class TrialInput:
+class DraftTrialInput:
     """A draft to try; `publishes`: it is to be published if it holds.
 
     `is_first`: nothing is known of this draft, so that its author first learns what takes no time. `ready` is a trial
@@ -61,14 +61,14 @@ class DraftTrialOutcome:
     goes_on: bool = False
 
 
-class TrialTask:
+class DraftTrialTask:
     """Implements `server.queue.interfaces.Task`. `start` starts the programs of one file under a policy."""
 
     def __init__(self, queue: Queue, start: Callable[[Policy], MeasuredPrograms]) -> None:
         self._queue, self._start = queue, start
-        self.give_up = give_up
+        self.give_up = record_failed_trial
 
-    def read(self, db: Session, lease: Lease) -> TrialInput | None:
+    def read(self, db: Session, lease: Lease) -> DraftTrialInput | None:
         """Load the draft; None where it is gone."""
         exercise = repository.find_exercise(db, UUID(lease.key))
         if exercise is None:
@@ -76,11 +76,11 @@ class TrialTask:
         name = f"{exercise.module}/{exercise.slug or 'essai'}"
         draft = ExerciseDraft.from_data(exercise.draft)
         is_first = not exercise.wants_publication and (exercise.trial or {}).get("digest") != exercise.digest
-        ready = _ready_trial(exercise)
-        return TrialInput(exercise.id, name, exercise.digest, draft, exercise.wants_publication, is_first, ready)
+        ready = _find_complete_stored_trial(exercise)
+        return DraftTrialInput(exercise.id, name, exercise.digest, draft, exercise.wants_publication, is_first, ready)
 
-    def run(self, work: TrialInput) -> DraftTrialOutcome:
-        trial = ExerciseTrial(work.name, partial(self._start, TRIAL_POLICY), self._start_briefly)
+    def run(self, work: DraftTrialInput) -> DraftTrialOutcome:
+        trial = ExerciseTrial(work.name, partial(self._start, TRIAL_POLICY), self._start_programs_for)
         completed = complete_draft(work.draft, trial)
         known = work.ready if work.publishes else None
         report = trial.run(
@@ -108,12 +108,12 @@ class TrialTask:
         fingerprints = trial.fingerprints(read_declaration(completed.declaration))
         return DraftTrialOutcome(completed, stored, {key: list(answers) for key, answers in fingerprints.items()})
 
-    def _start_briefly(self, seconds: float) -> MeasuredPrograms:
+    def _start_programs_for(self, seconds: float) -> MeasuredPrograms:
         waiting = max(TRIAL_POLICY.wall_seconds, WAITING_FACTOR * seconds)
         limits = replace(TRIAL_POLICY, cpu_seconds=min(seconds, TRIAL_POLICY.cpu_seconds), wall_seconds=waiting)
         return self._start(limits)
 
-    def record(self, db: Session, work: TrialInput, result: DraftTrialOutcome) -> None:
+    def record(self, db: Session, work: DraftTrialInput, result: DraftTrialOutcome) -> None:
         """Store the trial; publish the draft where it may be; try again what was saved meanwhile."""
         exercise = repository.lock_exercise(db, work.exercise_id)
         if exercise is None:
@@ -126,12 +126,12 @@ class TrialTask:
             return
         exercise.wants_publication = False
         if result.fingerprints is not None:
-            _publish(db, exercise, result.completed, result.fingerprints)
+            _publish_draft(db, exercise, result.completed, result.fingerprints)
             exercise.trial = {**result.stored, "published_digest": work.digest}
         db.flush()
 
 
-def _ready_trial(exercise: AuthoredExercise) -> TrialReport | None:
+def _find_complete_stored_trial(exercise: AuthoredExercise) -> TrialReport | None:
     """Return the stored trial of an exercise's present draft where it was whole and left nothing to do."""
     trial = exercise.trial or {}
     if trial.get("digest") != exercise.digest or trial.get("left") != []:
@@ -140,7 +140,7 @@ def _ready_trial(exercise: AuthoredExercise) -> TrialReport | None:
     return report if report.is_whole and report.changes else None
 
 
-def _publish(
+def _publish_draft(
     db: Session, exercise: AuthoredExercise, completed: CompletedExercise, fingerprints: Mapping[str, list[str]]
 ) -> None:
     """Make the completed draft the exercise's current version, unless it is that already."""
@@ -161,7 +161,7 @@ def _publish(
     logs.log_event("published", exercise=exercise.name, version=version)
 
 
-def give_up(db: Session, lease: Lease) -> None:
+def record_failed_trial(db: Session, lease: Lease) -> None:
     """Tell the author that the trial failed too often."""
     exercise = repository.lock_exercise(db, UUID(lease.key))
     log.error("trial of exercise %s: given up", lease.key)
@@ -173,4 +173,4 @@ def give_up(db: Session, lease: Lease) -> None:
 
 def give_up_handlers() -> Mapping[str, GiveUpHandler]:
     """Return the handlers for processes that recover jobs without trying anything."""
-    return {TRIAL_JOB: give_up}
+    return {TRIAL_JOB: record_failed_trial}

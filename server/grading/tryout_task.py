@@ -29,7 +29,7 @@ NOT_READY = "Cet exercice ne corrige encore rien : l’essai, à côté du formu
 
 
 @dataclass(frozen=True)
-class TryoutInput:
+class ProgramTryoutInput:
     """A program, and the declaration on which it is graded; None where the draft has none yet."""
 
     exercise_id: UUID
@@ -38,23 +38,23 @@ class TryoutInput:
     declaration: Mapping[str, Any] | None
 
 
-class TryoutTask:
+class ProgramTryoutTask:
     """Implements `server.queue.interfaces.Task`. `start` starts the programs of one file under a policy."""
 
     def __init__(self, queue: Queue, start: Callable[[Policy], Programs]) -> None:
         self._queue, self._start = queue, start
-        self.give_up = give_up
+        self.give_up = record_failed_tryout
 
-    def read(self, db: Session, lease: Lease) -> TryoutInput | None:
+    def read(self, db: Session, lease: Lease) -> ProgramTryoutInput | None:
         """Load the program and the draft as it was last tried; None where one is gone."""
         exercise = repository.find_exercise(db, UUID(lease.key))
         if exercise is None or exercise.tryout is None:
             return None
         completed = (exercise.trial or {}).get("completed")
         declaration = completed["declaration"] if completed else None
-        return TryoutInput(exercise.id, f"{exercise.module}/essai", exercise.tryout["code"], declaration)
+        return ProgramTryoutInput(exercise.id, f"{exercise.module}/essai", exercise.tryout["code"], declaration)
 
-    def run(self, work: TryoutInput) -> dict[str, Any]:
+    def run(self, work: ProgramTryoutInput) -> dict[str, Any]:
         """Return what is stored: the verdict, or why there is none."""
         try:
             grader = DeclaredGrader(work.name, read_declaration(work.declaration or {}))
@@ -63,7 +63,7 @@ class TryoutTask:
             return {"code": work.code, "failed": NOT_READY}
         return {"code": work.code, "verdict": judgement.verdict.to_json()}
 
-    def record(self, db: Session, work: TryoutInput, result: dict[str, Any]) -> None:
+    def record(self, db: Session, work: ProgramTryoutInput, result: dict[str, Any]) -> None:
         """Store the verdict; grade again what was sent meanwhile."""
         exercise = repository.lock_exercise(db, work.exercise_id)
         if exercise is None or exercise.tryout is None:
@@ -75,7 +75,7 @@ class TryoutTask:
         db.flush()
 
 
-def give_up(db: Session, lease: Lease) -> None:
+def record_failed_tryout(db: Session, lease: Lease) -> None:
     """Tell the author that the program was not graded."""
     exercise = repository.lock_exercise(db, UUID(lease.key))
     log.error("tryout of exercise %s: given up", lease.key)
@@ -85,4 +85,4 @@ def give_up(db: Session, lease: Lease) -> None:
 
 def give_up_handlers() -> Mapping[str, GiveUpHandler]:
     """Return the handlers of the studio's jobs, for processes that recover jobs without trying anything."""
-    return {**trial_task.give_up_handlers(), TRYOUT_JOB: give_up}
+    return {**trial_task.give_up_handlers(), TRYOUT_JOB: record_failed_tryout}

@@ -20,14 +20,14 @@ from server.course.start_cache import CACHE_FILE, StartCache
 from server.database import Database
 from server.federation.outbox_task import OutboxThread, SchoolMarksTask
 from server.federation.service import Federation
-from server.grading.early_verdicts import EarlyVerdicts
+from server.grading.early_verdicts import EarlyVerdictStore
 from server.grading.grading_task import GradingInput, GradingTask
-from server.grading.idle_monitor import IdleMonitor
+from server.grading.idle_monitor import WorkerIdleMonitor
 from server.grading.job_lanes import JOB_LANES
 from server.grading.regrade_task import RegradeTask
 from server.grading.sandbox_grader import SandboxGrader, SandboxPrograms
-from server.grading.trial_task import TrialTask
-from server.grading.tryout_task import TryoutTask
+from server.grading.trial_task import DraftTrialTask
+from server.grading.tryout_task import ProgramTryoutTask
 from server.queue.engine import create_nats_engine
 from server.queue.graceful_stop import GracefulStop
 from server.queue.interfaces import BACKGROUND, QueueNotifier, Tasks, WorkerCapabilities, WorkSource
@@ -49,19 +49,19 @@ SWITCH_SECONDS = 0.0005
 
 def stop_on_signals(*, interrupt: bool = False) -> None:
     """SIGTERM raises StopRequested. Ctrl+C does too with `interrupt`; else the server handles it."""
-    signal.signal(signal.SIGTERM, _stop)
-    signal.signal(signal.SIGINT, _stop if interrupt else signal.SIG_IGN)
+    signal.signal(signal.SIGTERM, _raise_stop_requested)
+    signal.signal(signal.SIGINT, _raise_stop_requested if interrupt else signal.SIG_IGN)
 
 
 _graceful_stop = GracefulStop()
 
 
-def _stop(_signal: int, _frame: FrameType | None) -> None:
+def _raise_stop_requested(_signal: int, _frame: FrameType | None) -> None:
     signal.signal(signal.SIGTERM, signal.SIG_IGN)
     _graceful_stop.request()
 
 
-def _warm_up(sandbox: Sandbox, course: Course, idle_monitor: IdleMonitor) -> None:
+def _warm_up_sandbox_and_graders(sandbox: Sandbox, course: Course, idle_monitor: WorkerIdleMonitor) -> None:
     """Start the sandbox templates, then load and compile what graders use, before the first submission.
 
     A failure here recurs, and is reported, when a submission meets it. Submissions come first.
@@ -74,7 +74,7 @@ def _warm_up(sandbox: Sandbox, course: Course, idle_monitor: IdleMonitor) -> Non
                 return
             log.warning("the %s template did not start", imports, exc_info=True)
     for exercise in course.exercises.values():
-        if not idle_monitor.wait_idle(_graceful_stop.requested):
+        if not idle_monitor.wait_until_idle(_graceful_stop.requested):
             return
         try:
             exercise.grader.rehearse()
@@ -93,13 +93,15 @@ def run_worker(
     """
     engine = create_nats_engine(settings, JOB_LANES)
     if engine is None:
-        _run_worker(settings, notifier, on_template_renewed, lambda worker: worker.run(work))
+        _run_work_loop(settings, notifier, on_template_renewed, lambda worker: worker.run(work))
         return
     with engine.connection, closing(engine.subscribe()) as subscription:
-        _run_worker(settings, engine.notifier, on_template_renewed, lambda worker: worker.run_on_messages(subscription))
+        _run_work_loop(
+            settings, engine.notifier, on_template_renewed, lambda worker: worker.run_on_messages(subscription)
+        )
 
 
-def _run_worker(
+def _run_work_loop(
     settings: Settings,
     notifier: QueueNotifier,
     on_template_renewed: Callable[[str], object],
@@ -112,14 +114,16 @@ def _run_worker(
     database = Database(settings.url)
     course.exercises.find_authored = AuthoredExercises(database, course).find
     with closing(database), Sandbox(course.kits, on_template_replaced=on_template_renewed) as sandbox:
-        grader, idle_monitor = SandboxGrader(course, sandbox), IdleMonitor()
+        grader, idle_monitor = SandboxGrader(course, sandbox), WorkerIdleMonitor()
         if settings.warm_up:
-            threading.Thread(target=_warm_up, args=(sandbox, course, idle_monitor), name="warm-up", daemon=True).start()
+            threading.Thread(
+                target=_warm_up_sandbox_and_graders, args=(sandbox, course, idle_monitor), name="warm-up", daemon=True
+            ).start()
 
-        early_verdicts = EarlyVerdicts(database, notifier)
+        early_verdicts = EarlyVerdictStore(database, notifier)
 
         def grade_anew(work: GradingInput, while_naming: WhileNaming | None = None) -> Judgement:
-            with idle_monitor.busy():
+            with idle_monitor.mark_busy():
                 return grader.grade(
                     work.exercise,
                     work.source,
@@ -131,15 +135,15 @@ def _run_worker(
                 )
 
         def grade(work: GradingInput) -> Judgement:
-            return grade_anew(work, early_verdicts.naming_context(work.submission_id))
+            return grade_anew(work, early_verdicts.show_verdict_while_naming(work.submission_id))
 
         queue = TableQueue(notifier)
         tasks: Tasks = {
             GRADE: GradingTask(course, grade),
             REGRADE_JOB: RegradeTask(course, queue, grade_anew),
             FINGERPRINT: FingerprintTask(course, queue, partial(SandboxPrograms, sandbox)),
-            TRIAL_JOB: TrialTask(queue, partial(SandboxPrograms, sandbox)),
-            TRYOUT_JOB: TryoutTask(queue, partial(SandboxPrograms, sandbox)),
+            TRIAL_JOB: DraftTrialTask(queue, partial(SandboxPrograms, sandbox)),
+            TRYOUT_JOB: ProgramTryoutTask(queue, partial(SandboxPrograms, sandbox)),
         }
         scheduler = FingerprintScheduler(database, queue, course)
         threading.Thread(
@@ -160,7 +164,7 @@ def _run_worker(
                     settings,
                     tasks,
                     background=[kind for kind, lane in JOB_LANES.items() if lane == BACKGROUND],
-                    capabilities=_capabilities(settings, course),
+                    capabilities=_detect_worker_capabilities(settings, course),
                     graceful_stop=_graceful_stop,
                 )
             )
@@ -168,7 +172,7 @@ def _run_worker(
             _graceful_stop.requested.set()  # ends the warm-up before the sandbox closes
 
 
-def _capabilities(settings: Settings, course: Course) -> WorkerCapabilities | None:
+def _detect_worker_capabilities(settings: Settings, course: Course) -> WorkerCapabilities | None:
     """Return what this worker can grade; None on a single machine, which has one version of everything."""
     if not settings.nats_url:
         return None

@@ -99,7 +99,7 @@ def _time_database_pings(database: Database) -> Iterator[float]:
     with database.read() as db:
         for _ in range(PINGS):
             started = time.perf_counter()
-            repository.ping(db)
+            repository.ping_database(db)
             yield time.perf_counter() - started
 
 
@@ -119,7 +119,7 @@ def _format_french(number: float) -> str:
 
 def _check_encryption(database: Database) -> ClusterFinding:
     with database.read() as db:
-        encrypted = repository.is_encrypted(db)
+        encrypted = repository.is_connection_encrypted(db)
     message = "chiffrée (TLS)" if encrypted else "en clair"
     remedy = "" if encrypted else "sur un réseau partagé, ajoutez ?sslmode=verify-full à BALISE_DATABASE_URL"
     return ClusterFinding(FindingLevel.good, "connexion à la base", message, remedy)
@@ -128,7 +128,7 @@ def _check_encryption(database: Database) -> ClusterFinding:
 def _check_connections(database: Database) -> ClusterFinding:
     """A full PostgreSQL refuses connections, in the middle of a test rather than before it."""
     with database.read() as db:
-        opened, limit = repository.connection_usage(db)
+        opened, limit = repository.count_open_and_allowed_connections(db)
     message = f"{plural(opened, 'ouverte', 'ouvertes')}, {limit} au plus"
     if opened + MIN_SPARE_CONNECTIONS <= limit:
         return ClusterFinding(FindingLevel.good, "connexions à la base", message)
@@ -175,14 +175,14 @@ def _check_nats(connection: NatsConnection) -> Iterator[ClusterFinding]:
         yield _check_latency(
             "NATS", f"joignable (version {connection.server_version})", iter(flush_durations()), SLOW_NATS_MS
         )
-        yield from _check_stream(connection)
+        yield from _check_jetstream(connection)
     except NatsUnavailableError as down:
         yield ClusterFinding(
             FindingLevel.bad, "JetStream", f"ne répond pas : {down}", "activez JetStream dans nats-server (« -js »)"
         )
 
 
-def _check_stream(connection: NatsConnection) -> Iterator[ClusterFinding]:
+def _check_jetstream(connection: NatsConnection) -> Iterator[ClusterFinding]:
     connection.run_blocking(connection.jetstream.account_info, ANSWER_SECONDS)
     yield ClusterFinding(FindingLevel.good, "JetStream", "activé")
     differences = connection.run_blocking(

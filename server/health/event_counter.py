@@ -12,7 +12,7 @@ log = logging.getLogger(__name__)
 RENEWALS = "template_renewals"
 
 
-class EventCounter:
+class TemplateRenewalCounter:
     """Thread-safe. A count that cannot be written is lost, and fails no verdict."""
 
     def __init__(self, database: Database) -> None:

@@ -43,12 +43,12 @@ class PrometheusMetrics:
         self._registry: CollectorRegistry | None = None
         self._histograms: tuple[Histogram, Histogram] | None = None
 
-    def set_walls(self, walls: Mapping[str, bool]) -> None:
+    def set_wall_states(self, walls: Mapping[str, bool]) -> None:
         """Set the probed walls of the sandbox: whether each stands."""
         self._walls = dict(walls)
 
     @property
-    def walls(self) -> Mapping[str, bool]:
+    def wall_states(self) -> Mapping[str, bool]:
         return self._walls
 
     def render(self) -> tuple[bytes, str]:
@@ -56,11 +56,11 @@ class PrometheusMetrics:
         from prometheus_client.exposition import CONTENT_TYPE_LATEST, generate_latest
 
         with self._lock:
-            registry = self._prepare_registry()
+            registry = self._create_registry_once()
             self._observe_new_verdicts(utc_now())
             return generate_latest(registry), CONTENT_TYPE_LATEST
 
-    def _prepare_registry(self) -> CollectorRegistry:
+    def _create_registry_once(self) -> CollectorRegistry:
         """Create the registry at the first read: the library takes 0.1 s to load."""
         if self._registry is None:
             from prometheus_client import CollectorRegistry, Histogram
@@ -77,7 +77,7 @@ class PrometheusMetrics:
                 Histogram(name, description, ["exercise", "outcome"], buckets=BUCKETS, registry=registry)
                 for name, description in zip(names, descriptions, strict=True)
             )
-            registry.register(_CurrentValues(self))
+            registry.register(_CurrentValuesCollector(self))
             self._registry, self._histograms = registry, (first, second)
         return self._registry
 
@@ -87,7 +87,7 @@ class PrometheusMetrics:
             raise RuntimeError("the histograms are not prepared")
         whole, graded = self._histograms
         with self._database.read() as db:
-            verdicts = repository.first_verdicts(db, self._last_read)
+            verdicts = repository.load_first_gradings_since(db, self._last_read)
         for name, exercise, outcome, sent_at, started_at, finished_at in verdicts:
             if name not in self._observed:
                 self._observed[name] = finished_at
@@ -96,21 +96,23 @@ class PrometheusMetrics:
         self._last_read = max(self._last_read, now - OVERLAP)
         self._observed = {name: when for name, when in self._observed.items() if when >= self._last_read}
 
-    def collect(self) -> Iterator[Metric]:
+    def collect_current_values(self) -> Iterator[Metric]:
         """Yield the current values."""
         from prometheus_client.core import CounterMetricFamily, GaugeMetricFamily
 
         jobs = GaugeMetricFamily("balise_queue_jobs", "Jobs in the queue", labels=["kind", "state"])
         oldest = GaugeMetricFamily("balise_queue_oldest_seconds", "Age of the oldest job that waits", labels=["kind"])
         with self._database.read() as db:
-            rows, renewals = repository.queue_depths(db), Counter(repository.counts_by_reason(db, RENEWALS))
+            rows, renewals = repository.load_queue_depths(db), Counter(repository.load_counts_by_reason(db, RENEWALS))
         for kind, running, count, since in rows:
             jobs.add_metric([kind, RUNNING if running else WAITING], count)
             if not running:
                 oldest.add_metric([kind], max(0.0, (utc_now() - since).total_seconds()))
         yield jobs
         yield oldest
-        yield GaugeMetricFamily("balise_workers", "Grading processes of this machine", self._supervisor.alive_count())
+        yield GaugeMetricFamily(
+            "balise_workers", "Grading processes of this machine", self._supervisor.alive_worker_count()
+        )
         yield GaugeMetricFamily("balise_disk_free_bytes", "Room on the disk of the data", free_bytes(self._data_dir))
         walls = GaugeMetricFamily("balise_wall_standing", "Walls of the sandbox, as probed", labels=["wall"])
         for name, stands in self._walls.items():
@@ -131,14 +133,14 @@ COUNTERS = (
 )
 
 
-class _CurrentValues:
+class _CurrentValuesCollector:
     """A collector for the library, which reads current values."""
 
     def __init__(self, metrics: PrometheusMetrics) -> None:
         self._metrics = metrics
 
     def collect(self) -> Iterator[Metric]:
-        return self._metrics.collect()
+        return self._metrics.collect_current_values()
 
     def describe(self) -> list[Metric]:
         return []

@@ -22,7 +22,7 @@ NOBODY_GRADES_AFTER = timedelta(seconds=60)
 
 
 @dataclass(frozen=True)
-class Readiness:
+class ReadinessChecks:
     """`broker_status` returns the state of the message broker, where there is one; `data_dir`: the disk to watch."""
 
     database: Database
@@ -31,35 +31,35 @@ class Readiness:
     data_dir: Path
     broker_status: Callable[[], str] | None = None
 
-    def checks(self) -> Mapping[str, str]:
+    def run_checks(self) -> Mapping[str, str]:
         """Return `ok` or the problem of each part."""
         walls = "ok" if self.walls.is_open else "being tried"
         return {
-            "database": self._database(),
+            "database": self._check_database(),
             "walls": walls,
-            "workers": self._workers(),
-            "service": self._service(),
+            "workers": self._check_workers(),
+            "service": self._check_service(),
             DISK_CHECK: "ok" if free_bytes(self.data_dir) >= MIN_FREE_BYTES else "nearly full",
             **({} if self.broker_status is None else {BROKER_CHECK: self.broker_status()}),
         }
 
-    def _database(self) -> str:
+    def _check_database(self) -> str:
         try:
             with self.database.read() as db:
-                repository.ping(db)
+                repository.ping_database(db)
         except SQLAlchemyError:
             return "unreachable"
         return "ok"
 
-    def _workers(self) -> str:
+    def _check_workers(self) -> str:
         """One is enough, since dead ones are restarted. With none here, other machines grade, unless work waits."""
-        if self.supervisor.target_count:
-            return "ok" if self.supervisor.alive_count() else "none"
+        if self.supervisor.target_worker_count:
+            return "ok" if self.supervisor.alive_worker_count() else "none"
         try:
             with self.database.read() as db:
                 return "none" if repository.is_grading_abandoned(db, utc_now() - NOBODY_GRADES_AFTER) else "ok"
         except SQLAlchemyError:
             return "unknown"
 
-    def _service(self) -> str:
-        return "stopping" if self.supervisor.stopping else "ok"
+    def _check_service(self) -> str:
+        return "stopping" if self.supervisor.is_stopping else "ok"

@@ -15,17 +15,17 @@ from server.submissions.models import Submission
 from server.submissions.service import GRADE
 
 
-def ping(db: Session) -> None:
+def ping_database(db: Session) -> None:
     """Raise SQLAlchemyError where the database is unavailable."""
     db.execute(select(1))
 
 
-def is_encrypted(db: Session) -> bool:
+def is_connection_encrypted(db: Session) -> bool:
     """Whether this connection to PostgreSQL is over TLS."""
     return bool(db.execute(text("SELECT ssl FROM pg_stat_ssl WHERE pid = pg_backend_pid()")).scalar_one())
 
 
-def connection_usage(db: Session) -> tuple[int, int]:
+def count_open_and_allowed_connections(db: Session) -> tuple[int, int]:
     """Return PostgreSQL's open client connections, and how many non-superusers may open."""
     reserved = "current_setting('superuser_reserved_connections')::int"
     statement = f"SELECT count(*), current_setting('max_connections')::int - {reserved} FROM pg_stat_activity"
@@ -33,7 +33,7 @@ def connection_usage(db: Session) -> tuple[int, int]:
     return opened, limit
 
 
-def queue_depths(db: Session) -> Sequence[Row[str, bool, int, datetime]]:
+def load_queue_depths(db: Session) -> Sequence[Row[str, bool, int, datetime]]:
     """Count jobs by kind and by whether they run, with the creation time of the oldest."""
     running = Job.lease_token.is_not(None)
     return db.execute(
@@ -49,7 +49,7 @@ def is_grading_abandoned(db: Session, before: datetime) -> bool:
     return not runs and bool(db.execute(select(waits)).scalar_one())
 
 
-def first_verdicts(
+def load_first_gradings_since(
     db: Session, since: datetime, limit: int | None = None
 ) -> Sequence[Row[UUID, str, str, datetime, datetime, datetime]]:
     """Load the first gradings of submissions since a time, or the latest `limit` of them.
@@ -72,24 +72,26 @@ def first_verdicts(
     return db.execute(query).all()
 
 
-def leased_jobs(db: Session, limit: int) -> Sequence[Row[str | None, str, str, datetime | None, int]]:
+def load_running_jobs(db: Session, limit: int) -> Sequence[Row[str | None, str, str, datetime | None, int]]:
     """Load the running jobs: owner, kind, key, start, number of tries."""
     query = select(Job.lease_owner, Job.kind, Job.key, Job.started_at, Job.tries).where(Job.lease_token.is_not(None))
     return db.execute(query.order_by(Job.started_at).limit(limit)).all()
 
 
-def exercises_by_submission(db: Session, submissions: Collection[UUID]) -> Mapping[UUID, str]:
+def load_exercises_by_submission(db: Session, submissions: Collection[UUID]) -> Mapping[UUID, str]:
     query = select(Submission.id, Submission.exercise).where(Submission.id.in_(submissions))
     return dict(db.execute(query).all())
 
 
-def count_graded_since(db: Session, since: datetime) -> int:
+def count_gradings_since(db: Session, since: datetime) -> int:
     """Count the gradings that ended since a time."""
     query = select(func.count()).select_from(Grading).where(Grading.finished_at >= since)
     return db.execute(query).scalar_one()
 
 
-def latest_failures(db: Session, outcome: str, since: datetime, limit: int) -> Sequence[Row[datetime, str]]:
+def load_latest_gradings_with_outcome(
+    db: Session, outcome: str, since: datetime, limit: int
+) -> Sequence[Row[datetime, str]]:
     """Load the latest gradings with this outcome: when, and of which exercise."""
     query = select(Grading.finished_at, Submission.exercise).join(Submission, Submission.id == Grading.submission_id)
     query = query.where(Grading.finished_at >= since, Grading.outcome == outcome)
@@ -103,6 +105,6 @@ def increment_count(db: Session, name: str, why: str) -> None:
     db.execute(statement.on_conflict_do_update(index_elements=["name", "why"], set_=again))
 
 
-def counts_by_reason(db: Session, name: str) -> Mapping[str, int]:
+def load_counts_by_reason(db: Session, name: str) -> Mapping[str, int]:
     """Load a counter's values by reason."""
     return dict(db.execute(select(EventCount.why, EventCount.times).where(EventCount.name == name)).all())

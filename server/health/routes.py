@@ -16,7 +16,7 @@ from server.database.dependencies import Db
 from server.grading.supervisor import WorkerSupervisor
 from server.health import service_status
 from server.health.metrics import PrometheusMetrics
-from server.health.readiness import BROKER_CHECK, DISK_CHECK, Readiness
+from server.health.readiness import BROKER_CHECK, DISK_CHECK, ReadinessChecks
 from server.health.service_status import RecentError, WebProcessStatus
 from server.identity.dependencies import ApiAccount
 from server.submissions.job_events import JobEvents
@@ -27,21 +27,21 @@ SettingsOf = Annotated[Settings, Depends(app_service(Settings))]
 MetricsOf = Annotated[PrometheusMetrics, Depends(app_service(PrometheusMetrics))]
 EventsOf = Annotated[JobEvents, Depends(app_service(JobEvents))]
 SupervisorOf = Annotated[WorkerSupervisor, Depends(app_service(WorkerSupervisor))]
-ReadinessOf = Annotated[Readiness, Depends(app_service(Readiness))]
+ReadinessOf = Annotated[ReadinessChecks, Depends(app_service(ReadinessChecks))]
 NO_STORE = {"Cache-Control": "no-store"}
 SCHEME = "bearer"
 
 
 @router.get("/healthz")
-async def alive() -> Response:
+async def answer_liveness_probe() -> Response:
     """Answer while the process lives; it does not read the database."""
     return JSONResponse({"status": "ok", "version": VERSION}, headers=NO_STORE)
 
 
 @router.get("/readyz")
-def ready(readiness: ReadinessOf) -> Response:
+def answer_readiness_probe(readiness: ReadinessOf) -> Response:
     """Return 503 with the failed checks where no visitor should come; `degraded` where they still may."""
-    checks = readiness.checks()
+    checks = readiness.run_checks()
     failed_checks = {name for name, state in checks.items() if state != "ok"}
     status = "ok" if not failed_checks else "degraded" if failed_checks <= {BROKER_CHECK, DISK_CHECK} else "unready"
     body = {"status": status, "checks": checks}
@@ -49,7 +49,7 @@ def ready(readiness: ReadinessOf) -> Response:
 
 
 @router.get("/statusz")
-def status(
+def show_service_status(
     account: ApiAccount,
     db: Db,
     events: EventsOf,
@@ -64,17 +64,19 @@ def status(
         visitors=VISITS.recent_visitors(),
         requests_per_minute=VISITS.requests_in_last_minute(),
         following=events.count_watchers(),
-        workers=supervisor.alive_count(),
-        wanted=supervisor.target_count,
-        walls=prometheus.walls,
-        checks=readiness.checks(),
+        workers=supervisor.alive_worker_count(),
+        wanted=supervisor.target_worker_count,
+        walls=prometheus.wall_states,
+        checks=readiness.run_checks(),
     )
     faults = [RecentError(at, where, message) for at, where, message in RECENT_ERRORS.latest()]
-    return JSONResponse(service_status.to_json(service_status.load_status(db, process, faults)), headers=NO_STORE)
+    return JSONResponse(
+        service_status.service_status_to_json(service_status.load_service_status(db, process, faults)), headers=NO_STORE
+    )
 
 
 @router.get("/metrics")
-def metrics(request: Request, settings: SettingsOf, prometheus: MetricsOf) -> Response:
+def show_metrics(request: Request, settings: SettingsOf, prometheus: MetricsOf) -> Response:
     """Return the metrics for the token of the settings; without one, for nobody."""
     if not settings.metrics_token:
         raise NotFound("Les mesures ne sont pas publiées : BALISE_METRICS_TOKEN n’est pas réglé.")

@@ -93,25 +93,25 @@ class ServiceStatus:
     version: str = VERSION
 
 
-def load_status(
+def load_service_status(
     db: Session, process: WebProcessStatus | None = None, faults: Sequence[RecentError] = ()
 ) -> ServiceStatus:
     """Load the state; a web process adds its own."""
     now = utc_now()
-    errors = [*faults, *_internal_errors(db, now)]
+    errors = [*faults, *_load_recent_internal_errors(db, now)]
     return ServiceStatus(
         at=now,
-        queue=_queue(db, now),
-        workers=_workers(db, now),
-        verdicts=_verdicts(db, now),
+        queue=_load_queue_depths(db, now),
+        workers=_load_busy_workers(db, now),
+        verdicts=_load_verdict_times(db, now),
         faults=sorted(errors, key=lambda fault: fault.at, reverse=True)[:MAX_ERRORS],
         process=process,
     )
 
 
-def _queue(db: Session, now: datetime) -> list[QueueDepth]:
+def _load_queue_depths(db: Session, now: datetime) -> list[QueueDepth]:
     counts: dict[str, dict[bool, tuple[int, datetime]]] = {}
-    for kind, running, count, since in repository.queue_depths(db):
+    for kind, running, count, since in repository.load_queue_depths(db):
         counts.setdefault(kind, {})[running] = (count, since)
     nothing = (0, now)
     return [
@@ -129,10 +129,10 @@ def _seconds_since(when: datetime, now: datetime) -> float:
     return max(0.0, (now - when).total_seconds())
 
 
-def _workers(db: Session, now: datetime) -> list[BusyWorker]:
-    jobs = repository.leased_jobs(db, MAX_WORKERS)
+def _load_busy_workers(db: Session, now: datetime) -> list[BusyWorker]:
+    jobs = repository.load_running_jobs(db, MAX_WORKERS)
     keys = {key: UUID(key) for _, kind, key, _, _ in jobs if kind == GRADE}
-    exercises = repository.exercises_by_submission(db, keys.values()) if keys else {}
+    exercises = repository.load_exercises_by_submission(db, keys.values()) if keys else {}
     busy = []
     for owner_name, kind, key, started_at, tries in jobs:
         owner = lease_owner.parse_owner(owner_name or UNKNOWN_OWNER)
@@ -141,21 +141,21 @@ def _workers(db: Session, now: datetime) -> list[BusyWorker]:
     return sorted(busy, key=lambda worker: (worker.host, worker.pid))
 
 
-def _verdicts(db: Session, now: datetime) -> VerdictTimes:
-    recent = repository.count_graded_since(db, now - RATE_WINDOW)
-    verdicts = repository.first_verdicts(db, now - TIMES_WINDOW, MAX_VERDICTS)
+def _load_verdict_times(db: Session, now: datetime) -> VerdictTimes:
+    recent = repository.count_gradings_since(db, now - RATE_WINDOW)
+    verdicts = repository.load_first_gradings_since(db, now - TIMES_WINDOW, MAX_VERDICTS)
     seconds = [(finished_at - sent_at).total_seconds() for _, _, _, sent_at, _, finished_at in verdicts]
     cuts = quantiles(seconds, n=20, method="inclusive") if len(seconds) > 1 else seconds * 19
     p50, p95 = (cuts[9], cuts[18]) if cuts else (None, None)
     return VerdictTimes(recent * 60 / RATE_WINDOW.total_seconds(), p50, p95)
 
 
-def _internal_errors(db: Session, now: datetime) -> list[RecentError]:
-    rows = repository.latest_failures(db, Outcome.INTERNAL_ERROR, now - ERRORS_WINDOW, MAX_ERRORS)
+def _load_recent_internal_errors(db: Session, now: datetime) -> list[RecentError]:
+    rows = repository.load_latest_gradings_with_outcome(db, Outcome.INTERNAL_ERROR, now - ERRORS_WINDOW, MAX_ERRORS)
     return [RecentError(at, exercise, UNGRADED) for at, exercise in rows]
 
 
-def to_json(overview: ServiceStatus) -> dict[str, Any]:
+def service_status_to_json(overview: ServiceStatus) -> dict[str, Any]:
     """Convert to JSON, with times in ISO 8601."""
     content: dict[str, Any] = json.loads(json.dumps(asdict(overview), default=datetime.isoformat))
     return content

@@ -19,7 +19,7 @@ from server.hunts.protocol import (
     GONE,
     MAX_OFFERS,
     OUTSIDE,
-    Argument,
+    HuntArgument,
     HuntName,
     HuntQuestion,
     HuntReply,
@@ -35,7 +35,7 @@ MAX_KNOWN = 64
 
 
 @dataclass(frozen=True)
-class KnownDeclaredHunt:
+class DeclaredHuntWithWitness:
     """A hunt and the arguments of its witness, as one types them; None where it has none."""
 
     hunt: DeclaredHunt
@@ -47,55 +47,59 @@ class DeclaredHuntRunner:
 
     def __init__(self, sandbox: Sandbox, policy: Policy) -> None:
         self._sandbox, self._policy = sandbox, policy
-        self._known: LRUCache[tuple[str, HuntName], KnownDeclaredHunt] = LRUCache(MAX_KNOWN)
+        self._known: LRUCache[tuple[str, HuntName], DeclaredHuntWithWitness] = LRUCache(MAX_KNOWN)
 
-    def answer(self, question: HuntQuestion) -> HuntReply:
+    def answer_question(self, question: HuntQuestion) -> HuntReply:
         """Answer one question. Raises SandboxFault when the fault is ours."""
         match question.hunts:
             case OfferRequest() as asked:
-                return HuntReply(offer=self._offer(asked, question.declarations))
+                return HuntReply(offer=self._offer_first_possible_hunt(asked, question.declarations))
             case InputTrial() as trial:
-                return HuntReply(outcome=self._try_input(trial, question.declarations))
+                return HuntReply(outcome=self._run_on_typed_input(trial, question.declarations))
         return HuntReply(outcome=HuntTrialOutcome(refusal=GONE))
 
-    def _offer(self, asked: OfferRequest, declarations: Mapping[str, dict[str, Any]]) -> OfferedHunt | None:
-        for index, name in enumerate(asked.hunts[:MAX_OFFERS]):
-            for known in self._hunts_of(name, declarations.get(name.exercise)):
+    def _offer_first_possible_hunt(
+        self, request: OfferRequest, declarations: Mapping[str, dict[str, Any]]
+    ) -> OfferedHunt | None:
+        for index, name in enumerate(request.hunts[:MAX_OFFERS]):
+            for known in self._find_hunts_of_misconception(name, declarations.get(name.exercise)):
                 if known.witness is not None:
-                    return _describe(index, name, known.hunt, known.witness, asked.seed)
+                    return _describe_offer(index, name, known.hunt, known.witness, request.seed)
         return None
 
-    def _hunts_of(self, name: HuntName, data: dict[str, Any] | None) -> Iterator[KnownDeclaredHunt]:
+    def _find_hunts_of_misconception(
+        self, name: HuntName, declaration: dict[str, Any] | None
+    ) -> Iterator[DeclaredHuntWithWitness]:
         """Yield the hunts of a mistake, with their witnesses."""
-        if data is None:
+        if declaration is None:
             return
-        version = json.dumps(data, sort_keys=True)
-        grader = DeclaredGrader(name.exercise, read_declaration(data))
+        version = json.dumps(declaration, sort_keys=True)
+        grader = DeclaredGrader(name.exercise, read_declaration(declaration))
         for hunt in list_hunts(grader):
             if hunt.mistake.id != name.misconception or name.function not in ("", hunt.function):
                 continue
             key = (f"{hunt.check.id} {version}", name.model_copy(update={"function": hunt.function}))
             known = self._known.get(key)
-            yield known if known is not None else self._known.put(key, self._make(hunt))
+            yield known if known is not None else self._known.put(key, self._find_witness(hunt))
 
-    def _make(self, hunt: DeclaredHunt) -> KnownDeclaredHunt:
+    def _find_witness(self, hunt: DeclaredHunt) -> DeclaredHuntWithWitness:
         try:
-            with closing(DeclaredHuntGround(hunt, self._programs(hunt))) as ground:
-                return KnownDeclaredHunt(hunt, ground.find_witness())
+            with closing(DeclaredHuntGround(hunt, self._sandbox_programs(hunt))) as ground:
+                return DeclaredHuntWithWitness(hunt, ground.find_witness())
         except StudentFault:
-            return KnownDeclaredHunt(hunt, None)
+            return DeclaredHuntWithWitness(hunt, None)
 
-    def _programs(self, hunt: DeclaredHunt) -> Programs:
+    def _sandbox_programs(self, hunt: DeclaredHunt) -> Programs:
         return SandboxPrograms(self._sandbox, self._policy, asked=hunt.grader.functions)
 
-    def _try_input(self, trial: InputTrial, declarations: Mapping[str, dict[str, Any]]) -> HuntTrialOutcome:
-        hunts = self._hunts_of(trial.hunt, declarations.get(trial.hunt.exercise))
+    def _run_on_typed_input(self, trial: InputTrial, declarations: Mapping[str, dict[str, Any]]) -> HuntTrialOutcome:
+        hunts = self._find_hunts_of_misconception(trial.hunt, declarations.get(trial.hunt.exercise))
         known = next((each for each in hunts if each.witness is not None), None)
         if known is None or known.witness is None:
             return HuntTrialOutcome(refusal=GONE)
         try:
             case = known.hunt.read_input(trial.typed)
-            shown = try_hunt(known.hunt, self._programs(known.hunt), case)
+            shown = try_hunt(known.hunt, self._sandbox_programs(known.hunt), case)
         except InputFault as fault:
             return HuntTrialOutcome(refusal=fault.message, argument=fault.argument)
         except (InputOutsideStatement, StudentFault):
@@ -107,14 +111,14 @@ class DeclaredHuntRunner:
         )
 
 
-def _describe(index: int, name: HuntName, hunt: DeclaredHunt, witness: tuple[str, ...], seed: int) -> OfferedHunt:
+def _describe_offer(index: int, name: HuntName, hunt: DeclaredHunt, witness: tuple[str, ...], seed: int) -> OfferedHunt:
     arguments = zip(hunt.arguments, witness, strict=True)
     return OfferedHunt(
         index=index,
         hunt=name.model_copy(update={"function": hunt.function}),
         title=hunt.mistake.title,
         program=hunt.program(seed),
-        arguments=tuple(Argument(name=each.name, words=each.words, witness=text) for each, text in arguments),
+        arguments=tuple(HuntArgument(name=each.name, words=each.words, witness=text) for each, text in arguments),
         numbers=0,
         nonzero=0,
         predictable=False,

@@ -99,7 +99,7 @@ class HuntQuestion(HuntProtocolModel):
     declarations: dict[str, dict[str, Any]] = {}
 
 
-class Argument(HuntProtocolModel):
+class HuntArgument(HuntProtocolModel):
     """An argument of the hunted function, what it is in words, and its value in the witness."""
 
     name: str
@@ -120,7 +120,7 @@ class OfferedHunt(HuntProtocolModel):
     hunt: HuntName
     title: str
     program: str
-    arguments: tuple[Argument, ...]
+    arguments: tuple[HuntArgument, ...]
     numbers: int
     nonzero: int
     predictable: bool

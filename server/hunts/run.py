@@ -34,9 +34,9 @@ from server.hunts.protocol import (
     MAX_OFFERS,
     OUTSIDE,
     AnswerComparison,
-    Argument,
     ComparedAnswer,
     ComparisonRequest,
+    HuntArgument,
     HuntName,
     HuntQuestion,
     HuntReply,
@@ -65,7 +65,7 @@ MAX_PREDICTED, PREDICTION_TOLERANCE = 6, 0.011
 
 
 @dataclass(frozen=True)
-class KnownHunt:
+class HuntWithWitness:
     """A hunt with its witness, and what both programs answer to it."""
 
     hunt: Hunt
@@ -79,38 +79,38 @@ class HuntRunner:
 
     def __init__(self, sandbox: Sandbox) -> None:
         self._sandbox = sandbox
-        self._known: dict[HuntName, KnownHunt | None] = {}
+        self._known: dict[HuntName, HuntWithWitness | None] = {}
         self._declared = DeclaredHuntRunner(sandbox, POLICY)
 
-    def answer(self, question: HuntQuestion) -> HuntReply:
+    def answer_question(self, question: HuntQuestion) -> HuntReply:
         """Answer one question. Raises SandboxFault when the fault is ours."""
-        if any(name.exercise in question.declarations for name in _names_of(question)):
-            return self._declared.answer(question)
+        if any(name.exercise in question.declarations for name in _hunt_names_in_question(question)):
+            return self._declared.answer_question(question)
         match question.hunts:
             case OfferRequest() as asked:
-                return HuntReply(offer=self._offer(asked))
+                return HuntReply(offer=self._offer_first_possible_hunt(asked))
             case ComparisonRequest() as asked:
-                return HuntReply(comparison=self._compare(asked))
+                return HuntReply(comparison=self._compare_first_possible_hunt(asked))
             case ReviewRequest() as request:
-                return HuntReply(review=self._review(request))
+                return HuntReply(review=self._review_program(request))
             case PreparationRequest():
                 return HuntReply()
             case InputTrial() | PredictionTrial() | LineTrial() as trial:
-                return HuntReply(outcome=self._try(trial))
+                return HuntReply(outcome=self._try_answer(trial))
 
-    def _try(self, trial: InputTrial | PredictionTrial | LineTrial) -> HuntTrialOutcome:
+    def _try_answer(self, trial: InputTrial | PredictionTrial | LineTrial) -> HuntTrialOutcome:
         match trial:
             case InputTrial():
-                return self._try_input(trial)
+                return self._run_on_typed_input(trial)
             case PredictionTrial():
-                return self._try_prediction(trial)
+                return self._check_typed_prediction(trial)
             case LineTrial():
-                return self._try_line(trial)
+                return self._check_line_choice(trial)
 
-    def _review(self, request: ReviewRequest) -> ProgramReview:
+    def _review_program(self, request: ReviewRequest) -> ProgramReview:
         """Try the remarks on a program beside it and the reference, in one run."""
         programs = SandboxPrograms(self._sandbox, POLICY)
-        review = review_program(_definition(request.exercise), request.source, programs)
+        review = review_program(_load_code_definition(request.exercise), request.source, programs)
         remarks = tuple(
             ProgramRemark(
                 line=tried.advice.line,
@@ -123,27 +123,32 @@ class HuntRunner:
         )
         return ProgramReview(remarks=remarks, ratio=review.ratio)
 
-    def _offer(self, asked: OfferRequest) -> OfferedHunt | None:
-        for index, name in enumerate(asked.hunts[:MAX_OFFERS]):
-            for hunt in _hunts_of(name):
+    def _offer_first_possible_hunt(self, request: OfferRequest) -> OfferedHunt | None:
+        for index, name in enumerate(request.hunts[:MAX_OFFERS]):
+            for hunt in _find_hunts_of_misconception(name):
                 exact = HuntName(exercise=name.exercise, misconception=name.misconception, function=hunt.function)
-                if (known := self._find(exact, hunt)) is not None:
-                    return _describe(index, exact, known, asked.seed)
+                if (known := self._find_witness(exact, hunt)) is not None:
+                    return _describe_offer(index, exact, known, request.seed)
         return None
 
-    def _find(self, name: HuntName, hunt: Hunt) -> KnownHunt | None:
+    def _find_witness(self, name: HuntName, hunt: Hunt) -> HuntWithWitness | None:
         if name not in self._known:
-            with self._programs(name, hunt) as (ground, wrong):
+            with self._open_right_and_wrong_programs(name, hunt) as (ground, wrong):
                 witness = find_witness(hunt, ground, wrong)
                 answer = None if witness is None else ground.try_input(hunt, wrong, witness)
             self._known[name] = (
-                None if witness is None or answer is None else KnownHunt(hunt, witness, answer.expected, answer.got)
+                None
+                if witness is None or answer is None
+                else HuntWithWitness(hunt, witness, answer.expected, answer.got)
             )
         return self._known[name]
 
-    def _try_line(self, trial: LineTrial) -> HuntTrialOutcome:
+    def _check_line_choice(self, trial: LineTrial) -> HuntTrialOutcome:
         """Compare a line with those by which the program differs from a right one. Runs nothing."""
-        definition, hunt = _definition(trial.hunt.exercise), next(_hunts_of(trial.hunt), None)
+        definition, hunt = (
+            _load_code_definition(trial.hunt.exercise),
+            next(_find_hunts_of_misconception(trial.hunt), None),
+        )
         public = sorted(definition.judged_functions)
         changed = None if hunt is None else find_wrong_lines(definition, hunt, trial.seed, public)
         if hunt is None or changed is None:
@@ -155,17 +160,17 @@ class HuntRunner:
         mending = "\n".join(line.strip() for line in changed.mending.values())
         return HuntTrialOutcome(is_right=trial.line in changed.mending, expected=mending, got=wrong)
 
-    def _compare(self, asked: ComparisonRequest) -> AnswerComparison | None:
-        for index, name in enumerate(asked.hunts[:MAX_OFFERS]):
-            for hunt in _hunts_of(name):
+    def _compare_first_possible_hunt(self, request: ComparisonRequest) -> AnswerComparison | None:
+        for index, name in enumerate(request.hunts[:MAX_OFFERS]):
+            for hunt in _find_hunts_of_misconception(name):
                 exact = HuntName(exercise=name.exercise, misconception=name.misconception, function=hunt.function)
-                known = self._find(exact, hunt)
-                if known is not None and _is_short(known.expected) and _is_short(known.got):
-                    return self._comparison(index, exact, known)
+                known = self._find_witness(exact, hunt)
+                if known is not None and _is_few_finite_numbers(known.expected) and _is_few_finite_numbers(known.got):
+                    return self._build_comparison(index, exact, known)
         return None
 
-    def _comparison(self, index: int, name: HuntName, known: KnownHunt) -> AnswerComparison:
-        digits = next((few for few in FEW_DIGITS if _is_told_apart(known, few)), MANY_DIGITS)
+    def _build_comparison(self, index: int, name: HuntName, known: HuntWithWitness) -> AnswerComparison:
+        digits = next((few for few in FEW_DIGITS if _are_answers_distinguishable(known, few)), MANY_DIGITS)
         given = zip(known.hunt.contract.takes, known.witness, strict=False)
         call = ", ".join(f"{argument}={format_typed_argument(value)}" for argument, value in given)
         return AnswerComparison(
@@ -176,25 +181,27 @@ class HuntRunner:
             wrong=tuple(self._wrong_answers(name, known, digits)),
         )
 
-    def _wrong_answers(self, name: HuntName, known: KnownHunt, digits: int) -> Iterator[ComparedAnswer]:
+    def _wrong_answers(self, name: HuntName, known: HuntWithWitness, digits: int) -> Iterator[ComparedAnswer]:
         """Yield what a few known mistakes of the function answer to a witness, that of the hunt first, each once."""
         got = text(known.got, digits=digits)
         told = {text(known.expected, digits=digits), got}
         yield ComparedAnswer(misconception=name.misconception, words=got)
-        others = [hunt for hunt in _all_hunts(name.exercise) if hunt.function == known.hunt.function]
-        with self._programs(name, known.hunt) as (ground, _):
+        others = [hunt for hunt in _list_hunts_of_exercise(name.exercise) if hunt.function == known.hunt.function]
+        with self._open_right_and_wrong_programs(name, known.hunt) as (ground, _):
             for other in others[:MAX_COMPARED]:
                 with closing(ground.open(other.source)) as wrong:
                     answer = next(ground.try_inputs(other, wrong, [known.witness]))
-                words = "" if answer is None or not _is_short(answer.got) else text(answer.got, digits=digits)
+                words = (
+                    "" if answer is None or not _is_few_finite_numbers(answer.got) else text(answer.got, digits=digits)
+                )
                 if answer is not None and answer.shows and words and words not in told:
                     told.add(words)
                     yield ComparedAnswer(misconception=other.misconception.id, words=words)
 
     @contextmanager
-    def _programs(self, name: HuntName, hunt: Hunt) -> Iterator[tuple[HuntPrograms, Program]]:
+    def _open_right_and_wrong_programs(self, name: HuntName, hunt: Hunt) -> Iterator[tuple[HuntPrograms, Program]]:
         """Open the right programs and the wrong one, and close them."""
-        ground = HuntPrograms(_definition(name.exercise), SandboxPrograms(self._sandbox, POLICY))
+        ground = HuntPrograms(_load_code_definition(name.exercise), SandboxPrograms(self._sandbox, POLICY))
         try:
             wrong = ground.open(hunt.source)
             try:
@@ -204,16 +211,16 @@ class HuntRunner:
         finally:
             ground.close()
 
-    def _try_input(self, trial: InputTrial) -> HuntTrialOutcome:
-        hunt = next(_hunts_of(trial.hunt), None)
-        if hunt is None or (known := self._find(trial.hunt, hunt)) is None:
+    def _run_on_typed_input(self, trial: InputTrial) -> HuntTrialOutcome:
+        hunt = next(_find_hunts_of_misconception(trial.hunt), None)
+        if hunt is None or (known := self._find_witness(trial.hunt, hunt)) is None:
             return HuntTrialOutcome(refusal=GONE)
         try:
-            args = hunt.read_input(_parse_arguments(trial.typed))
+            args = hunt.read_input(_parse_typed_arguments(trial.typed))
         except InputFault as fault:
             return HuntTrialOutcome(refusal=fault.message, argument=fault.argument)
         try:
-            with self._programs(trial.hunt, hunt) as (ground, wrong):
+            with self._open_right_and_wrong_programs(trial.hunt, hunt) as (ground, wrong):
                 answer = ground.try_input(hunt, wrong, args)
         except (InputOutsideStatement, StudentFault):
             return HuntTrialOutcome(refusal=OUTSIDE)
@@ -222,27 +229,31 @@ class HuntRunner:
             expected=text(answer.expected),
             got="" if answer.fault else text(answer.got),
             fault=answer.fault,
-            small=_is_small(args, known.witness),
+            small=_is_no_larger_than_witness(args, known.witness),
         )
 
-    def _try_prediction(self, trial: PredictionTrial) -> HuntTrialOutcome:
-        hunt = next(_hunts_of(trial.hunt), None)
-        if hunt is None or (known := self._find(trial.hunt, hunt)) is None or not _is_short(known.got):
+    def _check_typed_prediction(self, trial: PredictionTrial) -> HuntTrialOutcome:
+        hunt = next(_find_hunts_of_misconception(trial.hunt), None)
+        if (
+            hunt is None
+            or (known := self._find_witness(trial.hunt, hunt)) is None
+            or not _is_few_finite_numbers(known.got)
+        ):
             return HuntTrialOutcome(refusal="Cette question n’existe plus : prenez-en une autre.")
         try:
-            typed = np.asarray(_parse_value("valeur", trial.typed), dtype=np.float64)
+            typed = np.asarray(_parse_typed_value("valeur", trial.typed), dtype=np.float64)
         except InputFault as fault:
             return HuntTrialOutcome(refusal=fault.message, argument=fault.argument)
         except (TypeError, ValueError):
             return HuntTrialOutcome(refusal="Donnez des nombres, et une liste si la fonction en rend plusieurs.")
-        right = _flat(known.got)
+        right = _flatten_numbers(known.got)
         close = typed.size == right.size and bool(
             np.allclose(typed.ravel(), right, rtol=0.002, atol=PREDICTION_TOLERANCE)
         )
-        return HuntTrialOutcome(is_right=close, expected=text(known.got), got=text(_as_read(typed)))
+        return HuntTrialOutcome(is_right=close, expected=text(known.got), got=text(_scalar_or_array(typed)))
 
 
-def _names_of(question: HuntQuestion) -> Sequence[HuntName]:
+def _hunt_names_in_question(question: HuntQuestion) -> Sequence[HuntName]:
     """Return the hunts that a question is about."""
     if isinstance(question.hunts, ReviewRequest | PreparationRequest):
         return ()
@@ -251,16 +262,16 @@ def _names_of(question: HuntQuestion) -> Sequence[HuntName]:
     return (question.hunts.hunt,)
 
 
-def _is_told_apart(known: KnownHunt, digits: int) -> bool:
+def _are_answers_distinguishable(known: HuntWithWitness, digits: int) -> bool:
     return text(known.expected, digits=digits) != text(known.got, digits=digits)
 
 
-def _as_read(typed: np.ndarray) -> Value:
+def _scalar_or_array(typed: np.ndarray) -> Value:
     return float(typed) if typed.shape == () else typed
 
 
-def _describe(index: int, name: HuntName, known: KnownHunt, seed: int) -> OfferedHunt:
-    hunt, size, definition = known.hunt, measure_input(known.witness), _definition(name.exercise)
+def _describe_offer(index: int, name: HuntName, known: HuntWithWitness, seed: int) -> OfferedHunt:
+    hunt, size, definition = known.hunt, measure_input(known.witness), _load_code_definition(name.exercise)
     public = sorted(definition.judged_functions)
     changed = find_wrong_lines(definition, hunt, seed, public)
     optional = {argument for argument, _ in hunt.contract.defaults}
@@ -271,44 +282,46 @@ def _describe(index: int, name: HuntName, known: KnownHunt, seed: int) -> Offere
         title=hunt.misconception.title,
         program=hunt.wrong_program_source(seed, public),
         arguments=tuple(
-            Argument(name=argument, words=form.words, witness=witness.get(argument, ""), optional=argument in optional)
+            HuntArgument(
+                name=argument, words=form.words, witness=witness.get(argument, ""), optional=argument in optional
+            )
             for argument, form in hunt.contract.takes.items()
         ),
         numbers=size.numbers,
         nonzero=size.nonzero,
-        predictable=_is_short(known.got),
+        predictable=_is_few_finite_numbers(known.got),
         wrong_lines=0 if changed is None else len(changed.mending),
         returns=hunt.contract.returns.words,
     )
 
 
-def _is_small(args: Arguments, witness: Arguments) -> bool:
+def _is_no_larger_than_witness(args: Arguments, witness: Arguments) -> bool:
     mine, known = measure_input(args), measure_input(witness)
     return mine.nonzero <= known.nonzero and mine.numbers <= known.numbers
 
 
-def _is_short(got: Value) -> bool:
+def _is_few_finite_numbers(answer: Value) -> bool:
     """Whether an answer is a few finite numbers."""
     try:
-        numbers = _flat(got)
+        numbers = _flatten_numbers(answer)
     except (TypeError, ValueError):
         return False
     return 0 < numbers.size <= MAX_PREDICTED and bool(np.isfinite(numbers).all())
 
 
-def _flat(value: Value) -> np.ndarray:
+def _flatten_numbers(value: Value) -> np.ndarray:
     """Return the numbers of an answer in a row. Raises ValueError or TypeError for what holds anything else."""
     if isinstance(value, tuple | list):
-        return np.concatenate([np.zeros(0), *map(_flat, value)])
+        return np.concatenate([np.zeros(0), *map(_flatten_numbers, value)])
     return np.ravel(np.asarray(value, dtype=np.float64))
 
 
-def _parse_arguments(typed: Mapping[str, str]) -> dict[str, Value]:
+def _parse_typed_arguments(typed: Mapping[str, str]) -> dict[str, Value]:
     """Read typed arguments; those left empty are not given. Raises InputFault."""
-    return {name: _parse_value(name, words) for name, words in typed.items() if words.strip()}
+    return {name: _parse_typed_value(name, words) for name, words in typed.items() if words.strip()}
 
 
-def _parse_value(name: str, typed: str) -> Value:
+def _parse_typed_value(name: str, typed: str) -> Value:
     try:
         return calls.parse_value(typed)
     except Invalid as error:
@@ -330,18 +343,18 @@ def format_typed_argument(value: Value) -> str:
     return re.sub(r"(?<=\d)π", "*π", part).replace("π", "pi").replace("−", "-")
 
 
-def _hunts_of(name: HuntName) -> Iterator[Hunt]:
-    for hunt in _all_hunts(name.exercise):
+def _find_hunts_of_misconception(name: HuntName) -> Iterator[Hunt]:
+    for hunt in _list_hunts_of_exercise(name.exercise):
         if hunt.misconception.id == name.misconception and name.function in ("", hunt.function):
             yield hunt
 
 
 @lru_cache(maxsize=256)
-def _all_hunts(exercise: str) -> tuple[Hunt, ...]:
-    return tuple(list_hunts(_definition(exercise)))
+def _list_hunts_of_exercise(exercise: str) -> tuple[Hunt, ...]:
+    return tuple(list_hunts(_load_code_definition(exercise)))
 
 
-def _definition(exercise: str) -> CodeDefinition:
+def _load_code_definition(exercise: str) -> CodeDefinition:
     definition = discovery.load_definition(exercise)
     if not isinstance(definition, CodeDefinition):
         raise LookupError(f"{exercise} has no checks of code")

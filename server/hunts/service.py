@@ -71,83 +71,93 @@ class HuntService:
     ask: TraceProgram
     prepare: Callable[[bytes], None]
 
-    async def prepare_process(self) -> None:
+    async def start_process_early(self) -> None:
         """Prepare the process that makes hunts, for a reader who may ask for one at a click. Waits for nothing."""
         self.prepare(HuntQuestion(hunts=PreparationRequest()).model_dump_json().encode())
 
-    async def offer(self, account: Account, exercise_id: str, skip: int, address: str) -> OfferedHunt | None:
-        """Offer a hunt of an exercise: the reader's own mistakes first, after `skip` of them; None where none is left.
+    async def offer_hunt(
+        self, account: Account, exercise_id: str, skipped_count: int, address: str
+    ) -> OfferedHunt | None:
+        """Offer a hunt of an exercise after `skipped_count` of them, the reader's own mistakes first; None where none
+        is left.
 
         Raises NotFound, Forbidden or WrongMoment.
         """
-        exercise = self._exercise(exercise_id)
+        exercise = self._find_exercise(exercise_id)
 
         def names(db: Session) -> Sequence[HuntName]:
-            require_may_hunt(db, account, exercise)
+            require_may_hunt_mistakes(db, account, exercise)
             own = [mistake.misconception for mistake in mistakes.load_past_mistakes(db, account.id, [exercise.id])]
-            return order_hunts(exercise, own, account)
+            return order_hunts_for_account(exercise, own, account)
 
-        hunts = await self._read(names)
-        offer = await self.offer_first(account, hunts[skip:], address)
-        return None if offer is None else offer.model_copy(update={"index": offer.index + skip})
+        hunts = await self._load_in_transaction(names)
+        offer = await self.offer_first_possible_hunt(account, hunts[skipped_count:], address)
+        return None if offer is None else offer.model_copy(update={"index": offer.index + skipped_count})
 
-    async def reopen(self, account: Account, hunt: HuntName, address: str) -> OfferedHunt | None:
-        """Offer a hunt again, by its name. Raises as `offer`."""
-        exercise = self._exercise(hunt.exercise)
-        await self._read(lambda db: require_may_hunt(db, account, exercise))
-        return await self.offer_first(account, [hunt], address)
+    async def offer_hunt_again(self, account: Account, hunt: HuntName, address: str) -> OfferedHunt | None:
+        """Offer a hunt again, by its name. Raises as `offer_hunt`."""
+        exercise = self._find_exercise(hunt.exercise)
+        await self._load_in_transaction(lambda db: require_may_hunt_mistakes(db, account, exercise))
+        return await self.offer_first_possible_hunt(account, [hunt], address)
 
-    async def offer_first(self, account: Account, hunts: Sequence[HuntName], address: str) -> OfferedHunt | None:
+    async def offer_first_possible_hunt(
+        self, account: Account, hunts: Sequence[HuntName], address: str
+    ) -> OfferedHunt | None:
         """Offer the first of these hunts that can be made; the caller knows that the account may see them."""
         if not hunts:
             return None
         # The process answers questions about declared exercises apart: those of one exercise go together.
-        declared = [name for name in hunts if self._declarations([name])]
+        declared = [name for name in hunts if self._load_declarations([name])]
         asked = declared if declared and hunts[0] == declared[0] else [name for name in hunts if name not in declared]
         offer = OfferRequest(hunts=tuple(asked), seed=program_form_seed(account, asked[0].exercise))
-        question = HuntQuestion(hunts=offer, declarations=self._declarations(asked))
-        found = (await self._ask(account, question, address)).offer
+        question = HuntQuestion(hunts=offer, declarations=self._load_declarations(asked))
+        found = (await self._ask_process_with_rate_limit(account, question, address)).offer
         return found and found.model_copy(update={"index": hunts.index(asked[found.index])})
 
     async def try_input(
         self, account: Account, hunt: HuntName, typed: Mapping[str, str], address: str
     ) -> HuntTrialOutcome:
-        """Run both programs on a typed input, and store whether it shows the mistake. Raises as `offer`."""
-        return await self._try(account, hunt, InputTrial(hunt=hunt, typed=dict(typed)), QuestionKind.hunt, address)
+        """Run both programs on a typed input, and store whether it shows the mistake. Raises as `offer_hunt`."""
+        return await self._try_and_store_answer(
+            account, hunt, InputTrial(hunt=hunt, typed=dict(typed)), QuestionKind.hunt, address
+        )
 
     async def try_prediction(self, account: Account, hunt: HuntName, typed: str, address: str) -> HuntTrialOutcome:
-        """Compare a typed value with the wrong program's answer, and store whether it is that. Raises as `offer`."""
+        """Compare a typed value with the wrong program's answer, and store whether it is that. Raises as
+        `offer_hunt`."""
         trial = PredictionTrial(hunt=hunt, typed=typed)
-        return await self._try(account, hunt, trial, QuestionKind.prediction, address)
+        return await self._try_and_store_answer(account, hunt, trial, QuestionKind.prediction, address)
 
     async def try_line(self, account: Account, hunt: HuntName, line: int, address: str) -> HuntTrialOutcome:
-        """Say whether a line makes the program wrong, and store whether it does. Raises as `offer`."""
+        """Say whether a line makes the program wrong, and store whether it does. Raises as `offer_hunt`."""
         trial = LineTrial(hunt=hunt, seed=program_form_seed(account, hunt.exercise), line=line)
-        return await self._try(account, hunt, trial, QuestionKind.line, address)
+        return await self._try_and_store_answer(account, hunt, trial, QuestionKind.line, address)
 
-    async def give_up(self, account: Account, hunt: HuntName, kind: QuestionKind) -> None:
-        """Store that no answer was found. Raises as `offer`."""
-        exercise = self._exercise(hunt.exercise)
-        await self._read(lambda db: require_may_hunt(db, account, exercise))
+    async def store_no_answer_found(self, account: Account, hunt: HuntName, kind: QuestionKind) -> None:
+        """Store that no answer was found. Raises as `offer_hunt`."""
+        exercise = self._find_exercise(hunt.exercise)
+        await self._load_in_transaction(lambda db: require_may_hunt_mistakes(db, account, exercise))
         await self.store_answer(account, exercise, hunt.misconception, kind, is_right=False)
 
-    async def compare(self, account: Account, hunts: Sequence[HuntName], address: str) -> AnswerComparison | None:
+    async def find_distinguishing_call(
+        self, account: Account, hunts: Sequence[HuntName], address: str
+    ) -> AnswerComparison | None:
         """Return a call on which students differ, from the first of these hunts that gives one; None where none does.
 
         The caller knows that the mistakes may be told. Declared exercises give none.
         """
-        asked = [name for name in hunts if not self._declarations([name])]
+        asked = [name for name in hunts if not self._load_declarations([name])]
         if not asked:
             return None
         question = HuntQuestion(hunts=ComparisonRequest(hunts=tuple(asked)))
-        return (await self._ask(account, question, address)).comparison
+        return (await self._ask_process_with_rate_limit(account, question, address)).comparison
 
-    async def review(self, account: Account, exercise: Exercise, source: str, address: str) -> ProgramReview:
+    async def review_program(self, account: Account, exercise: Exercise, source: str, address: str) -> ProgramReview:
         """Say what could be written otherwise in a program that passes, which the account may see."""
         question = HuntQuestion(hunts=ReviewRequest(exercise=exercise.id, source=source))
-        return (await self._ask(account, question, address)).review or ProgramReview()
+        return (await self._ask_process_with_rate_limit(account, question, address)).review or ProgramReview()
 
-    async def _try(
+    async def _try_and_store_answer(
         self,
         account: Account,
         hunt: HuntName,
@@ -155,10 +165,10 @@ class HuntService:
         kind: QuestionKind,
         address: str,
     ) -> HuntTrialOutcome:
-        exercise = self._exercise(hunt.exercise)
-        await self._read(lambda db: require_may_hunt(db, account, exercise))
-        question = HuntQuestion(hunts=trial, declarations=self._declarations([hunt]))
-        reply = await self._ask(account, question, address)
+        exercise = self._find_exercise(hunt.exercise)
+        await self._load_in_transaction(lambda db: require_may_hunt_mistakes(db, account, exercise))
+        question = HuntQuestion(hunts=trial, declarations=self._load_declarations([hunt]))
+        reply = await self._ask_process_with_rate_limit(account, question, address)
         if reply.outcome is None:
             raise InternalFailure("La question n’a pas pu être posée : l’incident est de notre côté. Réessayez.")
         # A wrong input is no answer yet: one looks on. A wrong prediction is one, and so is a wrong line.
@@ -181,7 +191,7 @@ class HuntService:
 
         await run_in_threadpool(write)
 
-    def _declarations(self, hunts: Sequence[HuntName]) -> dict[str, dict[str, Any]]:
+    def _load_declarations(self, hunts: Sequence[HuntName]) -> dict[str, dict[str, Any]]:
         """Return the declarations of those exercises that are declared."""
         names = dict.fromkeys(hunt.exercise for hunt in hunts)
         graders = {name: self.course.exercises[name].grader for name in names if name in self.course.exercises}
@@ -191,20 +201,20 @@ class HuntService:
             if isinstance(grader, DeclaredGrader)
         }
 
-    def _exercise(self, exercise_id: str) -> Exercise:
+    def _find_exercise(self, exercise_id: str) -> Exercise:
         exercise = self.course.exercises.get(exercise_id)
         if exercise is None or not may_have_hunts(self.course, exercise):
             raise NotFound(NO_EXERCISE)
         return exercise
 
-    async def _read(self, load: Callable[[Session], Sequence[HuntName] | None]) -> Sequence[HuntName]:
+    async def _load_in_transaction(self, load: Callable[[Session], Sequence[HuntName] | None]) -> Sequence[HuntName]:
         def read() -> Sequence[HuntName]:
             with self.database.read() as db:
                 return load(db) or ()
 
         return await run_in_threadpool(read)
 
-    async def _ask(self, account: Account, question: HuntQuestion, address: str) -> HuntReply:
+    async def _ask_process_with_rate_limit(self, account: Account, question: HuntQuestion, address: str) -> HuntReply:
         """Take a rate-limit token, ask, and give the token back if there was no answer."""
         key = f"hunts:{account.id}"
 
@@ -231,16 +241,16 @@ class HuntService:
 
 def may_have_hunts(course: Course, exercise: Exercise) -> bool:
     """Whether an exercise may have hunts: its author has not refused them, and knows mistakes. Loads its grader."""
-    return exercise.hunts != "never" and _has_hunts(exercise)
+    return exercise.hunts != "never" and _has_hunts_in_grader(exercise)
 
 
-def may_ask_again(course: Course, exercise: Exercise) -> bool:
+def may_ask_about_mistakes_again(course: Course, exercise: Exercise) -> bool:
     """Whether what was confused in an exercise may be asked again: by a hunt, a small calculation or a choice."""
     return can_calculate(exercise) or may_have_hunts(course, exercise)
 
 
 @lru_cache(maxsize=512)
-def _has_hunts(exercise: Exercise) -> bool:
+def _has_hunts_in_grader(exercise: Exercise) -> bool:
     if exercise.kind != "code":
         return False
     grader = exercise.grader
@@ -249,7 +259,7 @@ def _has_hunts(exercise: Exercise) -> bool:
     return isinstance(grader, CodeGrader) and any(list_hunts(grader))
 
 
-def require_may_hunt(db: Session, account: Account, exercise: Exercise) -> None:
+def require_may_hunt_mistakes(db: Session, account: Account, exercise: Exercise) -> None:
     """Raise Forbidden before the exercise is solved, WrongMoment while a test asks it."""
     if tests := feedback.load_holds(db, account.id, exercise.id).tests:
         raise WrongMoment(IN_TEST.format(title=tests[0].title))
@@ -259,11 +269,13 @@ def require_may_hunt(db: Session, account: Account, exercise: Exercise) -> None:
         raise Forbidden(FIRST_SOLVE.format(title=exercise.title))
 
 
-def order_hunts(exercise: Exercise, own: Collection[str], account: Account) -> list[HuntName]:
+def order_hunts_for_account(
+    exercise: Exercise, own_misconceptions: Collection[str], account: Account
+) -> list[HuntName]:
     """Return the hunts of an exercise: one's own mistakes first, then the others in an order of one's own."""
     filed, grader = list(list_misconceptions(exercise)), exercise.grader
     names = filed if not isinstance(grader, DeclaredGrader) else [it.id for it in grader.declaration.mistakes]
-    rank = {name: place for place, name in enumerate(dict.fromkeys(own))}
+    rank = {name: place for place, name in enumerate(dict.fromkeys(own_misconceptions))}
     shuffled = [
         names[k] for k in np.random.default_rng(program_form_seed(account, exercise.id)).permutation(len(names))
     ]
@@ -271,7 +283,7 @@ def order_hunts(exercise: Exercise, own: Collection[str], account: Account) -> l
     return [HuntName(exercise=exercise.id, misconception=name) for name in ordered]
 
 
-def hunts_of_misconceptions(candidates: Iterable[RecallCandidate]) -> list[HuntName]:
+def hunt_names_of_misconceptions(candidates: Iterable[RecallCandidate]) -> list[HuntName]:
     """Return the hunts of misconceptions, whichever function of the exercise makes them."""
     return [HuntName(exercise=candidate.exercise, misconception=candidate.misconception) for candidate in candidates]
 

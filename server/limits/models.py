@@ -8,7 +8,7 @@ from sqlalchemy.orm import Mapped, mapped_column
 from server.database.base import Base, UtcDateTime
 
 
-class Allowance(Base):
+class TokenBucket(Base):
     """The state of one token bucket; `key` says whose and for what (`submit:<account>`, `login:<address>`…)."""
 
     __tablename__ = "allowance"

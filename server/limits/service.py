@@ -12,9 +12,9 @@ from sqlalchemy.orm import Session
 from server.base.errors import RateLimited
 from server.base.settings import BucketSettings
 from server.database import select_core, table_of, upsert_statement, utc_now, write_core
-from server.limits.models import Allowance
+from server.limits.models import TokenBucket
 
-_allowances = table_of(Allowance)
+_allowances = table_of(TokenBucket)
 #: On the hot path of every submission: built once. Locked in one order, for two transactions may share some.
 LOCK_BUCKETS = (
     select(_allowances.c.key, _allowances.c.tokens, _allowances.c.updated_at)
@@ -50,13 +50,13 @@ def take_tokens(db: Session, *draws: TokenDraw) -> None:
     A draw of more than a bucket holds takes all that a full one has.
     """
     now = utc_now()
-    stored = _lock_buckets(db, {draw.key: draw.bucket for draw in draws}, now)
+    stored = _lock_or_create_buckets(db, {draw.key: draw.bucket for draw in draws}, now)
     changes = []
     for draw in draws:
         count, (tokens, updated_at) = min(draw.count, draw.bucket.burst), stored[draw.key]
-        tokens = tokens_after(tokens, (now - updated_at).total_seconds(), draw.bucket)
+        tokens = refilled_token_count(tokens, (now - updated_at).total_seconds(), draw.bucket)
         if tokens < count:
-            raise rate_limited_error(draw.refusal, _seconds_to_tokens(count, tokens, draw.bucket))
+            raise rate_limited_error(draw.refusal, _seconds_until_tokens(count, tokens, draw.bucket))
         changes.append({"bucket": draw.key, "left": tokens - count, "now": now})
     write_core(db, SET_TOKENS, changes)
 
@@ -64,12 +64,12 @@ def take_tokens(db: Session, *draws: TokenDraw) -> None:
 def seconds_until_token(db: Session, key: str, bucket: BucketSettings) -> int:
     """Return the seconds until `key` has a token, 0 where it has one; none is taken."""
     now = utc_now()
-    stored, updated_at = _lock_buckets(db, {key: bucket}, now)[key]
-    tokens = tokens_after(stored, (now - updated_at).total_seconds(), bucket)
-    return 0 if tokens >= 1 else _seconds_to_tokens(1, tokens, bucket)
+    stored, updated_at = _lock_or_create_buckets(db, {key: bucket}, now)[key]
+    tokens = refilled_token_count(stored, (now - updated_at).total_seconds(), bucket)
+    return 0 if tokens >= 1 else _seconds_until_tokens(1, tokens, bucket)
 
 
-def _seconds_to_tokens(count: int, tokens: float, bucket: BucketSettings) -> int:
+def _seconds_until_tokens(count: int, tokens: float, bucket: BucketSettings) -> int:
     return max(1, math.ceil((count - tokens) * bucket.refill_seconds))
 
 
@@ -79,40 +79,40 @@ def rate_limited_error(refusal: str, seconds: int) -> RateLimited:
 
 
 def give_back_token(db: Session, key: str, count: int = 1) -> None:
-    """Give back tokens; `tokens_after` keeps the bucket within its bounds."""
-    db.execute(update(Allowance).where(Allowance.key == key).values(tokens=Allowance.tokens + count))
+    """Give back tokens; `refilled_token_count` keeps the bucket within its bounds."""
+    db.execute(update(TokenBucket).where(TokenBucket.key == key).values(tokens=TokenBucket.tokens + count))
 
 
 def delete_stale_buckets(db: Session, before: datetime) -> None:
     """Delete the buckets unused since then, which are full again."""
-    db.execute(delete(Allowance).where(Allowance.updated_at < before))
+    db.execute(delete(TokenBucket).where(TokenBucket.updated_at < before))
 
 
-def submission_key(account_id: UUID) -> str:
+def submission_bucket_key(account_id: UUID) -> str:
     """Return the bucket key of an account's submissions."""
     return f"submit:{account_id}"
 
 
-def tokens_after(tokens: float, elapsed: float, bucket: BucketSettings) -> float:
-    """Return the tokens of a bucket that held `tokens`, `elapsed` seconds later; a clock set back adds none."""
+def refilled_token_count(tokens: float, elapsed_seconds: float, bucket: BucketSettings) -> float:
+    """Return the tokens of a bucket that held `tokens`, `elapsed_seconds` later; a clock set back adds none."""
     if bucket.refill_seconds == 0:
         return float(bucket.burst)
-    return min(float(bucket.burst), tokens + max(0.0, elapsed) / bucket.refill_seconds)
+    return min(float(bucket.burst), tokens + max(0.0, elapsed_seconds) / bucket.refill_seconds)
 
 
-def _lock_buckets(
+def _lock_or_create_buckets(
     db: Session, buckets: Mapping[str, BucketSettings], now: datetime
 ) -> Mapping[str, tuple[float, datetime]]:
     """Lock the rows of buckets, and make those that are missing, full; return what each held, and when."""
-    stored = _read_locked(db, buckets)
+    stored = _lock_existing_buckets(db, buckets)
     missing = [key for key in buckets if key not in stored]
     if not missing:
         return stored
     full = [{"key": key, "tokens": float(buckets[key].burst), "updated_at": now} for key in sorted(missing)]
-    db.execute(upsert_statement(db, Allowance).on_conflict_do_nothing(), full)
-    return _read_locked(db, buckets)
+    db.execute(upsert_statement(db, TokenBucket).on_conflict_do_nothing(), full)
+    return _lock_existing_buckets(db, buckets)
 
 
-def _read_locked(db: Session, buckets: Mapping[str, BucketSettings]) -> dict[str, tuple[float, datetime]]:
+def _lock_existing_buckets(db: Session, buckets: Mapping[str, BucketSettings]) -> dict[str, tuple[float, datetime]]:
     rows = select_core(db, LOCK_BUCKETS, {"buckets": list(buckets)})
     return {key: (tokens, updated_at) for key, tokens, updated_at in rows}

@@ -15,7 +15,7 @@ from tempfile import TemporaryDirectory
 
 from server.course import Course, Module
 from server.offline.site import OfflineSite, Pictures
-from server.reading.downloads import Downloads
+from server.reading.downloads import DownloadArchives
 
 #: The shell without a window is the same engine, and the lightest.
 BROWSERS = ("chromium-headless-shell", "chromium", "chromium-browser", "google-chrome", "google-chrome-stable")
@@ -60,7 +60,7 @@ def write_pdfs(
     wanted = [lesson.slug for lesson in module.lessons if not slugs or lesson.slug in set(slugs)]
     made = []
     with TemporaryDirectory(prefix="balise-papier-") as folder:
-        _unpack(OfflineSite(course, module, pictures, Downloads(course), on_paper=True).files(), Path(folder))
+        _unpack(OfflineSite(course, module, pictures, DownloadArchives(course), on_paper=True).files(), Path(folder))
         for slug in wanted:
             made.append(_print(command, Path(folder) / "lire" / f"{slug}.html", target / f"{slug}.pdf"))
             advance()

@@ -20,9 +20,9 @@ from server.base.files import write_atomically
 from server.course import Course, Module
 from server.course.editions import MODULE
 from server.figures.drawing_requests import Theme
-from server.figures.service import Figures
+from server.figures.service import FigureService
 from server.offline import site
-from server.reading.downloads import Downloads
+from server.reading.downloads import DownloadArchives
 
 log = logging.getLogger(__name__)
 
@@ -48,7 +48,7 @@ class ArchiveInProgress:
 class OfflineArchives:
     """For one event loop. `folder` is this service's own."""
 
-    def __init__(self, course: Course, figures: Figures, downloads: Downloads, folder: Path) -> None:
+    def __init__(self, course: Course, figures: FigureService, downloads: DownloadArchives, folder: Path) -> None:
         self._course, self._figures, self._downloads, self._folder = course, figures, downloads, folder
         self._making: dict[str, ArchiveInProgress] = {}
         self._versions: dict[str, str] = {}

@@ -20,7 +20,7 @@ from server.offline.addresses import ON_THE_SERVER, ArchivePaths
 from server.offline.schemas import OfflineExercise
 from server.reading import gates
 from server.reading import service as reading
-from server.reading.downloads import Downloads
+from server.reading.downloads import DownloadArchives
 from server.replays import service as replays
 from server.text.markup.text import still_of
 from server.web import assets
@@ -46,7 +46,7 @@ def content_digest(module: Module) -> str:
         ("text", ROOT / "server" / "text"),
         ("offline", Path(__file__).parent),
     ]
-    return digest_files(parts, f"{assets.build_stamp()} {drawing_requests.code_version()}".encode())
+    return digest_files(parts, f"{assets.build_stamp()} {drawing_requests.drawing_code_digest()}".encode())
 
 
 def needed_pictures(module: Module) -> list[tuple[str, Theme]]:
@@ -56,7 +56,7 @@ def needed_pictures(module: Module) -> list[tuple[str, Theme]]:
     return [(name, theme) for name in shown for theme in THEMES]
 
 
-def build_archive_zip(course: Course, module: Module, pictures: Pictures, downloads: Downloads) -> bytes:
+def build_archive_zip(course: Course, module: Module, pictures: Pictures, downloads: DownloadArchives) -> bytes:
     """A ZIP whose files stand in one folder. Slow at first (formulas, replays: seconds): call it in a thread."""
     return reproducible_zip(archive_folder_name(module), OfflineSite(course, module, pictures, downloads).files())
 
@@ -69,7 +69,7 @@ class OfflineSite:
     """One module, to be written once. `on_paper`: to be printed here, with the answers of papers and no script."""
 
     def __init__(
-        self, course: Course, module: Module, pictures: Pictures, downloads: Downloads, *, on_paper: bool = False
+        self, course: Course, module: Module, pictures: Pictures, downloads: DownloadArchives, *, on_paper: bool = False
     ) -> None:
         self._course, self._module, self._downloads = course, module, downloads
         self._on_paper = on_paper
@@ -123,13 +123,13 @@ class OfflineSite:
 
     def _pages(self) -> Iterator[tuple[str, str]]:
         module = self._module
-        yield "index.html", self._page("module.html", page=reading.home_view(module, {}, (), {}))
+        yield "index.html", self._page("module.html", page=reading.build_home_view(module, {}, (), {}))
         yield ON_THE_SERVER, self._page("offline/server.html")
         if module.glossary:
-            yield "glossaire.html", self._page("reading/glossary.html", page=reading.glossary_page(module))
+            yield "glossaire.html", self._page("reading/glossary.html", page=reading.build_glossary_page(module))
         for lesson in module.lessons:
             gate = gates.ONLINE if lesson.solution and not self._on_paper else None
-            view = reading.lesson_view(module, lesson, {}, None, gate)
+            view = reading.build_lesson_view(module, lesson, {}, None, gate)
             yield f"lire/{lesson.slug}.html", self._page("reading/lesson.html", page=view)
         for exercise in module.exercises:
             page = self._page("offline/exercise.html", page=self._exercise(exercise))
@@ -165,7 +165,7 @@ class OfflineSite:
         for name in self._manipulations():
             yield f"manipulations/{name}.js", self._manipulation_script(name)
         for name in self._module.files:
-            yield f"fichiers/{name}.zip", self._downloads.archive(slug, name)
+            yield f"fichiers/{name}.zip", self._downloads.build_archive(slug, name)
         if slug in self._module.kits:
             yield f"{slug}.py", "".join(self._module.kits[slug].values()).encode()
 
@@ -201,10 +201,10 @@ def _static_files() -> dict[str, bytes]:
 
 def draw_pictures_here(module: Module, advance: Callable[[], None] = lambda: None) -> Pictures:
     """The pictures, drawn in this very process. Loads matplotlib; half a minute for a module."""
-    from server.figures.lessons import draw
+    from server.figures.lessons import draw_lesson_figure
 
     pictures = {}
     for name, theme in needed_pictures(module):
-        pictures[name, theme] = draw(module.drawings[name], theme, "svg").picture
+        pictures[name, theme] = draw_lesson_figure(module.drawings[name], theme, "svg").picture
         advance()
     return pictures

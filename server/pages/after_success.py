@@ -63,7 +63,7 @@ async def show_program_review(
     passed = await run_in_threadpool(_load_passed_program, database, course, account, submission_id)
     if passed is None or account is None:
         return redirect(f"/soumissions/{submission_id}")
-    review = await hunts.review(account, passed.exercise, passed.source, client_address(request))
+    review = await hunts.review_program(account, passed.exercise, passed.source, client_address(request))
     page = await run_in_threadpool(_build_review_page, course, passed, review, submission_id)
     return await run_in_threadpool(render_page, request, "after_success.html", account, page=page)
 

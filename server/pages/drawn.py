@@ -45,7 +45,7 @@ async def send_film(
     correction: UUID | None = None,
 ) -> Response:
     """What the program did in a check, for the player; `correction` as of a figure."""
-    compressed = await figures.render_film(account, submission_id, check, correction, client_address(request))
+    compressed = await figures.render_replay(account, submission_id, check, correction, client_address(request))
     headers = {"Cache-Control": _cache_control(correction), "Vary": "Accept-Encoding"}
     if "gzip" not in request.headers.get("accept-encoding", ""):
         return Response(gzip.decompress(compressed), media_type="application/json", headers=headers)

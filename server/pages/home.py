@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from server.course import Module
 from server.gradebook import service as gradebook
 from server.gradebook.schemas import NOTHING_YET, ExerciseProgress
-from server.hunts.service import may_ask_again
+from server.hunts.service import may_ask_about_mistakes_again
 from server.pages.schemas import HomePage, ModuleCard, NextStep
 from server.recall import paths
 from server.recall.service import OFF, REMINDERS, load_recall
@@ -36,7 +36,7 @@ def build_home_page(reader: Reader) -> HomePage:
         reader.course,
         reader.account.id,
         solved,
-        lambda exercise: may_ask_again(reader.course, exercise),
+        lambda exercise: may_ask_about_mistakes_again(reader.course, exercise),
         choices,
     )
     return HomePage(cards, due, len(recall.due), recall.streak)

@@ -60,7 +60,7 @@ async def show_hunt(
     exercise = find_exercise(course, module, slug)
     if account is None:
         return redirect_to_login(request)
-    offer = await hunts.offer(account, exercise.id, skip, client_address(request))
+    offer = await hunts.offer_hunt(account, exercise.id, skip, client_address(request))
     page = build_hunt_page(
         course, exercise, offer, "entree" if offer is None else choose_possible_question(offer, question)
     )
@@ -84,7 +84,7 @@ async def answer_hunt(
 ) -> Response:
     exercise, address = find_exercise(course, module, slug), client_address(request)
     hunt = HuntName(exercise=exercise.id, misconception=erreur, function=fonction)
-    offer = await hunts.reopen(account, hunt, address)
+    offer = await hunts.offer_hunt_again(account, hunt, address)
     outcome = None
     if offer is not None:
         offer = offer.model_copy(update={"index": suite})
@@ -108,7 +108,7 @@ async def judge_hunt_answer(
         line = 0 if action == "abandonner" else int(typed_line) if is_line_number(typed_line) else -1
         return await hunts.try_line(account, offer.hunt, line, address)
     if action == "abandonner":
-        await hunts.give_up(account, offer.hunt, KINDS[question])
+        await hunts.store_no_answer_found(account, offer.hunt, KINDS[question])
         return None
     if question == "prevision":
         return await hunts.try_prediction(account, offer.hunt, typed[0] if typed else "", address)

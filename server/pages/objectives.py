@@ -17,7 +17,7 @@ from server.course.objectives import Objective
 from server.database import utc_now
 from server.gradebook import service as gradebook
 from server.gradebook.schemas import NOTHING_YET, ExerciseProgress
-from server.hunts.service import may_ask_again
+from server.hunts.service import may_ask_about_mistakes_again
 from server.pages.two_minutes import PATH as TWO_MINUTES
 from server.recall import paths, retrievals
 from server.recall.service import RecallCandidate, RecallState, load_recall
@@ -111,7 +111,12 @@ def _load_recall_state(
         return None
     course = reader.course
     return load_recall(
-        reader.db, course, reader.account.id, solved, lambda exercise: may_ask_again(course, exercise), choices
+        reader.db,
+        course,
+        reader.account.id,
+        solved,
+        lambda exercise: may_ask_about_mistakes_again(course, exercise),
+        choices,
     )
 
 

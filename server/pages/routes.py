@@ -129,7 +129,7 @@ def render_exercise_page(
 def _prepare_hunts_after_response(request: Request, answer: Response, *, offered: bool) -> None:
     """Once a page that leads to hunts is sent, have the process that makes them ready."""
     if offered:
-        answer.background = BackgroundTask(_hunts(request.app).prepare_process)
+        answer.background = BackgroundTask(_hunts(request.app).start_process_early)
 
 
 def mark_conversations_seen(

@@ -85,7 +85,7 @@ def may_ask_question(reader: Reader, exercise: Exercise, author: UUID | None = N
     """Whether one has sent it oneself, where it has been, and somebody would read a question about it."""
     if reader.account is None or author not in (None, reader.account.id):
         return False
-    return rights.has_readers(reader.db, reader.account.id, exercise.module)
+    return rights.has_staff_readers(reader.db, reader.account.id, exercise.module)
 
 
 def build_attempt_threads(

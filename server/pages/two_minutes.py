@@ -24,8 +24,8 @@ from server.hunts.service import (
     MAX_ARGUMENTS,
     HuntService,
     choose_question_kind,
-    hunts_of_misconceptions,
-    may_ask_again,
+    hunt_names_of_misconceptions,
+    may_ask_about_mistakes_again,
 )
 from server.identity.dependencies import OptionalAccount, SignedIn
 from server.identity.models import Account
@@ -51,7 +51,9 @@ def load_recall_state(database: Database, course: CourseOf, account: Account) ->
         progress = gradebook.load_progress(db, account)
         solved = {name for name, own in progress.items() if own.succeeded}
         choices = repository.load_choices(db, account.id)
-        return load_recall(db, course, account.id, solved, lambda exercise: may_ask_again(course, exercise), choices)
+        return load_recall(
+            db, course, account.id, solved, lambda exercise: may_ask_about_mistakes_again(course, exercise), choices
+        )
 
 
 @router.get(PATH)
@@ -105,7 +107,9 @@ async def _offer_hunt(
     hunts: HuntService, account: Account, turn: int, candidates: Sequence[RecallCandidate], address: str
 ) -> tuple[OfferedHunt | None, Kind]:
     """Offer the first misconception about which a question can be asked: a hunt, a prediction and a line in turn."""
-    offer = await hunts.offer_first(account, hunts_of_misconceptions(_rotate_candidates(candidates, turn)), address)
+    offer = await hunts.offer_first_possible_hunt(
+        account, hunt_names_of_misconceptions(_rotate_candidates(candidates, turn)), address
+    )
     return offer, "entree" if offer is None else WORDS[choose_question_kind(offer, turn)]
 
 
@@ -178,7 +182,7 @@ async def answer_due_hunt(
     """Judge an answer as on the page of hunts."""
     exercise, address = find_exercise(course, *_split_exercise_id(exercice)), client_address(request)
     hunt = HuntName(exercise=exercise.id, misconception=erreur, function=fonction)
-    offer = await hunts.reopen(account, hunt, address)
+    offer = await hunts.offer_hunt_again(account, hunt, address)
     outcome = None
     if offer is not None:
         outcome = await judge_hunt_answer(hunts, account, offer, question, action, valeur, address)

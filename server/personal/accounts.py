@@ -20,7 +20,7 @@ def make_account_service(database: Database, settings: Settings) -> AccountServi
         database,
         settings,
         adopt_guest_data=adopt_guest_data,
-        is_link_in_force=slips.is_link_in_force,
+        is_link_in_force=slips.is_password_link_in_force,
         check_join=require_joinable,
         record_invited=_record_invited,
     )

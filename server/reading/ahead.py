@@ -17,7 +17,7 @@ PAUSE, FIRST_PAUSE = 0.05, 1.0
 def preload_course(course: Course) -> None:
     """The plan of every text, by which they name each other, and the questions of the lessons; then the graders, of
     which the board asks the names of mistakes. What fails here fails again, and is told, for whoever meets it."""
-    _load_names(course)
+    _load_misconception_names(course)
     time.sleep(FIRST_PAUSE)
     for module in course.modules.values():
         for lesson in module.lessons:
@@ -35,7 +35,7 @@ def preload_course(course: Course) -> None:
             log.exception("the grader of %s could not be loaded", exercise.id)
 
 
-def _load_names(course: Course) -> None:
+def _load_misconception_names(course: Course) -> None:
     for module in course.modules.values():
         for lesson in module.lessons[:1]:  # one asks for all of its module's
             try:

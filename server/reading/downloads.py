@@ -13,22 +13,22 @@ from server.course import Course
 from server.course.code import import_file
 
 
-class Downloads:
+class DownloadArchives:
     """Archives by module and name. One takes about a second to make."""
 
     def __init__(self, course: Course) -> None:
         self._course = course
         self._made: dict[tuple[str, str], bytes] = {}
 
-    async def prepare(self, module: str, name: str, once: SingleFlight) -> bytes:
+    async def build_archive_once(self, module: str, name: str, once: SingleFlight) -> bytes:
         """Return the archive, made once for all who wait for it. Raises NotFound."""
         made = self._made.get((module, name))
         if made is None:
             async with out_of_turn():
-                made = await once.run((Downloads, module, name), lambda: self.archive(module, name))
+                made = await once.run((DownloadArchives, module, name), lambda: self.build_archive(module, name))
         return made
 
-    def archive(self, module: str, name: str) -> bytes:
+    def build_archive(self, module: str, name: str) -> bytes:
         """Return a ZIP whose files stand in one folder of that name. Raises NotFound."""
         course_module = self._course.modules.get(module)
         if course_module is None or name not in course_module.files:

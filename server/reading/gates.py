@@ -4,15 +4,15 @@ from __future__ import annotations
 
 from server.course.models import Lesson
 from server.gradebook import solutions
-from server.reading.schemas import Gate
+from server.reading.schemas import SolutionGate
 from server.rights import service as rights
 from server.web.views import Reader, lesson_href, solution_switch_view
 
 #: What an archive shows: it is anybody's file, and no teacher could close it again.
-ONLINE = Gate("online")
+ONLINE = SolutionGate("online")
 
 
-def solution_gate(reader: Reader, lesson: Lesson, *, past_warning: bool) -> Gate | None:
+def choose_solution_gate(reader: Reader, lesson: Lesson, *, is_warning_read: bool) -> SolutionGate | None:
     """None for an ordinary page, and for answers that are open to a student.
 
     The students of a class read them once a teacher has opened them to it; who is of no class, past a warning.
@@ -22,9 +22,9 @@ def solution_gate(reader: Reader, lesson: Lesson, *, past_warning: bool) -> Gate
     access = solutions.load_solution_access(reader.db, reader.account, lesson.id)
     if access.teaches:
         doors = tuple(map(solution_switch_view, solutions.list_audiences(reader.db, reader.account, lesson.id)))
-        return Gate("open", action=f"{lesson_href(lesson)}/corrige", doors=doors)
+        return SolutionGate("open", action=f"{lesson_href(lesson)}/corrige", doors=doors)
     if access.to_all or access.to_class:
         return None
     if rights.is_student(reader.db, reader.account, lesson.module):
-        return Gate("kept")
-    return None if past_warning else Gate("warned", onward=f"{lesson_href(lesson)}?ouvrir=oui")
+        return SolutionGate("kept")
+    return None if is_warning_read else SolutionGate("warned", onward=f"{lesson_href(lesson)}?ouvrir=oui")

@@ -28,8 +28,8 @@ from server.identity.dependencies import BrowserAccount, load_session_account
 from server.polls import service as polls
 from server.polls.models import POLL_LENGTH
 from server.reading import search, service
-from server.reading.downloads import Downloads
-from server.reading.schemas import NewAnswer
+from server.reading.downloads import DownloadArchives
+from server.reading.schemas import LessonAnswerInput
 from server.recall import paths, retrievals
 from server.web.dependencies import CurrentReader
 from server.web.rendering import render_page, ticks, with_etag
@@ -39,15 +39,15 @@ FIGURE_POLICY = "default-src 'none'; style-src 'unsafe-inline'; sandbox"
 FIGURE_HEADERS = {"Cache-Control": "public, max-age=600", "Content-Security-Policy": FIGURE_POLICY}
 
 SearchText = Annotated[str, TruncateTo(search.MAX_QUERY_LENGTH)]
-DownloadsOf = Annotated[Downloads, Depends(app_service(Downloads))]
+DownloadsOf = Annotated[DownloadArchives, Depends(app_service(DownloadArchives))]
 
 router = APIRouter(include_in_schema=False)
 
 
 @router.get("/{module:module}")
-def course_home(request: Request, module: str, reader: CurrentReader) -> HTMLResponse:
+def show_course_home(request: Request, module: str, reader: CurrentReader) -> HTMLResponse:
     course_module = find_module(reader.course, module)
-    return render_page(request, "module.html", reader.account, page=service.course_home(reader, course_module))
+    return render_page(request, "module.html", reader.account, page=service.build_course_home(reader, course_module))
 
 
 @router.post("/{module:module}/chemin")
@@ -60,18 +60,18 @@ def choose_path(
 
 
 @router.get("/{module:module}/lire/{slug}", dependencies=[Depends(render_lesson)])
-def lesson(
+def show_lesson(
     request: Request, module: str, slug: str, reader: CurrentReader, ouvrir: Literal["", "oui"] = ""
 ) -> HTMLResponse:
     """`ouvrir`: the answers of a paper, once one has read the warning before them."""
     course_module = find_module(reader.course, module)
     found = service.find_lesson(course_module, slug)
-    view = service.lesson_page(reader, course_module, found, past_warning=bool(ouvrir))
+    view = service.build_lesson_page(reader, course_module, found, is_warning_read=bool(ouvrir))
     return render_page(request, "reading/lesson.html", reader.account, page=view)
 
 
 @router.post("/{module:module}/lire/{slug}/corrige")
-def open_or_close_answers(module: str, slug: str, course: CourseOf, door: SolutionToggle) -> RedirectResponse:
+def open_or_close_exam_answers(module: str, slug: str, course: CourseOf, door: SolutionToggle) -> RedirectResponse:
     """The answers of a paper."""
     found = service.find_lesson(find_module(course, module), slug)
     if not found.solution:
@@ -81,7 +81,7 @@ def open_or_close_answers(module: str, slug: str, course: CourseOf, door: Soluti
 
 
 @router.post("/{module:module}/previsions")
-def answer_question(module: str, body: NewAnswer, reader: CurrentReader) -> JSONResponse:
+def store_question_answer(module: str, body: LessonAnswerInput, reader: CurrentReader) -> JSONResponse:
     """Keeps what somebody answers to a question of the lessons; tells what they answered first, and if it is right."""
     course_module = find_module(reader.course, module)
     poll = polls.find_poll(course_module, body.question)
@@ -91,7 +91,7 @@ def answer_question(module: str, body: NewAnswer, reader: CurrentReader) -> JSON
 
 
 @router.post("/{module:module}/rappels")
-def answer_retrieval(
+def mark_retrieval_answer(
     request: Request,
     module: str,
     course: CourseOf,
@@ -124,33 +124,37 @@ def answer_retrieval(
 
 
 @router.get("/{module:module}/glossaire", dependencies=[Depends(render_glossary)])
-def glossary(request: Request, module: str, reader: CurrentReader) -> HTMLResponse:
+def show_glossary(request: Request, module: str, reader: CurrentReader) -> HTMLResponse:
     course_module = find_module(reader.course, module)
-    return render_page(request, "reading/glossary.html", reader.account, page=service.glossary_page(course_module))
+    return render_page(
+        request, "reading/glossary.html", reader.account, page=service.build_glossary_page(course_module)
+    )
 
 
-async def prepare_index(course: CourseOf, once: SingleFlightOf, module: str) -> None:
+async def prepare_search_index(course: CourseOf, once: SingleFlightOf, module: str) -> None:
     """Make the index of the address's module, if there is one, at the first search."""
     course_module = course.modules.get(module)
-    if course_module is not None and not search.is_prepared(course_module):
+    if course_module is not None and not search.is_index_prepared(course_module):
         async with out_of_turn():
             await once.run((search, module), lambda: search.load_index(course_module))
 
 
-@router.get("/{module:module}/recherche", dependencies=[Depends(prepare_index)])
-def search_module(request: Request, module: str, reader: CurrentReader, q: SearchText = "") -> HTMLResponse:
+@router.get("/{module:module}/recherche", dependencies=[Depends(prepare_search_index)])
+def show_search_results(request: Request, module: str, reader: CurrentReader, q: SearchText = "") -> HTMLResponse:
     course_module = find_module(reader.course, module)
-    return render_page(request, "reading/search.html", reader.account, page=service.search_page(course_module, q))
+    return render_page(request, "reading/search.html", reader.account, page=service.build_search_page(course_module, q))
 
 
 @router.get("/{module:module}/figures/{name}.svg")
-async def figure(request: Request, figures: FiguresOf, module: str, name: str, theme: Theme = "light") -> Response:
+async def show_lesson_figure(
+    request: Request, figures: FiguresOf, module: str, name: str, theme: Theme = "light"
+) -> Response:
     picture = await figures.draw_lesson_figure(module, name, theme, client_address(request))
     return with_etag(request, Response(picture, media_type=MEDIA_TYPES["svg"], headers=FIGURE_HEADERS))
 
 
 @router.get("/{module:module}/fichiers/{name}.zip")
-async def download(downloads: DownloadsOf, once: SingleFlightOf, module: str, name: str) -> Response:
-    made = await downloads.prepare(module, name, once)
+async def download_archive(downloads: DownloadsOf, once: SingleFlightOf, module: str, name: str) -> Response:
+    made = await downloads.build_archive_once(module, name, once)
     headers = {"Content-Disposition": f'attachment; filename="{name}.zip"', "Cache-Control": "public, max-age=600"}
     return Response(made, media_type="application/zip", headers=headers)

@@ -17,12 +17,12 @@ from server.web.schemas import EditionNote, ExerciseRow, FigureView, ModuleLink,
 
 
 @dataclass(frozen=True)
-class Entry:
+class ContentsEntry:
     """One line of a table of contents; `html` may hold mathematics."""
 
     id: str
     html: Markup
-    below: tuple[Entry, ...]
+    below: tuple[ContentsEntry, ...]
 
 
 @dataclass(frozen=True)
@@ -41,7 +41,8 @@ class LessonLink:
 
 @dataclass(frozen=True)
 class SessionCard:
-    """A séance with the exercises that follow it; `done` of them have full marks, all take `work`, in words."""
+    """A séance with the exercises that follow it; `done_exercise_count` of them have full marks, all take `work`, in
+    words."""
 
     page: LessonLink
     figure: FigureView | None
@@ -49,12 +50,12 @@ class SessionCard:
     work: str = ""
 
     @property
-    def done(self) -> int:
+    def done_exercise_count(self) -> int:
         return sum(row.own.done for row in self.exercises)
 
 
 @dataclass(frozen=True)
-class Shelf:
+class LessonShelf:
     """Lessons of one kind under their title."""
 
     id: str
@@ -74,7 +75,7 @@ class PathView:
 
 
 @dataclass(frozen=True)
-class NeighbourView:
+class NeighbourModuleView:
     """A module before or after another: « après », « L18 »; `href` is empty where it is not served."""
 
     word: str
@@ -92,14 +93,14 @@ class CourseHome:
     track: str
     summary: str
     facts: tuple[tuple[str, str], ...]
-    around: tuple[NeighbourView, ...]
+    around: tuple[NeighbourModuleView, ...]
     objectives: tuple[str, ...]
     references: tuple[Markup, ...]
     paths: tuple[PathView, ...]
     start: LessonLink | None
     resumed: NextExercise | None
     sessions: tuple[SessionCard, ...]
-    shelves: tuple[Shelf, ...]
+    shelves: tuple[LessonShelf, ...]
     exercises: tuple[ExerciseRow, ...]
     challenges: tuple[ExerciseRow, ...]
     terms: int
@@ -112,7 +113,7 @@ class CourseHome:
 
 
 @dataclass(frozen=True)
-class TermView:
+class GlossaryTermView:
     """A word of the glossary; `href` leads to the lesson that explains it, called `where`, or both are empty."""
 
     id: str
@@ -123,7 +124,7 @@ class TermView:
 
 
 @dataclass(frozen=True)
-class Gate:
+class SolutionGate:
     """What stands before the answers of a paper.
 
     `kept`: one's teacher has not opened them; `warned`: one may go on by `onward`; `online`: an archive has not got
@@ -159,18 +160,18 @@ class LessonPage:
     objectives: tuple[str, ...]
     html: Markup
     said: str
-    contents: tuple[Entry, ...]
+    contents: tuple[ContentsEntry, ...]
     exercises: tuple[ExerciseRow, ...]
-    terms: tuple[TermView, ...]
+    terms: tuple[GlossaryTermView, ...]
     previous: LessonLink | None
     following: LessonLink | None
-    gate: Gate | None = None
+    gate: SolutionGate | None = None
 
 
 @dataclass(frozen=True)
-class Letter:
+class GlossaryLetter:
     letter: str
-    terms: tuple[TermView, ...]
+    terms: tuple[GlossaryTermView, ...]
 
 
 @dataclass(frozen=True)
@@ -178,13 +179,13 @@ class GlossaryPage:
     """The glossary of a module; `errors`: the names of Python's errors with what they mean."""
 
     module: ModuleLink
-    letters: tuple[Letter, ...]
+    letters: tuple[GlossaryLetter, ...]
     total: int
     errors: Mapping[str, str]
 
 
 @dataclass(frozen=True)
-class HitView:
+class SearchHitView:
     """One place found: `snippet` is escaped text in which the words looked for are marked."""
 
     href: str
@@ -201,11 +202,11 @@ class SearchPage:
     module: ModuleLink
     query: str
     read_as: str
-    hits: tuple[HitView, ...]
+    hits: tuple[SearchHitView, ...]
     examples: tuple[str, ...]
 
 
-class NewAnswer(RequestBody):
+class LessonAnswerInput(RequestBody):
     """An answer to a question of a lesson, both by their ids."""
 
     question: str = Field(max_length=POLL_LENGTH)

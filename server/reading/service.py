@@ -23,19 +23,19 @@ from server.identity.models import Account
 from server.polls import service as polls
 from server.reading import gates, search, texts
 from server.reading.schemas import (
+    ContentsEntry,
     CourseHome,
-    Entry,
-    Gate,
+    GlossaryLetter,
     GlossaryPage,
+    GlossaryTermView,
     LessonLink,
     LessonPage,
-    Letter,
-    NeighbourView,
+    LessonShelf,
+    NeighbourModuleView,
     PathView,
     SearchPage,
     SessionCard,
-    Shelf,
-    TermView,
+    SolutionGate,
 )
 from server.recall import paths
 from server.sandbox.exceptions import USUAL_ERRORS
@@ -69,33 +69,33 @@ def find_lesson(module: Module, slug: str) -> Lesson:
     raise NotFound("Cette page n’existe pas.")
 
 
-def course_home(reader: Reader, module: Module) -> CourseHome:
+def build_course_home(reader: Reader, module: Module) -> CourseHome:
     progress = gradebook.load_progress(reader.db, reader.account)
     due = deadlines.due_soon(reader.db, reader.account, progress, module.slug)
     choices = paths.load_paths(reader.db, reader.account.id if reader.account else None)
     others = {edition.number: f"/{edition.slug}" for edition in reader.course.latest}
-    view = home_view(module, progress, due, others, paths.find_path(module, choices))
+    view = build_home_view(module, progress, due, others, paths.find_path(module, choices))
     names = studio.list_own_of_module(reader.db, reader.account, module.slug)
     found = [exercise for name in names if (exercise := reader.course.exercises.get(name)) is not None]
-    proposed = tuple(_rows_by_slug(found, progress).values())
+    proposed = tuple(_exercise_rows_by_slug(found, progress).values())
     return replace(view, edition=editions.edition_note(reader, module), proposed=proposed)
 
 
-def home_view(
+def build_home_view(
     module: Module,
     progress: Mapping[str, ExerciseProgress],
     due: tuple[DueView, ...],
     others: Mapping[str, str],
-    chosen: ReadingPath | None = None,
+    chosen_path: ReadingPath | None = None,
 ) -> CourseHome:
     """A module's page for one who stands there in its exercises, and has that to hand in.
 
-    `others` are the addresses of modules, by their numbers; `chosen` is the reader's path.
+    `others` are the addresses of modules, by their numbers; `chosen_path` is the reader's path.
     """
-    rows = _rows_by_slug(exercises_in_reading_order(module), progress)
+    rows = _exercise_rows_by_slug(exercises_in_reading_order(module), progress)
     way = lessons_in_reading_order(module)
     sessions = tuple(
-        _session_card(module, lesson, _exercise_rows_after(module, rows, lesson), chosen)
+        _build_session_card(module, lesson, _exercise_rows_after(module, rows, lesson), chosen_path)
         for lesson in way
         if lesson.kind is SEANCE
     )
@@ -114,14 +114,14 @@ def home_view(
         track=module.track,
         summary=module.summary,
         facts=tuple((name, value) for name, value in facts if value),
-        around=tuple(NeighbourView(word, number, others.get(number, "")) for word, number in around if number),
+        around=tuple(NeighbourModuleView(word, number, others.get(number, "")) for word, number in around if number),
         objectives=module.objectives,
         references=tuple(Markup(author_line_html(reference, module.names)) for reference in module.references),
-        paths=tuple(_path_view(module, way, chosen) for way in module.paths),
-        start=_lesson_link(way[0]) if way else None,
-        resumed=choose_next(module, progress, chosen) if any(row.own.attempts for row in rows.values()) else None,
+        paths=tuple(_build_path_view(module, way, chosen_path) for way in module.paths),
+        start=_build_lesson_link(way[0]) if way else None,
+        resumed=choose_next(module, progress, chosen_path) if any(row.own.attempts for row in rows.values()) else None,
         sessions=sessions,
-        shelves=tuple(_shelves(way)),
+        shelves=tuple(_group_lessons_by_kind(way)),
         exercises=tuple(row for row in left if not row.stars),
         challenges=tuple(row for row in left if row.stars),
         terms=len(module.glossary),
@@ -132,12 +132,14 @@ def home_view(
     )
 
 
-def _path_view(module: Module, way: ReadingPath, chosen: ReadingPath | None) -> PathView:
-    href = f"/{module.slug}/lire/{way.page}"
-    return PathView(way.title, way.summary, href, way.page if way.exercises else "", way is chosen)
+def _build_path_view(module: Module, path: ReadingPath, chosen_path: ReadingPath | None) -> PathView:
+    href = f"/{module.slug}/lire/{path.page}"
+    return PathView(path.title, path.summary, href, path.page if path.exercises else "", path is chosen_path)
 
 
-def _rows_by_slug(exercises: Sequence[Exercise], progress: Mapping[str, ExerciseProgress]) -> dict[str, ExerciseRow]:
+def _exercise_rows_by_slug(
+    exercises: Sequence[Exercise], progress: Mapping[str, ExerciseProgress]
+) -> dict[str, ExerciseRow]:
     """One row for each exercise, by its slug."""
     return {exercise.slug: exercise_row(exercise, progress.get(exercise.id, NOTHING_YET)) for exercise in exercises}
 
@@ -151,29 +153,34 @@ def exercises_after(module: Module, lesson: Lesson) -> list[Exercise]:
     return [exercise for exercise in module.exercises if exercise.seance == lesson.slug]
 
 
-def _session_card(
-    module: Module, lesson: Lesson, exercises: tuple[ExerciseRow, ...], chosen: ReadingPath | None
+def _build_session_card(
+    module: Module, lesson: Lesson, exercises: tuple[ExerciseRow, ...], chosen_path: ReadingPath | None
 ) -> SessionCard:
-    link = _lesson_link(lesson, _left_by(chosen))
-    return SessionCard(link, _session_figure(module, lesson), exercises, _work(module, lesson, chosen))
+    link = _build_lesson_link(lesson, _path_names_to_leave_out(chosen_path))
+    return SessionCard(
+        link,
+        _first_figure_of_lesson(module, lesson),
+        exercises,
+        _exercise_duration_in_words(module, lesson, chosen_path),
+    )
 
 
-def _left_by(chosen: ReadingPath | None) -> Sequence[str]:
+def _path_names_to_leave_out(chosen_path: ReadingPath | None) -> Sequence[str]:
     """Return the name of the path whose parts for later are left out, in a list."""
-    return (chosen.name,) if chosen is not None and chosen.name else ()
+    return (chosen_path.name,) if chosen_path is not None and chosen_path.name else ()
 
 
-def _work(module: Module, lesson: Lesson, chosen: ReadingPath | None) -> str:
+def _exercise_duration_in_words(module: Module, lesson: Lesson, chosen_path: ReadingPath | None) -> str:
     """Return how long the exercises of a lesson take that the reader's path has, in words."""
     own = (
         exercise
         for exercise in exercises_after(module, lesson)
-        if chosen is None or not chosen.exercises or exercise.slug in chosen.exercises
+        if chosen_path is None or not chosen_path.exercises or exercise.slug in chosen_path.exercises
     )
     return length_in_words(sum(map(estimate_minutes, own)))
 
 
-def _session_figure(module: Module, lesson: Lesson) -> FigureView | None:
+def _first_figure_of_lesson(module: Module, lesson: Lesson) -> FigureView | None:
     """The séance's first drawing, without its description, which stands in the lesson itself."""
     name = next((figure for figure in lesson.figures if figure in module.drawings), None)
     if name is None:
@@ -182,14 +189,14 @@ def _session_figure(module: Module, lesson: Lesson) -> FigureView | None:
     return FigureView(light, dark, "")
 
 
-def _shelves(way: Sequence[Lesson]) -> Iterator[Shelf]:
+def _group_lessons_by_kind(way: Sequence[Lesson]) -> Iterator[LessonShelf]:
     for kind in KINDS:
-        lessons = tuple(_lesson_link(lesson) for lesson in way if lesson.kind is kind)
-        if lessons and kind.shelf:
-            yield Shelf(kind.name, kind.shelf, lessons)
+        links = tuple(_build_lesson_link(lesson) for lesson in way if lesson.kind is kind)
+        if links and kind.shelf:
+            yield LessonShelf(kind.name, kind.shelf, links)
 
 
-def _lesson_link(lesson: Lesson, left: Sequence[str] = ()) -> LessonLink:
+def _build_lesson_link(lesson: Lesson, left: Sequence[str] = ()) -> LessonLink:
     return LessonLink(
         slug=lesson.slug,
         href=lesson_href(lesson),
@@ -202,29 +209,29 @@ def _lesson_link(lesson: Lesson, left: Sequence[str] = ()) -> LessonLink:
     )
 
 
-def lesson_page(reader: Reader, module: Module, lesson: Lesson, *, past_warning: bool = False) -> LessonPage:
+def build_lesson_page(reader: Reader, module: Module, lesson: Lesson, *, is_warning_read: bool = False) -> LessonPage:
     said = polls.load_lesson_answers(reader.db, reader.account, module, lesson)
-    gate = gates.solution_gate(reader, lesson, past_warning=past_warning)
+    gate = gates.choose_solution_gate(reader, lesson, is_warning_read=is_warning_read)
     progress = gradebook.load_progress(reader.db, reader.account)
     chosen = paths.find_path(module, paths.load_paths(reader.db, reader.account.id if reader.account else None))
-    return lesson_view(module, lesson, progress, said, gate, account=reader.account, chosen=chosen)
+    return build_lesson_view(module, lesson, progress, said, gate, account=reader.account, chosen_path=chosen)
 
 
-def lesson_view(
+def build_lesson_view(
     module: Module,
     lesson: Lesson,
     progress: Mapping[str, ExerciseProgress],
-    said: Mapping[str, str] | None,
-    gate: Gate | None = None,
+    first_answers: Mapping[str, str] | None,
+    gate: SolutionGate | None = None,
     account: Account | None = None,
-    chosen: ReadingPath | None = None,
+    chosen_path: ReadingPath | None = None,
 ) -> LessonPage:
-    """A lesson for one who stands there in the module's exercises, and `said` so to its questions; None where nobody
-    hears them. Behind a gate that is not open, nothing of its text. `chosen` is the reader's path, which folds what it
-    leaves for later."""
+    """A lesson for one who stands there in the module's exercises, and gave `first_answers` to its questions; None
+    where nobody hears them. Behind a gate that is not open, nothing of its text. `chosen_path` is the reader's path, which
+    folds what it leaves for later."""
     way = lessons_in_reading_order(module)
-    left = _left_by(chosen)
-    rows = _rows_by_slug(module.exercises, progress)
+    left = _path_names_to_leave_out(chosen_path)
+    rows = _exercise_rows_by_slug(module.exercises, progress)
     following = [exercise.slug for exercise in exercises_after(module, lesson)]
     placed = lesson.text.exercises
     place = way.index(lesson)
@@ -237,24 +244,26 @@ def lesson_view(
         title=lesson.title,
         summary=lesson.summary,
         duration=length_in_words(reading_minutes(lesson, left)),
-        work=_work(module, lesson, chosen),
+        work=_exercise_duration_in_words(module, lesson, chosen_path),
         later=length_in_words(reading_minutes(lesson) - reading_minutes(lesson, left)),
-        path=chosen.title if left and chosen is not None else "",
+        path=chosen_path.title if left and chosen_path is not None else "",
         placed=sum(slug in placed for slug in following),
         objectives=lesson.objectives,
-        html=texts.fill_text(module, lesson, rows, account, left, is_heard=said is not None) if shown else Markup(),
-        said=json.dumps(dict(said or {}), ensure_ascii=False),
-        contents=heading_tree(lesson) if shown else (),
+        html=texts.fill_lesson_text(module, lesson, rows, account, left, is_heard=first_answers is not None)
+        if shown
+        else Markup(),
+        said=json.dumps(dict(first_answers or {}), ensure_ascii=False),
+        contents=build_contents_tree(lesson) if shown else (),
         exercises=tuple(rows[slug] for slug in following if slug not in placed),
-        terms=_linked_terms(module, lesson) if shown else (),
-        previous=_lesson_link(way[place - 1]) if place else None,
-        following=_lesson_link(way[place + 1]) if place + 1 < len(way) else None,
+        terms=_glossary_terms_in_lesson(module, lesson) if shown else (),
+        previous=_build_lesson_link(way[place - 1]) if place else None,
+        following=_build_lesson_link(way[place + 1]) if place + 1 < len(way) else None,
         gate=gate,
     )
 
 
 @lru_cache(maxsize=512)
-def heading_tree(lesson: Lesson) -> tuple[Entry, ...]:
+def build_contents_tree(lesson: Lesson) -> tuple[ContentsEntry, ...]:
     """The lesson's headings as a tree of two levels."""
     headings = [heading for heading in lesson.headings if heading.level <= MAX_HEADING_LEVEL]
     top = min((heading.level for heading in headings), default=0)
@@ -265,55 +274,58 @@ def heading_tree(lesson: Lesson) -> tuple[Entry, ...]:
         elif tree:
             tree[-1][1].append(heading)
     return tuple(
-        _contents_entry(heading, tuple(_contents_entry(subheading, ()) for subheading in below))
+        _build_contents_entry(heading, tuple(_build_contents_entry(subheading, ()) for subheading in below))
         for heading, below in tree
     )
 
 
-def _contents_entry(heading: Heading, below: tuple[Entry, ...]) -> Entry:
-    return Entry(heading.id, Markup(heading.html), below)
+def _build_contents_entry(heading: Heading, below: tuple[ContentsEntry, ...]) -> ContentsEntry:
+    return ContentsEntry(heading.id, Markup(heading.html), below)
 
 
 @lru_cache(maxsize=512)
-def _linked_terms(module: Module, lesson: Lesson) -> tuple[TermView, ...]:
+def _glossary_terms_in_lesson(module: Module, lesson: Lesson) -> tuple[GlossaryTermView, ...]:
     """The words that the lesson links to the glossary, each once."""
     names = dict.fromkeys(TERM_LINK.findall(lesson.html))
-    return tuple(_term_view(module, module.glossary[name]) for name in names)
+    return tuple(_build_term_view(module, module.glossary[name]) for name in names)
 
 
-def _term_view(module: Module, term: Term) -> TermView:
+def _build_term_view(module: Module, term: Term) -> GlossaryTermView:
     lesson = next((lesson for lesson in module.lessons if lesson.slug == term.page), None)
     href, where = (lesson_href(lesson), lesson.title) if lesson else ("", "")
-    return TermView(term.id, term.word, Markup(term.html), href, where)
+    return GlossaryTermView(term.id, term.word, Markup(term.html), href, where)
 
 
-def glossary_page(module: Module) -> GlossaryPage:
+def build_glossary_page(module: Module) -> GlossaryPage:
     """Raises NotFound for a module without one."""
     if not module.glossary:
         raise NotFound("Ce module n’a pas de glossaire.")
-    return GlossaryPage(module_link(module), _letters(module), len(module.glossary), USUAL_ERRORS)
+    return GlossaryPage(module_link(module), _group_terms_by_letter(module), len(module.glossary), USUAL_ERRORS)
 
 
 @lru_cache(maxsize=32)
-def _letters(module: Module) -> tuple[Letter, ...]:
+def _group_terms_by_letter(module: Module) -> tuple[GlossaryLetter, ...]:
     terms = sorted(
-        (_term_view(module, term) for term in module.glossary.values()), key=lambda term: word_sort_key(term.word)
+        (_build_term_view(module, term) for term in module.glossary.values()),
+        key=lambda term: dictionary_sort_key(term.word),
     )
-    groups = groupby(terms, key=lambda term: word_sort_key(term.word)[:1].upper())
-    return tuple(Letter(letter, tuple(group)) for letter, group in groups)
+    groups = groupby(terms, key=lambda term: dictionary_sort_key(term.word)[:1].upper())
+    return tuple(GlossaryLetter(letter, tuple(group)) for letter, group in groups)
 
 
-def word_sort_key(word: str) -> str:
+def dictionary_sort_key(word: str) -> str:
     """A word as a dictionary sorts it: no accent, no capital, no hyphen."""
     return re.sub(r"[^a-z0-9]+", " ", unaccented(word)).strip()
 
 
-def search_page(module: Module, query: str) -> SearchPage:
+def build_search_page(module: Module, query: str) -> SearchPage:
     query = tidy_line(query)
     found = search.search_lessons(module, query)
-    return SearchPage(module_link(module), query, found.read_as, found.hits, () if found.hits else _examples(module))
+    return SearchPage(
+        module_link(module), query, found.read_as, found.hits, () if found.hits else _example_searches(module)
+    )
 
 
-def _examples(module: Module) -> tuple[str, ...]:
+def _example_searches(module: Module) -> tuple[str, ...]:
     words = [term.word for term in module.glossary.values()]
     return tuple(words[:: max(1, len(words) // EXAMPLE_COUNT)][:EXAMPLE_COUNT])

@@ -25,7 +25,7 @@ RETRIEVAL = re.compile(r'<section class="asked recalled" id="[^"]*" data-retriev
 LATER = re.compile(r'<details class="block block-later" data-later="([^"]+)" open>')
 
 
-def fill_text(
+def fill_lesson_text(
     module: Module,
     lesson: Lesson,
     rows: Mapping[str, ExerciseRow],
@@ -38,41 +38,43 @@ def fill_text(
 
     `is_heard`: answers are marked there; else the page stands away from the server.
     """
-    text = _with_questions(module, lesson, heard=is_heard)
+    text = _insert_quiz_questions(module, lesson, heard=is_heard)
     if lesson.text.exercises:
-        text = EXERCISE.sub(lambda match: match[0] + _exercise(module, rows, match[1]), text)
+        text = EXERCISE.sub(lambda match: match[0] + _render_exercise_card(module, rows, match[1]), text)
     if lesson.text.retrievals:
         day = retrievals.today()
-        text = RETRIEVAL.sub(lambda match: match[0] + _retrieval(module, match[1], account, day, is_heard), text)
+        text = RETRIEVAL.sub(
+            lambda match: match[0] + _render_retrieval_question(module, match[1], account, day, is_heard), text
+        )
     if left:
         text = LATER.sub(lambda match: match[0][: -len(" open>")] + ">" if match[1] in left else match[0], text)
     return Markup(text)
 
 
-def _macros(template: str) -> Any:
+def _load_template_macros(template: str) -> Any:
     return jinja_environment().get_template(template).module
 
 
-def _exercise(module: Module, rows: Mapping[str, ExerciseRow], slug: str) -> str:
+def _render_exercise_card(module: Module, rows: Mapping[str, ExerciseRow], slug: str) -> str:
     row = rows.get(slug)
     if row is None:  # of an exercise that is at fault, and not served
         return ""
     exercise = next(exercise for exercise in module.exercises if exercise.slug == slug)
-    return str(_macros("reading/to_do.html").to_do(row, length_in_words(estimate_minutes(exercise))))
+    return str(_load_template_macros("reading/to_do.html").to_do(row, length_in_words(estimate_minutes(exercise))))
 
 
-def _retrieval(module: Module, name: str, account: Account | None, day: date, is_heard: bool) -> str:
+def _render_retrieval_question(module: Module, name: str, account: Account | None, day: date, is_heard: bool) -> str:
     if name not in module.retrievals:
         return ""
     asked = retrievals.draw_retrieval(module, name, account, day)
-    macros = _macros("reading/recalled.html")
+    macros = _load_template_macros("reading/recalled.html")
     return str(macros.recalled(asked) if is_heard else macros.told(asked))
 
 
 @lru_cache(maxsize=512)
-def _with_questions(module: Module, lesson: Lesson, *, heard: bool) -> str:
+def _insert_quiz_questions(module: Module, lesson: Lesson, *, heard: bool) -> str:
     """Return a lesson's text with its quiz questions where they stand; `heard`: they are marked there."""
-    macros = _macros("reading/asked.html")
+    macros = _load_template_macros("reading/asked.html")
 
     def written(match: re.Match[str]) -> str:
         poll = polls.polls_of_lesson(module, lesson).get(match[1])

@@ -33,7 +33,7 @@ def normalise_spelling(text: str) -> str:
     return unicodedata.normalize("NFC", limit_marks(text)).lower()
 
 
-class Vocabulary:
+class SearchVocabulary:
     """Built once over some texts, then only read; by several threads."""
 
     def __init__(self, texts: Iterable[str]) -> None:
@@ -45,58 +45,61 @@ class Vocabulary:
         self._of_stem: dict[str, list[str]] = defaultdict(list)
         for word in words:
             self._spellings[unaccented(word) or word].append(word)
-            self._of_stem[unaccented(self._stem(word))].append(word)
+            self._of_stem[unaccented(self._stem_word(word))].append(word)
         self._plain = sorted(self._spellings)
-        self._letters = np.ascontiguousarray(_count_letters(self._plain))
+        self._letters = np.ascontiguousarray(_count_letters_by_word(self._plain))
         self._lengths = np.array([len(word) for word in self._plain], dtype=np.int32)
 
-    def _stem(self, word: str) -> str:
+    def _stem_word(self, word: str) -> str:
         """Return the stem. The stemmer holds the word that it works on: of two threads, one waits."""
         with self._lock:
             return str(self._stemmer.stemWord(word))
 
-    def knows(self, word: str) -> bool:
+    def is_known_word(self, word: str) -> bool:
         """Whether it stands in the texts: it, its beginning, or another of its stem."""
         plain = unaccented(word) or word
         place = bisect_left(self._plain, plain)
         begins = place < len(self._plain) and self._plain[place].startswith(plain)
-        return begins or any(stem in self._of_stem for stem in self.stems(word))
+        return begins or any(stem in self._of_stem for stem in self.possible_stems(word))
 
-    def stems(self, word: str) -> set[str]:
+    def possible_stems(self, word: str) -> set[str]:
         """Those of the words spelt so but for accents: « fermee » has the stem of « fermée »; failing that, its own."""
         spellings = self._spellings.get(unaccented(word)) or [word]
-        return {unaccented(self._stem(spelling)) for spelling in spellings} - {""}
+        return {unaccented(self._stem_word(spelling)) for spelling in spellings} - {""}
 
-    def kin(self, word: str) -> list[str]:
+    def related_words(self, word: str) -> list[str]:
         """The words that one who looks for `word` means too, as they are spelt in the texts."""
         same = self._spellings.get(unaccented(word), [])
         return sorted(
-            {*same, *(word_of_stem for stem in self.stems(word) for word_of_stem in self._of_stem.get(stem, ()))}
+            {
+                *same,
+                *(word_of_stem for stem in self.possible_stems(word) for word_of_stem in self._of_stem.get(stem, ())),
+            }
         )
 
-    def beginnings(self, word: str) -> list[str]:
+    def common_prefixes(self, word: str) -> list[str]:
         """What the words of its family begin with: « ferm » for « fermée », which finds « fermeture »."""
-        return sorted(stem for stem in self.stems(word) if len(stem) >= SHORTEST_STEM)
+        return sorted(stem for stem in self.possible_stems(word) if len(stem) >= SHORTEST_STEM)
 
-    def mended(self, word: str) -> str | None:
+    def closest_known_word(self, word: str) -> str | None:
         """The word of the texts that is spelt most like one that stands nowhere; None where none is near."""
         plain = unaccented(word)
         if len(plain) < SHORTEST_TYPO:
             return None
-        close = difflib.get_close_matches(plain, self._words_like(plain), n=1, cutoff=ALIKE)
+        close = difflib.get_close_matches(plain, self._words_with_similar_letters(plain), n=1, cutoff=ALIKE)
         return self._spellings[close[0]][-1] if close else None  # the last one bears the accents
 
-    def _words_like(self, plain: str) -> list[str]:
+    def _words_with_similar_letters(self, normalised: str) -> list[str]:
         """The words that share enough letters to be alike, in whatever order: the bound of `difflib.quick_ratio`."""
-        wanted = _count_letters([plain])
+        wanted = _count_letters_by_word([normalised])
         shared = np.minimum(self._letters, wanted).sum(axis=1, dtype=np.int32)
-        alike = 2.0 * shared / (self._lengths + len(plain))
+        alike = 2.0 * shared / (self._lengths + len(normalised))
         enough = np.flatnonzero(alike >= ALIKE)
         best = enough[np.argsort(-alike[enough], kind="stable")[:MAX_COMPARED]]
         return [self._plain[index] for index in best]
 
 
-def _count_letters(words: Sequence[str]) -> np.ndarray:
+def _count_letters_by_word(words: Sequence[str]) -> np.ndarray:
     """Shape (words, 36): how often each letter or digit stands in each word, 255 times at most."""
     columns = [[min(word.count(letter), 255) for word in words] for letter in LETTERS]
     return np.array(columns, dtype=np.uint8).T

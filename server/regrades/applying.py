@@ -17,9 +17,9 @@ from server.gradebook import service as gradebook
 from server.gradebook import standings
 from server.regrades import repository
 from server.regrades.models import Regrade, RegradePolicy
-from server.regrades.preview import counts_when_applied
+from server.regrades.preview import does_new_grading_count
 from server.regrades.schemas import MarkChange, RegradedAttempt, RegradeState
-from server.regrades.service import load_progress, lock_regrade, mark_changes
+from server.regrades.service import load_mark_changes, load_regrade_progress, lock_regrade
 
 RUNNING = "La recorrection n’est pas finie : encore {left} à faire."
 STOPPED = "Cette recorrection a été arrêtée : préparez-en une autre."
@@ -39,17 +39,17 @@ def apply_regrade(db: Session, course: Course, regrade_id: UUID, by: UUID) -> No
     regrade = lock_regrade(db, regrade_id)
     if regrade.is_applied:
         return
-    _require_finished(db, regrade)
+    _require_ready_to_apply(db, regrade)
     attempts = _lock_attempts(db, regrade)
-    _require_one_version(attempts)
+    _require_single_exercise_version(attempts)
     if any(attempt.current_id != attempt.before_id for attempt in attempts):
         raise Conflict(OVERTAKEN)
     policy = RegradePolicy(regrade.policy)
-    chosen = [attempt for attempt in attempts if counts_when_applied(policy, attempt)]
-    _choose_gradings(db, regrade, chosen, [attempt.after_id for attempt in chosen])
-    repository.set_applied(db, [attempt.item_id for attempt in chosen], is_applied=True)
+    chosen = [attempt for attempt in attempts if does_new_grading_count(policy, attempt)]
+    _set_counting_gradings(db, regrade, chosen, [attempt.after_id for attempt in chosen])
+    repository.set_items_applied(db, [attempt.item_id for attempt in chosen], is_applied=True)
     regrade.applied_at, regrade.undone_at = utc_now(), None
-    _record(db, course, regrade, by, AuditAction.regrade_applied, mark_changes(db, regrade, attempts))
+    _record_audit_events(db, course, regrade, by, AuditAction.regrade_applied, load_mark_changes(db, regrade, attempts))
 
 
 def undo_regrade(db: Session, course: Course, regrade_id: UUID, by: UUID) -> None:
@@ -61,22 +61,22 @@ def undo_regrade(db: Session, course: Course, regrade_id: UUID, by: UUID) -> Non
     applied = [attempt for attempt in attempts if attempt.is_applied]
     if any(attempt.current_id != attempt.after_id for attempt in applied):
         raise Conflict(OVERTAKEN_UNDO)
-    _choose_gradings(db, regrade, applied, [attempt.before_id for attempt in applied])
-    repository.set_applied(db, [attempt.item_id for attempt in applied], is_applied=False)
+    _set_counting_gradings(db, regrade, applied, [attempt.before_id for attempt in applied])
+    repository.set_items_applied(db, [attempt.item_id for attempt in applied], is_applied=False)
     regrade.undone_at = utc_now()
     reverted = [
-        replace(change, before=change.after, after=change.before) for change in mark_changes(db, regrade, attempts)
+        replace(change, before=change.after, after=change.before) for change in load_mark_changes(db, regrade, attempts)
     ]
-    _record(db, course, regrade, by, AuditAction.regrade_undone, reverted)
+    _record_audit_events(db, course, regrade, by, AuditAction.regrade_undone, reverted)
 
 
-def _record(
-    db: Session, course: Course, regrade: Regrade, by: UUID, action: AuditAction, changes: Collection[MarkChange]
+def _record_audit_events(
+    db: Session, course: Course, regrade: Regrade, by: UUID, action: AuditAction, mark_changes: Collection[MarkChange]
 ) -> None:
     """Record an event for each student whose mark changes; one for the class where none does."""
     exercise = course.exercises.get(regrade.exercise)
     about = exercise.title if exercise else regrade.exercise
-    changed = [change for change in changes if change.before != change.after]
+    changed = [change for change in mark_changes if change.before != change.after]
     for change in changed:
         before, after = {"points": change.before}, {"points": change.after}
         audit.record_event(
@@ -86,16 +86,16 @@ def _record(
         audit.record_event(db, regrade.class_id, by, action, about=about)
 
 
-def _require_finished(db: Session, regrade: Regrade) -> None:
+def _require_ready_to_apply(db: Session, regrade: Regrade) -> None:
     """Raise Conflict for a regrade that is running or stopped."""
-    progress = load_progress(db, regrade)
+    progress = load_regrade_progress(db, regrade)
     if progress.state is RegradeState.stopped:
         raise Conflict(STOPPED)
     if progress.state is RegradeState.running:
         raise Conflict(RUNNING.format(left=progress.total - progress.graded))
 
 
-def _require_one_version(attempts: Sequence[RegradedAttempt]) -> None:
+def _require_single_exercise_version(attempts: Sequence[RegradedAttempt]) -> None:
     """Raise Conflict where several versions of the exercise graded the attempts."""
     if len({attempt.version for attempt in attempts if attempt.after is not None}) > 1:
         raise Conflict(MIXED)
@@ -106,15 +106,15 @@ def _lock_attempts(db: Session, regrade: Regrade) -> Sequence[RegradedAttempt]:
 
     Raises Conflict where a guest's work has moved to an account in between.
     """
-    accounts = repository.load_author_ids(db, regrade.id)
+    accounts = repository.load_ids_of_authors(db, regrade.id)
     standings.lock_accounts(db, accounts)
-    attempts = repository.load_attempts(db, regrade.id, lock=True)
+    attempts = repository.load_regraded_attempts(db, regrade.id, lock=True)
     if not {attempt.account_id for attempt in attempts} <= accounts:
         raise Conflict(ACCOUNT_CHANGED)
     return attempts
 
 
-def _choose_gradings(
+def _set_counting_gradings(
     db: Session, regrade: Regrade, attempts: Sequence[RegradedAttempt], gradings: Sequence[UUID | None]
 ) -> None:
     """Make these gradings of the attempts count."""

@@ -54,7 +54,7 @@ def load_running_regrades(db: Session, class_id: UUID) -> Sequence[Regrade]:
     )
 
 
-def count_graded(db: Session, regrades: Collection[UUID]) -> Mapping[UUID, tuple[int, int]]:
+def count_regraded_and_all_attempts(db: Session, regrades: Collection[UUID]) -> Mapping[UUID, tuple[int, int]]:
     """Count the regraded attempts and all attempts of each regrade."""
     query = (
         select(RegradeItem.regrade_id, func.count(RegradeItem.after_id), func.count())
@@ -78,7 +78,7 @@ def load_graded_attempts(
     return db.execute(query.limit(limit)).all()
 
 
-def add_items(db: Session, regrade_id: UUID, rows: Sequence[tuple[UUID, UUID, bool]]) -> None:
+def add_regrade_items(db: Session, regrade_id: UUID, rows: Sequence[tuple[UUID, UUID, bool]]) -> None:
     """Insert items from submission, current grading and whether it makes its author's mark, in this order."""
     items: list[dict[str, object]] = [
         {
@@ -97,7 +97,7 @@ def add_items(db: Session, regrade_id: UUID, rows: Sequence[tuple[UUID, UUID, bo
     db.execute(insert(_items), items)
 
 
-def load_next_item(db: Session, regrade_id: UUID) -> Row[RegradeItem, Submission, UUID] | None:
+def load_next_item_to_grade(db: Session, regrade_id: UUID) -> Row[RegradeItem, Submission, UUID] | None:
     """Return the next item of a running regrade to grade, its submission and the class."""
     query = (
         select(RegradeItem, Submission, Regrade.class_id)
@@ -109,18 +109,18 @@ def load_next_item(db: Session, regrade_id: UUID) -> Row[RegradeItem, Submission
     return db.execute(query.limit(1)).one_or_none()
 
 
-def set_graded(db: Session, item_id: UUID, grading_id: UUID, differences: Sequence[VerdictDifference]) -> None:
+def store_new_grading(db: Session, item_id: UUID, grading_id: UUID, differences: Sequence[VerdictDifference]) -> None:
     values = {"after_id": grading_id, "differences": [difference.to_json() for difference in differences]}
     db.execute(update(_items).where(_items.c.id == item_id).values(**values))
 
 
-def load_item_ids(db: Session, item_id: UUID) -> Row[UUID, UUID, UUID | None] | None:
+def load_ids_of_item(db: Session, item_id: UUID) -> Row[UUID, UUID, UUID | None] | None:
     """Return an item's submission, old grading and new one; None once its author is erased."""
     query = select(RegradeItem.submission_id, RegradeItem.before_id, RegradeItem.after_id)
     return db.execute(query.where(RegradeItem.id == item_id)).one_or_none()
 
 
-def load_attempts(db: Session, regrade_id: UUID, *, lock: bool = False) -> Sequence[RegradedAttempt]:
+def load_regraded_attempts(db: Session, regrade_id: UUID, *, lock: bool = False) -> Sequence[RegradedAttempt]:
     """Load the attempts of a regrade in the order of submission; `lock` locks their submissions until the commit."""
     query = (
         select(
@@ -145,10 +145,10 @@ def load_attempts(db: Session, regrade_id: UUID, *, lock: bool = False) -> Seque
         .order_by(Submission.created_at, Submission.id)
     )
     query = query.with_for_update(of=Submission) if lock else query
-    return [_regraded_attempt(row) for row in db.execute(query)]
+    return [_row_to_regraded_attempt(row) for row in db.execute(query)]
 
 
-def _regraded_attempt(row: Sequence[Any]) -> RegradedAttempt:
+def _row_to_regraded_attempt(row: Sequence[Any]) -> RegradedAttempt:
     *values, differences, is_applied = row
     return RegradedAttempt(
         **dict(zip(PLAIN_FIELDS, values, strict=True)),
@@ -157,21 +157,23 @@ def _regraded_attempt(row: Sequence[Any]) -> RegradedAttempt:
     )
 
 
-def load_author_ids(db: Session, regrade_id: UUID) -> frozenset[UUID]:
+def load_ids_of_authors(db: Session, regrade_id: UUID) -> frozenset[UUID]:
     query = select(Submission.account_id).join(RegradeItem, RegradeItem.submission_id == Submission.id).distinct()
     return frozenset(db.execute(query.where(RegradeItem.regrade_id == regrade_id)).scalars())
 
 
-def set_applied(db: Session, items: Collection[UUID], *, is_applied: bool) -> None:
+def set_items_applied(db: Session, items: Collection[UUID], *, is_applied: bool) -> None:
     if items:
         statement = update(_items).where(_items.c.id == bindparam("item")).values(is_applied=is_applied)
         db.execute(statement, [{"item": item_id} for item_id in items])
 
 
-def count_sent_since(db: Session, accounts: Collection[UUID], exercise: str, when: datetime) -> Mapping[UUID, int]:
+def count_attempts_sent_since(
+    db: Session, accounts: Collection[UUID], exercise: str, since: datetime
+) -> Mapping[UUID, int]:
     query = (
         select(Submission.account_id, func.count())
-        .where(Submission.account_id.in_(accounts), Submission.exercise == exercise, Submission.created_at > when)
+        .where(Submission.account_id.in_(accounts), Submission.exercise == exercise, Submission.created_at > since)
         .group_by(Submission.account_id)
     )
     return dict(db.execute(query).all())

@@ -63,7 +63,7 @@ class RegradedAttempt:
     is_applied: bool
 
     @property
-    def failed(self) -> bool:
+    def is_failed(self) -> bool:
         return self.after_id is not None and self.after is None
 
 

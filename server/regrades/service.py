@@ -38,7 +38,7 @@ from server.queue.interfaces import Queue, Sender
 from server.regrades import repository
 from server.regrades.differences import FAILED, VerdictDifference, compare_verdicts
 from server.regrades.models import Regrade, RegradePolicy, RegradeScope
-from server.regrades.preview import CountedMark, Marker, best_mark, compute_changes
+from server.regrades.preview import CountedMark, Marker, compute_mark_changes, mark_by_best_attempt
 from server.regrades.schemas import (
     AppliedRegrade,
     MarkChange,
@@ -76,26 +76,26 @@ class RegradeService:
     course: Course
     queue: Queue
 
-    def start(self, db: Session, school_class: SchoolClass, by: UUID, fields: RegradeInput) -> Regrade:
+    def start_regrade(self, db: Session, school_class: SchoolClass, by: UUID, fields: RegradeInput) -> Regrade:
         """Create a regrade and enqueue its first attempt. Raises NotFound, Invalid or Conflict."""
         require_not_archived(school_class)
-        if fields.exercise not in self.exercises(db, school_class):
+        if fields.exercise not in self.load_exercise_titles(db, school_class):
             raise NotFound(NO_EXERCISE)
         classes.lock_class(db, school_class.id)
         if any(
             running.exercise == fields.exercise for running in repository.load_running_regrades(db, school_class.id)
         ):
             raise Conflict(ALREADY)
-        regrade = _new_regrade(db, school_class, by, fields)
-        items = _items_to_regrade(db, regrade)
+        regrade = _build_regrade(db, school_class, by, fields)
+        items = _load_items_to_regrade(db, regrade)
         db.add(regrade)
         db.flush()
-        repository.add_items(db, regrade.id, items)
+        repository.add_regrade_items(db, regrade.id, items)
         version = version_requirement(regrade.exercise, self.course.needed_version(regrade.exercise))
-        enqueue_next(db, self.queue, regrade.id, regrade.class_id, version)
+        enqueue_next_attempt(db, self.queue, regrade.id, regrade.class_id, version)
         return regrade
 
-    def exercises(self, db: Session, school_class: SchoolClass) -> Mapping[str, str]:
+    def load_exercise_titles(self, db: Session, school_class: SchoolClass) -> Mapping[str, str]:
         """Return the titles of the exercises of the class's module, by id, and of those that its assignments ask."""
         module = self.course.modules.get(school_class.module)
         if module is None:
@@ -104,20 +104,20 @@ class RegradeService:
         asked = assignments.load_class_exercises(db, school_class.id)
         return titles | {name: self.course.title_of(name) for name in asked if name in self.course.exercises}
 
-    def outdated(self, db: Session, school_class: SchoolClass) -> Sequence[OutdatedExercise]:
+    def load_outdated_exercises(self, db: Session, school_class: SchoolClass) -> Sequence[OutdatedExercise]:
         """Return the exercises that have changed since attempts were graded, in the course's order."""
-        versions = {name: self.course.version_of(name) for name in self.exercises(db, school_class)}
+        versions = {name: self.course.version_of(name) for name in self.load_exercise_titles(db, school_class)}
         return repository.load_outdated_exercises(db, school_class.id, versions)
 
 
-def enqueue_next(db: Session, queue: Queue, regrade_id: UUID, class_id: UUID, version: str | None) -> None:
+def enqueue_next_attempt(db: Session, queue: Queue, regrade_id: UUID, class_id: UUID, version: str | None) -> None:
     """Enqueue the next attempt in the class's flow, for a worker of this version (see `version_requirement`)."""
     flow = f"class {class_id}"
     sender = Sender(flow, flow=flow, rank=REGRADE_RANK)
     queue.enqueue(db, REGRADE_JOB, str(regrade_id), sender=sender, required_version=version)
 
 
-def _new_regrade(db: Session, school_class: SchoolClass, by: UUID, fields: RegradeInput) -> Regrade:
+def _build_regrade(db: Session, school_class: SchoolClass, by: UUID, fields: RegradeInput) -> Regrade:
     """Return a regrade that is not stored yet. Raises NotFound or Invalid."""
     regrade = Regrade(
         class_id=school_class.id,
@@ -137,21 +137,23 @@ def _new_regrade(db: Session, school_class: SchoolClass, by: UUID, fields: Regra
             raise Invalid(NOT_IN_ASSIGNMENT)
         regrade.scope, regrade.assignment_id = RegradeScope.assignment, fields.assignment
     elif fields.student is not None:
-        if fields.student not in {student.id for student in _active_students(db, school_class.id)}:
+        if fields.student not in {student.id for student in _load_active_students(db, school_class.id)}:
             raise NotFound(NO_STUDENT)
         regrade.scope, regrade.student_id = RegradeScope.student, fields.student
     return regrade
 
 
-def _active_students(db: Session, class_id: UUID) -> Sequence[Member]:
+def _load_active_students(db: Session, class_id: UUID) -> Sequence[Member]:
     members = classes.load_members(db, class_id)
     return [member for member in members if member.role is ClassRole.student and member.status is Status.active]
 
 
-def _items_to_regrade(db: Session, regrade: Regrade) -> Sequence[tuple[UUID, UUID, bool]]:
+def _load_items_to_regrade(db: Session, regrade: Regrade) -> Sequence[tuple[UUID, UUID, bool]]:
     """Return submission, grading and whether it makes a mark or a standing; those that do first. Raises Invalid."""
     student_ids = [
-        student.id for student in _active_students(db, regrade.class_id) if regrade.student_id in (None, student.id)
+        student.id
+        for student in _load_active_students(db, regrade.class_id)
+        if regrade.student_id in (None, student.id)
     ]
     rows = repository.load_graded_attempts(db, student_ids, regrade.exercise, MAX_ATTEMPTS + 1)
     if len(rows) > MAX_ATTEMPTS:
@@ -159,7 +161,7 @@ def _items_to_regrade(db: Session, regrade: Regrade) -> Sequence[tuple[UUID, UUI
     by_student: dict[UUID, list[ScoredAttempt]] = {student: [] for student in student_ids}
     for submission, student, sent_at, _, score in rows:
         by_student[student].append(ScoredAttempt(submission, sent_at, score or 0.0))
-    marker = _marker(db, regrade)
+    marker = _choose_marker(db, regrade)
     in_scope = {
         attempt.id
         for student, attempts in by_student.items()
@@ -177,15 +179,15 @@ def _items_to_regrade(db: Session, regrade: Regrade) -> Sequence[tuple[UUID, UUI
     return sorted(items, key=lambda item: not item[2])
 
 
-def _marker(db: Session, regrade: Regrade) -> Marker:
+def _choose_marker(db: Session, regrade: Regrade) -> Marker:
     """Return the function that marks a student's attempts: an assignment's rules, else the best attempt."""
     if regrade.assignment_id is None:
-        return best_mark
+        return mark_by_best_attempt
     assignment = assignments.find_assignment(db, regrade.class_id, regrade.assignment_id)
-    return best_mark if assignment is None else _assignment_marker(db, assignment)
+    return mark_by_best_attempt if assignment is None else _build_assignment_marker(db, assignment)
 
 
-def _assignment_marker(db: Session, assignment: Assignment) -> Marker:
+def _build_assignment_marker(db: Session, assignment: Assignment) -> Marker:
     """Return a marker by the rules of the gradebook: attempts at a test count within the sitting."""
     exemptions = assignments.load_exemptions(db, [assignment.id]).get(assignment.id, [])
     places = load_places_of_team_assignments(db, [assignment]).get(assignment.id, ())
@@ -209,18 +211,18 @@ def find_regrade(db: Session, class_id: UUID, regrade_id: UUID | str) -> Regrade
     return regrade
 
 
-def load_history(db: Session, class_id: UUID) -> Sequence[tuple[Regrade, RegradeProgress]]:
+def load_regrade_history(db: Session, class_id: UUID) -> Sequence[tuple[Regrade, RegradeProgress]]:
     """Load the class's last regrades with their progress, newest first."""
     regrades = repository.load_class_regrades(db, class_id, HISTORY)
-    counts = repository.count_graded(db, [regrade.id for regrade in regrades])
-    return [(regrade, _progress(regrade, *counts[regrade.id])) for regrade in regrades]
+    counts = repository.count_regraded_and_all_attempts(db, [regrade.id for regrade in regrades])
+    return [(regrade, _build_regrade_progress(regrade, *counts[regrade.id])) for regrade in regrades]
 
 
-def load_progress(db: Session, regrade: Regrade) -> RegradeProgress:
-    return _progress(regrade, *repository.count_graded(db, [regrade.id])[regrade.id])
+def load_regrade_progress(db: Session, regrade: Regrade) -> RegradeProgress:
+    return _build_regrade_progress(regrade, *repository.count_regraded_and_all_attempts(db, [regrade.id])[regrade.id])
 
 
-def _progress(regrade: Regrade, graded: int, total: int) -> RegradeProgress:
+def _build_regrade_progress(regrade: Regrade, graded: int, total: int) -> RegradeProgress:
     if regrade.stopped_at is not None:
         state = RegradeState.stopped
     elif graded < total:
@@ -234,17 +236,20 @@ def _progress(regrade: Regrade, graded: int, total: int) -> RegradeProgress:
 
 def preview_regrade(db: Session, regrade: Regrade) -> RegradePreview:
     """Return a regrade's effect on each student, sorted by name."""
-    changes = {change.student: change for change in mark_changes(db, regrade, repository.load_attempts(db, regrade.id))}
-    sent_since = repository.count_sent_since(db, list(changes), regrade.exercise, regrade.created_at)
+    changes = {
+        change.student: change
+        for change in load_mark_changes(db, regrade, repository.load_regraded_attempts(db, regrade.id))
+    }
+    sent_since = repository.count_attempts_sent_since(db, list(changes), regrade.exercise, regrade.created_at)
     members = [member.id for member in classes.load_members(db, regrade.class_id) if member.id in changes]
     students = dict.fromkeys([*members, *changes])
     ordered = tuple(replace(changes[student], sent_since=sent_since.get(student, 0)) for student in students)
-    return RegradePreview(regrade, load_progress(db, regrade), ordered)
+    return RegradePreview(regrade, load_regrade_progress(db, regrade), ordered)
 
 
-def mark_changes(db: Session, regrade: Regrade, attempts: Sequence[RegradedAttempt]) -> Sequence[MarkChange]:
+def load_mark_changes(db: Session, regrade: Regrade, attempts: Sequence[RegradedAttempt]) -> Sequence[MarkChange]:
     """Return the change of each student's mark."""
-    return compute_changes(RegradePolicy(regrade.policy), attempts, _marker(db, regrade))
+    return compute_mark_changes(RegradePolicy(regrade.policy), attempts, _choose_marker(db, regrade))
 
 
 def record_grading(
@@ -254,22 +259,22 @@ def record_grading(
 
     Nothing is stored for an attempt that was erased with its author.
     """
-    item = repository.load_item_ids(db, item_id)
+    item = repository.load_ids_of_item(db, item_id)
     if item is not None and item[2] is None and gradings.lock_submission(db, item[0]) is not None:
         grading = gradebook.add_uncounted_grading(db, item[0], graded)
         differences: tuple[VerdictDifference, ...] = (FAILED,)
         if graded.verdict.outcome.counts:
             differences = compare_verdicts(Verdict.from_json(gradings.load_verdict(db, item[1])), graded.verdict)
-        repository.set_graded(db, item_id, grading, differences)
-    next_item = repository.load_next_item(db, regrade_id)
+        repository.store_new_grading(db, item_id, grading, differences)
+    next_item = repository.load_next_item_to_grade(db, regrade_id)
     if next_item is not None:
-        enqueue_next(db, queue, next_item[0].regrade_id, next_item[2], version)
+        enqueue_next_attempt(db, queue, next_item[0].regrade_id, next_item[2], version)
 
 
 def stop_regrade(db: Session, regrade_id: UUID) -> None:
     """Stop a regrade that is running, so that it is never applied; nothing where it is over."""
     regrade = lock_regrade(db, regrade_id)
-    if load_progress(db, regrade).state is RegradeState.running:
+    if load_regrade_progress(db, regrade).state is RegradeState.running:
         regrade.stopped_at = utc_now()
 
 

@@ -55,12 +55,12 @@ def find_member_for_reader(db: Session, reader: UUID | None, author: UUID, modul
         .order_by(Membership.status, SchoolClass.archived_at.is_not(None), Membership.joined_at.desc())
     )
     if reader is not None:
-        query = query.where(Membership.class_id.in_(_class_ids(reader, module, STAFF)))
+        query = query.where(Membership.class_id.in_(_select_class_ids_by_role(reader, module, STAFF)))
     row = db.execute(query.limit(1)).first()
     return None if row is None else Member(*row)
 
 
-def has_readers(db: Session, author: UUID, module: str) -> bool:
+def has_staff_readers(db: Session, author: UUID, module: str) -> bool:
     """Whether an open class of this module, of which the author is a student, has active staff."""
     staff = aliased(Membership)
     query = (
@@ -68,7 +68,7 @@ def has_readers(db: Session, author: UUID, module: str) -> bool:
         .join(Membership, Membership.class_id == SchoolClass.id)
         .join(staff, staff.class_id == SchoolClass.id)
         .where(
-            _is_open(module),
+            _open_class_of_module_clause(module),
             Membership.account_id == author,
             Membership.role == ClassRole.student,
             Membership.status == Status.active,
@@ -81,19 +81,22 @@ def has_readers(db: Session, author: UUID, module: str) -> bool:
 
 def teaches_clause(account_id: UUID, module: str) -> ColumnElement[bool]:
     """Return the condition that an account is staff in a class of this module."""
-    return _class_ids(account_id, module, STAFF).exists()
+    return _select_class_ids_by_role(account_id, module, STAFF).exists()
 
 
 def is_student(db: Session, account_id: UUID, module: str) -> bool:
     """Whether an account is a student of an open class of this module."""
-    class_ids = _class_ids(account_id, module, (ClassRole.student,)).where(SchoolClass.archived_at.is_(None))
+    class_ids = _select_class_ids_by_role(account_id, module, (ClassRole.student,)).where(
+        SchoolClass.archived_at.is_(None)
+    )
     return db.execute(select(class_ids.exists())).scalar_one()
 
 
 def load_classes_of_teacher(db: Session, account_id: UUID, module: str) -> Sequence[SchoolClass]:
     """Load the open classes of this module that an account teaches, by name."""
     query = select(SchoolClass).where(
-        _is_open(module), SchoolClass.id.in_(_class_ids(account_id, module, (ClassRole.teacher,)))
+        _open_class_of_module_clause(module),
+        SchoolClass.id.in_(_select_class_ids_by_role(account_id, module, (ClassRole.teacher,))),
     )
     return db.execute(query.order_by(SchoolClass.name, SchoolClass.id)).scalars().all()
 
@@ -114,15 +117,15 @@ def load_taught_classes(db: Session, account_id: UUID) -> Sequence[SchoolClass]:
 
 
 def load_classes_of_module(db: Session, module: str) -> Sequence[SchoolClass]:
-    query = select(SchoolClass).where(_is_open(module))
+    query = select(SchoolClass).where(_open_class_of_module_clause(module))
     return db.execute(query.order_by(SchoolClass.name, SchoolClass.id)).scalars().all()
 
 
-def _is_open(module: str) -> ColumnElement[bool]:
+def _open_class_of_module_clause(module: str) -> ColumnElement[bool]:
     return and_(SchoolClass.module == module, SchoolClass.archived_at.is_(None))
 
 
-def _class_ids(account_id: UUID, module: str, roles: Sequence[ClassRole]) -> Select[UUID]:
+def _select_class_ids_by_role(account_id: UUID, module: str, roles: Sequence[ClassRole]) -> Select[UUID]:
     return (
         select(Membership.class_id)
         .join(SchoolClass, SchoolClass.id == Membership.class_id)

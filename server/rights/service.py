@@ -64,19 +64,19 @@ def load_class_access(db: Session, account: Account, class_id: UUID | str) -> Cl
         membership = None
     if membership is None and not account.is_administrator:
         raise NotFound(UNKNOWN_CLASS)
-    return class_access(account, school_class, membership)
+    return build_class_access(account, school_class, membership)
 
 
-def class_access(account: Account, school_class: SchoolClass, membership: Membership | None) -> ClassAccess:
+def build_class_access(account: Account, school_class: SchoolClass, membership: Membership | None) -> ClassAccess:
     """Return an account's access from its membership, None for an administrator alone."""
-    return ClassAccess(school_class, membership, _rights(account, membership))
+    return ClassAccess(school_class, membership, _compute_rights(account, membership))
 
 
 def require_right(db: Session, account: Account, right: Right, class_id: UUID | str) -> ClassAccess:
     """Return the access to a class where it includes this right. Raises NotFound or Forbidden."""
     access = load_class_access(db, account, class_id)
     if not access.has(right):
-        raise Forbidden(_refusal(right, access.school_class))
+        raise Forbidden(_refusal_message(right, access.school_class))
     return access
 
 
@@ -90,7 +90,7 @@ def has_right(db: Session, account: Account, right: Right, class_id: UUID | str)
 def require_server_right(account: Account, right: Right) -> None:
     """Raise Forbidden without this right on the server."""
     if right not in server_rights(account):
-        raise Forbidden(_refusal(right))
+        raise Forbidden(_refusal_message(right))
 
 
 def server_rights(account: Account) -> frozenset[Right]:
@@ -105,18 +105,18 @@ def may_read_work(db: Session, account: Account | None, author: UUID, exercise: 
         return False
     if account.id == author or account.is_administrator:
         return True
-    return repository.may_read_work(db, account.id, author, module_of(exercise), sent_at)
+    return repository.may_read_work(db, account.id, author, module_of_exercise(exercise), sent_at)
 
 
 def find_member_for_reader(db: Session, account: Account, author: UUID, exercise: str) -> Member | None:
     """Return the author as a member of a class through which the account may read their work, or None."""
     reader = None if account.is_administrator else account.id
-    return repository.find_member_for_reader(db, reader, author, module_of(exercise))
+    return repository.find_member_for_reader(db, reader, author, module_of_exercise(exercise))
 
 
-def has_readers(db: Session, author: UUID, module: str) -> bool:
+def has_staff_readers(db: Session, author: UUID, module: str) -> bool:
     """Whether any staff read what this account submits now to the exercises of a module."""
-    return repository.has_readers(db, author, module)
+    return repository.has_staff_readers(db, author, module)
 
 
 def teaches_clause(account_id: UUID, module: str) -> ColumnElement[bool]:
@@ -129,20 +129,20 @@ def is_student(db: Session, account: Account | None, module: str) -> bool:
     return account is not None and repository.is_student(db, account.id, module)
 
 
-def classes_to_open(db: Session, account: Account | None, exercise: str) -> Sequence[SchoolClass]:
+def load_classes_to_open_solution_to(db: Session, account: Account | None, exercise: str) -> Sequence[SchoolClass]:
     """Return the classes to which an account may open the solution of an exercise."""
     if account is None:
         return []
     if account.is_administrator:
-        return repository.load_classes_of_module(db, module_of(exercise))
-    return repository.load_classes_of_teacher(db, account.id, module_of(exercise))
+        return repository.load_classes_of_module(db, module_of_exercise(exercise))
+    return repository.load_classes_of_teacher(db, account.id, module_of_exercise(exercise))
 
 
-def module_of(exercise: str) -> str:
+def module_of_exercise(exercise: str) -> str:
     return exercise.partition("/")[0]
 
 
-def _rights(account: Account, membership: Membership | None) -> frozenset[Right]:
+def _compute_rights(account: Account, membership: Membership | None) -> frozenset[Right]:
     if account.is_administrator:
         own_rights = _member_rights(membership) & MEMBER_ONLY_RIGHTS if membership is not None else frozenset()
         return (frozenset(ROLES_BY_RIGHT) - MEMBER_ONLY_RIGHTS) | own_rights
@@ -156,7 +156,7 @@ def _member_rights(membership: Membership) -> frozenset[Right]:
     return frozenset(right for right, seats in ROLES_BY_RIGHT.items() if membership.role in seats)
 
 
-def _refusal(right: Right, school_class: SchoolClass | None = None) -> str:
+def _refusal_message(right: Right, school_class: SchoolClass | None = None) -> str:
     sentence = MISSING.format(right=right.value)
     if school_class is None:
         return sentence + ONLY[right]

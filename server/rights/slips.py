@@ -9,7 +9,7 @@ from server.rights import service as rights
 from server.rights.models import Right
 
 
-def is_link_in_force(db: Session, link: PasswordLink) -> bool:
+def is_password_link_in_force(db: Session, link: PasswordLink) -> bool:
     """Whether the maker of a slip could make it now: they may still hand out passwords in its class, which is open, and
     its account is still there as a student, and teaches or assists nowhere. A link of an administrator has no class."""
     if link.class_id is None:

@@ -236,7 +236,7 @@ class Submissions:
         """Return what a submission of `size` bytes takes: of its account and, unless in a class, of its address."""
         kib, bucket = VERDICT_KIB + -(-size // 1024), self._settings.storage_bucket
         draws = [
-            limits.TokenDraw(limits.submission_key(account.id), self._settings.submission_bucket, TOO_FAST),
+            limits.TokenDraw(limits.submission_bucket_key(account.id), self._settings.submission_bucket, TOO_FAST),
             limits.TokenDraw(f"storage:{account.id}", bucket, STORAGE_USED["account"], kib),
         ]
         if stranger_address is not None:

@@ -13,7 +13,7 @@ from server.board.catalogue import find_misconception
 from server.course import Course, Module
 from server.course.retrievals import draw_question
 from server.hunts.protocol import AnswerComparison
-from server.warmup.needs import SubjectNeed
+from server.warmup.needs import SubjectReviewNeed
 from server.warmup.schemas import WarmUpOption, WarmUpQuestion
 from server.web.views import exercise_href
 
@@ -22,7 +22,9 @@ MAX_OPTIONS = 4
 ASKED = "Que doit renvoyer `{call}` ?"
 
 
-def comparison_question(course: Course, need: SubjectNeed, comparison: AnswerComparison, seed: int) -> WarmUpQuestion:
+def build_comparison_question(
+    course: Course, need: SubjectReviewNeed, comparison: AnswerComparison, seed: int
+) -> WarmUpQuestion:
     """Ask for the right answer to a call, the options in the order of a seed."""
     exercise = course.exercises[comparison.hunt.exercise]
     options = [WarmUpOption("", comparison.right)]
@@ -30,15 +32,15 @@ def comparison_question(course: Course, need: SubjectNeed, comparison: AnswerCom
         known = find_misconception(course, exercise.id, wrong.misconception)
         why = known.diagnosis.explanation.split("\n\n")[0]
         options.append(WarmUpOption("", wrong.words, known.diagnosis.title, why))
-    shuffled, right = _shuffle(options, seed)
+    shuffled, right = _shuffle_and_letter_options(options, seed)
     return WarmUpQuestion(
         subject=need.subject, exercise=exercise.id, misconception=comparison.hunt.misconception,
         title=exercise.title, href=exercise_href(exercise), text=ASKED.format(call=comparison.call),
-        options=shuffled, right=right, needed=need.students,
+        options=shuffled, right=right, needed=need.students_to_review,
     )  # fmt: skip
 
 
-def retrieval_question(module: Module, name: str, need: SubjectNeed, seed: int) -> WarmUpQuestion | None:
+def build_retrieval_question(module: Module, name: str, need: SubjectReviewNeed, seed: int) -> WarmUpQuestion | None:
     """Ask a question of a lesson as a choice: numbers that known mistakes lead to are options. None where two options
     read alike."""
     drawn = replace(draw_question(module, name, seed), is_choice=True)
@@ -49,21 +51,21 @@ def retrieval_question(module: Module, name: str, need: SubjectNeed, seed: int) 
     options = [WarmUpOption("", text, why=why) for text, why in zip(words, whys, strict=False)]
     page, _, question = name.partition("/")
     lesson = next((lesson for lesson in module.lessons if lesson.slug == page), None)
-    shuffled, right = _shuffle(options, seed)
+    shuffled, right = _shuffle_and_letter_options(options, seed)
     return WarmUpQuestion(
         subject=need.subject, exercise=f"{module.slug}/{page}", misconception=question,
         title=lesson.title if lesson is not None else module.title,
         href=f"/{module.slug}/lire/{page}#redire-{question}", text=drawn.text,
-        options=shuffled, right=right, needed=need.students, why=drawn.why,
+        options=shuffled, right=right, needed=need.students_to_review, why=drawn.why,
     )  # fmt: skip
 
 
-def seed_of_day(class_id: str, day: str, subject: str) -> int:
+def daily_subject_seed(class_id: str, day: str, subject: str) -> int:
     """Return the seed of a class, a day and a subject."""
     return seed_of("warm-up", class_id, day, subject)
 
 
-def _shuffle(options: Sequence[WarmUpOption], seed: int) -> tuple[tuple[WarmUpOption, ...], str]:
+def _shuffle_and_letter_options(options: Sequence[WarmUpOption], seed: int) -> tuple[tuple[WarmUpOption, ...], str]:
     """Return options with letters, in the order of a seed, and the letter of the first."""
     order = [int(place) for place in np.random.default_rng(seed).permutation(len(options))]
     shuffled = tuple(replace(options[place], id=LETTERS[rank]) for rank, place in enumerate(order))

@@ -14,7 +14,7 @@ from server.recall.service import RecallCandidate
 
 
 @dataclass(frozen=True)
-class StudentMemory:
+class StudentRecallHistory:
     """What one student confused: the reviews of each subject, the misconceptions met, and the subjects in which one
     is not mended yet."""
 
@@ -24,17 +24,19 @@ class StudentMemory:
 
 
 @dataclass(frozen=True)
-class SubjectNeed:
-    """A subject that `students` of a class are to see again, of `met` who confused it; the misconceptions of it that
+class SubjectReviewNeed:
+    """A subject that `students_to_review` of a class are to see again, of `students_confused`; the misconceptions that
     they met, the most common first."""
 
     subject: str
-    students: int
-    met: int
+    students_to_review: int
+    students_confused: int
     candidates: tuple[RecallCandidate, ...]
 
 
-def rank_needs(memories: Mapping[UUID, StudentMemory], now: datetime) -> Sequence[SubjectNeed]:
+def rank_subjects_to_review(
+    memories: Mapping[UUID, StudentRecallHistory], now: datetime
+) -> Sequence[SubjectReviewNeed]:
     """Return the subjects that some are to see again, those of most students first.
 
     A student is to see a subject again when it is due, or while their mistake is not mended. Subjects that fewer than
@@ -49,14 +51,14 @@ def rank_needs(memories: Mapping[UUID, StudentMemory], now: datetime) -> Sequenc
             to_see[subject] += subject in memory.unmended or schedule(memory.reviews[subject], now).due_at <= now
             candidates[subject].update(dict.fromkeys(memory.confused.get(subject, ()), 1))
     needs = [
-        SubjectNeed(subject, to_see[subject], count, _by_number(candidates[subject]))
+        SubjectReviewNeed(subject, to_see[subject], count, _most_common_first(candidates[subject]))
         for subject, count in met.items()
         if to_see[subject] and count >= FEWEST_TO_PROJECT
     ]
-    return sorted(needs, key=lambda need: (-need.students, -need.met, need.subject))
+    return sorted(needs, key=lambda need: (-need.students_to_review, -need.students_confused, need.subject))
 
 
-def _by_number(counts: Counter[RecallCandidate]) -> tuple[RecallCandidate, ...]:
+def _most_common_first(counts: Counter[RecallCandidate]) -> tuple[RecallCandidate, ...]:
     return tuple(
         sorted(counts, key=lambda candidate: (-counts[candidate], candidate.exercise, candidate.misconception))
     )

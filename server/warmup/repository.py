@@ -19,7 +19,7 @@ def find_warm_up(db: Session, class_id: UUID, day: date) -> WarmUp | None:
     return db.execute(query).scalar_one_or_none()
 
 
-def add_if_absent(db: Session, class_id: UUID, day: date, questions: Sequence[dict[str, Any]]) -> None:
+def add_warm_up_if_absent(db: Session, class_id: UUID, day: date, questions: Sequence[dict[str, Any]]) -> None:
     """Store the questions of a day, unless there are some already: of two requests at once, the first one's stay."""
     statement = upsert_statement(db, WarmUp).values(class_id=class_id, day=day, questions=list(questions))
     db.execute(statement.on_conflict_do_nothing())

@@ -56,12 +56,12 @@ class OptionCount:
 
 
 @dataclass(frozen=True)
-class CountedQuestion:
+class QuestionWithCounts:
     """A question with the answers of a class."""
 
     question: WarmUpQuestion
     counts: Sequence[OptionCount]
 
     @property
-    def answered(self) -> int:
+    def answer_count(self) -> int:
         return sum(count.students for count in self.counts)

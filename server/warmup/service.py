@@ -21,7 +21,7 @@ from server.classes.service import require_not_archived
 from server.course import Course, Exercise
 from server.database import Database, utc_now
 from server.gradebook.mistakes import PastMistake, past_mistakes
-from server.hunts.service import HuntService, hunts_of_misconceptions, may_have_hunts
+from server.hunts.service import HuntService, hunt_names_of_misconceptions, may_have_hunts
 from server.identity.models import Account
 from server.lesson.service import load_projection_rules
 from server.polls import repository as polls
@@ -33,10 +33,10 @@ from server.recall.subjects import subject_of
 from server.rights import service as rights
 from server.rights.models import Right
 from server.warmup import repository
-from server.warmup.making import comparison_question, retrieval_question, seed_of_day
+from server.warmup.making import build_comparison_question, build_retrieval_question, daily_subject_seed
 from server.warmup.models import WarmUp
-from server.warmup.needs import StudentMemory, SubjectNeed, rank_needs
-from server.warmup.schemas import CountedQuestion, OptionCount, WarmUpQuestion
+from server.warmup.needs import StudentRecallHistory, SubjectReviewNeed, rank_subjects_to_review
+from server.warmup.schemas import OptionCount, QuestionWithCounts, WarmUpQuestion
 
 MayAsk = Callable[[Exercise], bool]
 QUESTIONS = 3
@@ -59,76 +59,86 @@ class WarmUpService:
     database: Database
     hunts: HuntService
 
-    async def prepare(self, account: Account, class_id: str, address: str) -> None:
+    async def prepare_today(self, account: Account, class_id: str, address: str) -> None:
         """Store the questions of today, unless there are some. Raises NotFound, Forbidden, Conflict or what
         `HuntService` raises."""
         day = retrievals.today()
-        planned = await run_in_threadpool(self._plan, account, class_id, day)
+        planned = await run_in_threadpool(self._load_needs_unless_prepared, account, class_id, day)
         if planned is None:
             return
         identity, needs = planned
         questions: list[WarmUpQuestion] = []
         for need in needs[:MAX_TRIED]:
             if len(questions) < QUESTIONS:
-                question = await self._make(
-                    account, need, seed_of_day(str(identity), day.isoformat(), need.subject), address
+                question = await self._make_question(
+                    account, need, daily_subject_seed(str(identity), day.isoformat(), need.subject), address
                 )
                 questions += [] if question is None else [question]
         if not questions:
             raise Conflict(NOTHING)
-        await run_in_threadpool(self._store, identity, day, questions)
+        await run_in_threadpool(self._store_questions, identity, day, questions)
 
-    def _plan(self, account: Account, class_id: str, day: date) -> tuple[UUID, Sequence[SubjectNeed]] | None:
+    def _load_needs_unless_prepared(
+        self, account: Account, class_id: str, day: date
+    ) -> tuple[UUID, Sequence[SubjectReviewNeed]] | None:
         """Return what the class is to see again; None where today's questions stand already."""
         with self.database.read() as db:
             access = rights.require_right(db, account, Right.run_lessons, class_id)
             require_not_archived(access.school_class)
             if repository.find_warm_up(db, access.school_class.id, day) is not None:
                 return None
-            return access.school_class.id, load_needs(db, self.course, access.school_class, utc_now())
+            return access.school_class.id, load_subjects_to_review(db, self.course, access.school_class, utc_now())
 
-    async def _make(self, account: Account, need: SubjectNeed, seed: int, address: str) -> WarmUpQuestion | None:
+    async def _make_question(
+        self, account: Account, need: SubjectReviewNeed, seed: int, address: str
+    ) -> WarmUpQuestion | None:
         found = retrievals.find_question(self.course, need.subject)
         if found is not None:
-            return await run_in_threadpool(retrieval_question, *found, need, seed)
-        comparison = await self.hunts.compare(account, hunts_of_misconceptions(need.candidates), address)
-        return None if comparison is None else comparison_question(self.course, need, comparison, seed)
+            return await run_in_threadpool(build_retrieval_question, *found, need, seed)
+        comparison = await self.hunts.find_distinguishing_call(
+            account, hunt_names_of_misconceptions(need.candidates), address
+        )
+        return None if comparison is None else build_comparison_question(self.course, need, comparison, seed)
 
-    def _store(self, class_id: UUID, day: date, questions: Sequence[WarmUpQuestion]) -> None:
+    def _store_questions(self, class_id: UUID, day: date, questions: Sequence[WarmUpQuestion]) -> None:
         with self.database.write() as db:
-            repository.add_if_absent(db, class_id, day, [question.to_data() for question in questions])
+            repository.add_warm_up_if_absent(db, class_id, day, [question.to_data() for question in questions])
 
 
-def load_needs(db: Session, course: Course, school_class: SchoolClass, now: datetime) -> Sequence[SubjectNeed]:
+def load_subjects_to_review(
+    db: Session, course: Course, school_class: SchoolClass, now: datetime
+) -> Sequence[SubjectReviewNeed]:
     """Load what a class is to see again, those of most students first. Raises Conflict for too few students."""
     progress = load_progress(db, course, school_class, now)
     if len(progress.students) < FEWEST_TO_PROJECT:
         raise Conflict(TOO_FEW)
-    may_ask = partial(_may_ask, course, _refused_exercises(db, progress))
-    needs = rank_needs(_load_memories(db, progress, may_ask), now)
+    may_ask = partial(_may_ask_about_exercise, course, _exercises_with_held_back_feedback(db, progress))
+    needs = rank_subjects_to_review(_load_recall_histories(db, progress, may_ask), now)
     module = course.modules.get(school_class.module)
     exercises = [] if module is None else list(module.exercises)
     return [
-        SubjectNeed(
-            need.subject, need.students, need.met,
+        SubjectReviewNeed(
+            need.subject, need.students_to_review, need.students_confused,
             tuple(dict.fromkeys([*need.candidates, *list_relatives(course, exercises, need.subject, may_ask)])),
         )
         for need in needs
     ]  # fmt: skip
 
 
-def _refused_exercises(db: Session, progress: ClassProgress) -> frozenset[str]:
+def _exercises_with_held_back_feedback(db: Session, progress: ClassProgress) -> frozenset[str]:
     """Return the exercises of which something is held back from a student."""
     students = [student.id for student in progress.students]
     names = {exercise for _, exercise in progress.attempts}
     return frozenset(name for name in names if load_projection_rules(db, students, name).refusal)
 
 
-def _may_ask(course: Course, refused: frozenset[str], exercise: Exercise) -> bool:
-    return exercise.id not in refused and may_have_hunts(course, exercise)
+def _may_ask_about_exercise(course: Course, held_back: frozenset[str], exercise: Exercise) -> bool:
+    return exercise.id not in held_back and may_have_hunts(course, exercise)
 
 
-def _load_memories(db: Session, progress: ClassProgress, may_ask: MayAsk) -> Mapping[UUID, StudentMemory]:
+def _load_recall_histories(
+    db: Session, progress: ClassProgress, may_ask: MayAsk
+) -> Mapping[UUID, StudentRecallHistory]:
     """Return what each student confused, with one query for the answers of all."""
     course = progress.course
     answers: dict[UUID, list[RecallAnswer]] = {student.id: [] for student in progress.students}
@@ -138,12 +148,12 @@ def _load_memories(db: Session, progress: ClassProgress, may_ask: MayAsk) -> Map
     for (account, exercise), attempts in progress.attempts.items():
         if account in past and exercise in course.exercises and may_ask(course.exercises[exercise]):
             past[account] += past_mistakes(attempts)
-    return {student: _memory(course, past[student], own, may_ask) for student, own in answers.items()}
+    return {student: _build_recall_history(course, past[student], own, may_ask) for student, own in answers.items()}
 
 
-def _memory(
+def _build_recall_history(
     course: Course, past: Sequence[PastMistake], answers: Sequence[RecallAnswer], may_ask: MayAsk
-) -> StudentMemory:
+) -> StudentRecallHistory:
     reviews, confused = gather_reviews(course, past, answers, may_ask)
     met: dict[str, list[RecallCandidate]] = {subject: list(own) for subject, own in confused.items()}
     unmended = set()
@@ -152,44 +162,46 @@ def _memory(
             subject = subject_of(course, course.exercises[mistake.exercise], mistake.misconception)
             unmended.add(subject)
             met.setdefault(subject, []).append(RecallCandidate(mistake.exercise, mistake.misconception))
-    return StudentMemory(reviews, met, unmended)
+    return StudentRecallHistory(reviews, met, unmended)
 
 
-def load_relapses(db: Session, course: Course, school_class: SchoolClass) -> RelapseStats:
+def load_relapse_stats(db: Session, course: Course, school_class: SchoolClass) -> RelapseStats:
     """Load whether what was asked again is rarer later, with one query beside those of the class's progress."""
     progress = load_progress(db, course, school_class, utc_now())
     answers = recall.load_answers_of(db, [student.id for student in progress.students])
     return count_relapses(course, progress.attempts, answers)
 
 
-def find_today(db: Session, class_id: UUID) -> WarmUp | None:
+def find_todays_warm_up(db: Session, class_id: UUID) -> WarmUp | None:
     """Return the questions of today."""
     return repository.find_warm_up(db, class_id, retrievals.today())
 
 
-def questions_of(warm_up: WarmUp) -> Sequence[WarmUpQuestion]:
+def parse_stored_questions(warm_up: WarmUp) -> Sequence[WarmUpQuestion]:
     return [WarmUpQuestion.from_data(data) for data in warm_up.questions]
 
 
-def poll_name(school_class: SchoolClass, warm_up: WarmUp, number: int) -> str:
+def question_poll_name(school_class: SchoolClass, warm_up: WarmUp, question_index: int) -> str:
     """Return the name under which answers to a question are stored among those to polls."""
-    return f"{school_class.module}/pour-commencer/{warm_up.id}/{number}"
+    return f"{school_class.module}/pour-commencer/{warm_up.id}/{question_index}"
 
 
-def poll_names(school_class: SchoolClass, warm_up: WarmUp) -> Sequence[str]:
-    return [poll_name(school_class, warm_up, number) for number in range(len(warm_up.questions))]
+def question_poll_names(school_class: SchoolClass, warm_up: WarmUp) -> Sequence[str]:
+    return [question_poll_name(school_class, warm_up, number) for number in range(len(warm_up.questions))]
 
 
-def answer(db: Session, account: Account, school_class: SchoolClass, number: int, option_id: str) -> None:
+def store_student_answer(
+    db: Session, account: Account, school_class: SchoolClass, question_index: int, option_id: str
+) -> None:
     """Store a student's first answer to a question of today. Raises NotFound or Invalid."""
-    warm_up = find_today(db, school_class.id)
-    questions = [] if warm_up is None else questions_of(warm_up)
-    if warm_up is None or not 0 <= number < len(questions):
+    warm_up = find_todays_warm_up(db, school_class.id)
+    questions = [] if warm_up is None else parse_stored_questions(warm_up)
+    if warm_up is None or not 0 <= question_index < len(questions):
         raise NotFound(NO_QUESTION)
-    question = questions[number]
+    question = questions[question_index]
     if question.find_option(option_id) is None:
         raise Invalid(NO_OPTION)
-    name = poll_name(school_class, warm_up, number)
+    name = question_poll_name(school_class, warm_up, question_index)
     if polls.load_first_answers(db, account.id, [name]):
         return
     polls.save_first_answer(db, account.id, name, option_id)
@@ -201,21 +213,21 @@ def answer(db: Session, account: Account, school_class: SchoolClass, number: int
 
 def load_own_answers(db: Session, account_id: UUID, school_class: SchoolClass, warm_up: WarmUp) -> Mapping[int, str]:
     """Return what a student answered to each question, by its number."""
-    names = {poll_name(school_class, warm_up, number): number for number in range(len(warm_up.questions))}
+    names = {question_poll_name(school_class, warm_up, number): number for number in range(len(warm_up.questions))}
     return {names[name]: said for name, said in polls.load_first_answers(db, account_id, list(names)).items()}
 
 
-def count_answers(db: Session, school_class: SchoolClass, warm_up: WarmUp) -> Sequence[CountedQuestion]:
+def count_answers(db: Session, school_class: SchoolClass, warm_up: WarmUp) -> Sequence[QuestionWithCounts]:
     """Count the answers of the present students of the class to each question, in one query."""
-    names = poll_names(school_class, warm_up)
+    names = question_poll_names(school_class, warm_up)
     said = polls.load_answer_counts(db, school_class.id, names)
     counted = []
-    for name, question in zip(names, questions_of(warm_up), strict=True):
+    for name, question in zip(names, parse_stored_questions(warm_up), strict=True):
         chosen = {
             option.id: sum(row.students for row in said if row.poll == name and row.first == option.id)
             for option in question.options
         }
         counted.append(
-            CountedQuestion(question, [OptionCount(option, chosen[option.id]) for option in question.options])
+            QuestionWithCounts(question, [OptionCount(option, chosen[option.id]) for option in question.options])
         )
     return counted

@@ -25,7 +25,7 @@ from server.base.app_services import get_service
 from server.base.helpers import HelperError
 from server.base.settings import Settings
 from server.course import Course
-from server.figures.service import Figures
+from server.figures.service import FigureService
 from server.grading.grading_task import GradingInput
 from server.identity.models import Role
 from server.queue.interfaces import WorkerCapabilities
@@ -61,7 +61,7 @@ class Drawer:
 
 def draws(app: FastAPI, drawer: Drawer) -> None:
     """The application has its figures drawn by this one."""
-    get_service(app, Figures).pictures._drawer = drawer
+    get_service(app, FigureService).pictures._drawer = drawer
 
 
 def test_exercises_are_listed_and_described(site: Site) -> None:

@@ -7,7 +7,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from unittest.mock import patch
 
-from server.app import Services, create_app
+from server.app import ApplicationServices, create_app
 from server.base.app_services import add_services, app_service, get_service
 from server.base.settings import Settings
 from server.cells.supervisor import CellRunner
@@ -50,7 +50,7 @@ def test_nothing_is_left_of_the_test_before(tmp_path: Path, course: Course) -> N
 def test_the_application_of_tests_alone_starts_without_a_look_at_what_was_left(tmp_path: Path, course: Course) -> None:
     settings = Settings(data_dir=tmp_path, workers=0)
     migrated(settings).close()
-    with patch.object(Services, "recover_and_tidy_at_start", autospec=True) as looks:
+    with patch.object(ApplicationServices, "recover_and_clean_at_start", autospec=True) as looks:
         for made, looked in ((standing_app(settings, course), 0), (create_app(settings, course=course), 1)):
             with TestClient(made):
                 assert looks.call_count == looked

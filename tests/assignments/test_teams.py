@@ -30,7 +30,7 @@ from server.marks.loading import load_gradebook
 from server.marks.rubric_items import CopyMarks, RubricInput, RubricItem
 from server.marks.service import load_own_marks
 from server.personal.team_copies import hand_over_team_attempts
-from server.rights.service import ClassAccess, class_access
+from server.rights.service import ClassAccess, build_class_access
 from tests.support.marks import AFTER, CLOSES, DAY, DUE, ODOMETRY, OPENS, POSES, Term
 
 HOUR = timedelta(hours=1)
@@ -230,7 +230,7 @@ def test_a_pair_is_one_copy_marked_by_hand(term: Term) -> None:
 
 def _access(term: Term) -> ClassAccess:
     seat = Membership(class_id=term.made.id, account_id=term.teacher.id, role=ClassRole.teacher, status="active")
-    return class_access(term.teacher, term.made, seat)
+    return build_class_access(term.teacher, term.made, seat)
 
 
 def test_what_an_erased_student_sent_for_both_stays_with_the_other(term: Term, course: Course) -> None:

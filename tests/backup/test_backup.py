@@ -22,8 +22,8 @@ from sqlalchemy import select, text, update
 
 from server.backup import service
 from server.backup.archive import MANIFEST, BackupError
-from server.backup.foreign import read_text_field
-from server.backup.move import table_digest
+from server.backup.foreign import unescape_copy_field
+from server.backup.move import compute_table_digest
 from server.base.settings import Settings
 from server.cli import main
 from server.cli.data_lock import exclusive_data_folder
@@ -94,7 +94,7 @@ def test_what_was_acknowledged_before_a_backup_under_load_is_restored(
         while len(acknowledged) < len(before) + 5:
             threading.Event().wait(0.01)
     database.close()
-    restored, kept = service.restore(both, file, TABLES, replace=True, now=utc_now())
+    restored, kept = service.restore_backup(both, file, TABLES, replace=True, now=utc_now())
     assert restored == manifest
     again = Database(both.url)
     with again.read() as db:
@@ -128,7 +128,7 @@ def test_revisions_are_what_they_were_and_are_drawn_anew_again(
         db.execute(update(Grading).where(Grading.submission_id == graded).values(score=1.0))
     assert told(database) != before
     database.close()
-    service.restore(both, file, TABLES, replace=True, now=utc_now())
+    service.restore_backup(both, file, TABLES, replace=True, now=utc_now())
     again = Database(both.url)
     assert told(again) == before
     with again.write() as db:
@@ -151,11 +151,11 @@ def test_a_backup_says_how_many_rows_there_are_of_what(database: Database, both:
     assert {name for name, saved in first.tables.items() if saved.rows} == {"account", "alembic_version"}
     assert first.tables.keys() == TABLE_NAMES | {"alembic_version"}
     if both.url.startswith("sqlite"):
-        assert service.verify(both, tmp_path / "1.zip") == first
+        assert service.verify_backup(both, tmp_path / "1.zip") == first
     with database.write() as db:
         db.execute(text("UPDATE account SET name = 'Eve'"))
     changed = service.back_up(both, tmp_path / "2.zip", TABLE_NAMES)
-    assert changed.differences(first.tables) == ["account"], "and all else is what it was"
+    assert changed.find_differing_tables(first.tables) == ["account"], "and all else is what it was"
     assert stat.S_IMODE((tmp_path / "2.zip").stat().st_mode) == 0o600
     assert sorted(path.name for path in tmp_path.glob("*.zip*")) == ["1.zip", "2.zip"], "nothing half written"
 
@@ -194,12 +194,12 @@ def test_a_damaged_backup_changes_nothing(database: Database, both: Settings, tm
     ]
     for path in damaged:
         with pytest.raises(BackupError):
-            service.restore(both, path, TABLES, replace=True, now=utc_now())
+            service.restore_backup(both, path, TABLES, replace=True, now=utc_now())
     newer = altered(file, tmp_path / "newer.zip", MANIFEST, _from_the_future)
     with pytest.raises(BackupError, match="plus récente"):
-        service.verify(both, newer)
+        service.verify_backup(both, newer)
     with pytest.raises(BackupError, match="--replace"):
-        service.restore(both, file, TABLES, replace=False, now=utc_now())
+        service.restore_backup(both, file, TABLES, replace=False, now=utc_now())
     with database.read() as db:
         assert db.execute(select(Account.id)).scalars().all() == [ada.id]
 
@@ -210,7 +210,7 @@ def _from_the_future(manifest: bytes) -> bytes:
 
 def rows_as_stored(database: Database) -> dict[str, Any]:
     with database.engine.connect() as connection:
-        return {table.name: table_digest(connection, table) for table in TABLES}
+        return {table.name: compute_table_digest(connection, table) for table in TABLES}
 
 
 @pytest.mark.parametrize("database_url", ["sqlite", "postgresql"], indirect=True)
@@ -229,8 +229,8 @@ def test_a_backup_is_restored_into_the_other_engine(
     is_local = database.is_local_file
     url = postgres_url if is_local else f"sqlite:///{tmp_path}/other.sqlite3"
     other = both.model_copy(update={"database_url": url})
-    assert service.verify(other, file).rows
-    service.restore(other, file, TABLES, replace=is_local, now=utc_now())
+    assert service.verify_backup(other, file).row_count
+    service.restore_backup(other, file, TABLES, replace=is_local, now=utc_now())
     with closing(Database(other.url)) as restored:
         assert rows_as_stored(restored) == before
         require_current(restored.engine)
@@ -239,7 +239,7 @@ def test_a_backup_is_restored_into_the_other_engine(
     member = "balise.sqlite3" if is_local else "tables/account.copy"
     damaged = altered(file, tmp_path / "damaged.zip", member, lambda content: content.replace(b" 1", b" 7"))
     with pytest.raises(BackupError, match="abîmée"):
-        service.restore(other, damaged, TABLES, replace=True, now=utc_now())
+        service.restore_backup(other, damaged, TABLES, replace=True, now=utc_now())
 
 
 @given(st.text(st.characters(exclude_categories=["Cs"], exclude_characters="\0")))
@@ -247,7 +247,7 @@ def test_a_field_of_copy_is_read_as_it_was_written(value: str) -> None:
     written = value.replace("\\", "\\\\")
     for character, letter in (("\b", "b"), ("\f", "f"), ("\n", "n"), ("\r", "r"), ("\t", "t"), ("\v", "v")):
         written = written.replace(character, f"\\{letter}")
-    assert read_text_field(written) == value
+    assert unescape_copy_field(written) == value
 
 
 def test_the_commands_save_and_restore_beside_what_was_there(
@@ -303,7 +303,7 @@ def test_an_older_backup_comes_to_the_current_schema(settings: Settings, tmp_pat
     upgrade(old.engine, "0016")
     old.close()
     assert service.back_up(settings, tmp_path / "old.zip", TABLE_NAMES).revision == "0016"
-    service.restore(settings, tmp_path / "old.zip", TABLES, replace=True, now=utc_now())
+    service.restore_backup(settings, tmp_path / "old.zip", TABLES, replace=True, now=utc_now())
     now = Database(settings.url)
     require_current(now.engine)
     now.close()
@@ -312,7 +312,7 @@ def test_an_older_backup_comes_to_the_current_schema(settings: Settings, tmp_pat
 def test_a_database_is_saved_before_its_schema_changes(
     database: Database, both: Settings, tmp_path: Path, caplog: pytest.LogCaptureFixture
 ) -> None:
-    assert service.save_before_upgrade(both, database, TABLE_NAMES, utc_now()) is None, "nothing is missing"
+    assert service.back_up_before_upgrade(both, database, TABLE_NAMES, utc_now()) is None, "nothing is missing"
     old = both.model_copy(update={"data_dir": tmp_path / "old", "upgrade_backup_dir": tmp_path})
     with closing(Database(old.url)) as older:
         if older.is_local_file:
@@ -322,7 +322,7 @@ def test_a_database_is_saved_before_its_schema_changes(
 
             with older.engine.begin() as connection:
                 command.downgrade(alembic_config(connection), "0029")
-        copy = service.save_before_upgrade(old, older, TABLE_NAMES, utc_now())
+        copy = service.back_up_before_upgrade(old, older, TABLE_NAMES, utc_now())
         assert copy is not None
         assert str(copy) in caplog.text, "the administrator reads where"
         assert stat.S_IMODE(copy.stat().st_mode) == 0o600
@@ -330,12 +330,12 @@ def test_a_database_is_saved_before_its_schema_changes(
             with closing(Database(f"sqlite:///{copy}")) as saved, pytest.raises(WrongSchema, match="0016"):
                 require_current(saved.engine)
         else:
-            assert service.verify(old, copy).revision == "0029"
+            assert service.verify_backup(old, copy).revision == "0029"
             unset = old.model_copy(update={"upgrade_backup_dir": None})
-            assert service.save_before_upgrade(unset, older, TABLE_NAMES, utc_now()) is None
+            assert service.back_up_before_upgrade(unset, older, TABLE_NAMES, utc_now()) is None
             assert "without a safety copy" in caplog.text
         upgrade(older.engine)
-        assert service.save_before_upgrade(old, older, TABLE_NAMES, utc_now()) is None
+        assert service.back_up_before_upgrade(old, older, TABLE_NAMES, utc_now()) is None
 
 
 def test_a_copy_that_does_not_fit_changes_nothing(settings: Settings, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -343,7 +343,7 @@ def test_a_copy_that_does_not_fit_changes_nothing(settings: Settings, monkeypatc
         upgrade(older.engine, "0016")
         monkeypatch.setattr(Path, "touch", _disk_is_full)
         with pytest.raises(BackupError, match="No space left"):
-            service.save_before_upgrade(settings, older, TABLE_NAMES, utc_now())
+            service.back_up_before_upgrade(settings, older, TABLE_NAMES, utc_now())
         assert missing_migrations(older.engine) == "0016"
     assert not list(settings.data_dir.glob("*.avant-*"))
 

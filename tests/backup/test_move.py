@@ -12,7 +12,7 @@ import pytest
 from sqlalchemy import Table, select, text, update
 
 from server.backup.archive import BackupError
-from server.backup.move import move_rows, table_digest
+from server.backup.move import compute_table_digest, copy_rows_into_empty_database
 from server.base.settings import Settings
 from server.cli import main
 from server.cli.data_lock import exclusive_data_folder
@@ -45,7 +45,7 @@ def fill(database: Database) -> None:
 
 def digests(database: Database) -> dict[str, Any]:
     with database.engine.connect() as connection:
-        return {table.name: table_digest(connection, table) for table in TABLES}
+        return {table.name: compute_table_digest(connection, table) for table in TABLES}
 
 
 def discard(_table: str, _rows: int) -> None:
@@ -55,7 +55,7 @@ def discard(_table: str, _rows: int) -> None:
 def move(source: Database, target: Database) -> None:
     """Without a connection in the pool, which would be somebody who uses the source."""
     source.engine.dispose()
-    move_rows(source, target, TABLES, discard)
+    copy_rows_into_empty_database(source, target, TABLES, discard)
 
 
 def test_rows_go_to_postgresql_and_back_as_they_were(sqlite: Database, postgres: Database, tmp_path: Path) -> None:

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from server.cells import run
-from server.cells.faults import faults
+from server.cells.faults import find_failing_cells
 from server.course import load_course
 from tests.support.quick import the_course
 
@@ -46,7 +46,7 @@ def _far_limits(monkeypatch: pytest.MonkeyPatch) -> None:
 @pytest.mark.slow
 @pytest.mark.long
 def test_every_cell_of_the_course_runs() -> None:
-    assert [str(problem) for problem in faults(the_course())] == []
+    assert [str(problem) for problem in find_failing_cells(the_course())] == []
 
 
 def test_a_cell_that_fails_is_told_with_its_place(tmp_path: Path) -> None:
@@ -60,7 +60,7 @@ def test_a_cell_that_fails_is_told_with_its_place(tmp_path: Path) -> None:
         (module / name).parent.mkdir(parents=True, exist_ok=True)
         (module / name).write_text(text, encoding="utf-8")
     course = load_course(tmp_path, render=False)
-    found = [(problem.path, problem.line, problem.message) for problem in faults(course)]
+    found = [(problem.path, problem.line, problem.message) for problem in find_failing_cells(course)]
     lines = PAGE.splitlines()
     assert [(path, line) for path, line, _ in found] == [
         (module / "seances/page.md", lines.index("1 / 0") + 1),

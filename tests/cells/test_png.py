@@ -52,7 +52,7 @@ def test_the_pixels_are_the_same_and_all_the_rest_is_ours(mode: str) -> None:
     given = io.BytesIO()
     image = Image.fromarray(values, mode)
     image.save(given, "PNG", dpi=(150, 150), optimize=True)
-    made = png.rebuild_png(given.getvalue())
+    made = png.reencode_png(given.getvalue())
     assert (pixels(made) == values).all()
     assert kinds(made) == [b"IHDR", b"IDAT", b"IEND"]
 
@@ -72,13 +72,13 @@ EXTRAS = {
 @pytest.mark.parametrize("extra", EXTRAS.values(), ids=EXTRAS.keys())
 def test_what_is_beside_the_picture_is_left_out(extra: bytes) -> None:
     for data in (SIGNATURE + header() + extra + IDAT + IEND, SIGNATURE + header() + IDAT + extra + IEND):
-        assert png.rebuild_png(data) == png.rebuild_png(GOOD)
+        assert png.reencode_png(data) == png.reencode_png(GOOD)
 
 
 def test_data_in_several_pieces_become_one() -> None:
     packed = zlib.compress(ROWS)
     pieces = b"".join(chunk(b"IDAT", packed[i : i + 3]) for i in range(0, len(packed), 3)) + chunk(b"IDAT")
-    assert png.rebuild_png(SIGNATURE + header() + pieces + IEND) == png.rebuild_png(GOOD)
+    assert png.reencode_png(SIGNATURE + header() + pieces + IEND) == png.reencode_png(GOOD)
 
 
 def data(rows: bytes) -> bytes:
@@ -129,7 +129,7 @@ HOSTILE = {
 @folded("given", HOSTILE.values(), ids=HOSTILE.keys())
 def test_anything_out_of_the_ordinary_is_refused(given: bytes) -> None:
     with pytest.raises(png.MalformedPng):
-        png.rebuild_png(given)
+        png.reencode_png(given)
 
 
 def test_a_bomb_takes_no_more_memory_than_its_header_says() -> None:
@@ -139,7 +139,7 @@ def test_a_bomb_takes_no_more_memory_than_its_header_says() -> None:
     tracemalloc.start()
     try:
         with pytest.raises(png.MalformedPng):
-            png.rebuild_png(bomb)
+            png.reencode_png(bomb)
         _, peak = tracemalloc.get_traced_memory()
     finally:
         tracemalloc.stop()
@@ -150,7 +150,7 @@ def test_a_picture_that_does_not_compress_is_refused_above_its_bound() -> None:
     noise = np.random.default_rng(0).integers(0, 256, (1000, 1801), dtype=np.uint8)
     noise[:, 0] = 0
     with pytest.raises(png.MalformedPng):
-        png.rebuild_png(SIGNATURE + header(450, 1000) + data(noise.tobytes()) + IEND)
+        png.reencode_png(SIGNATURE + header(450, 1000) + data(noise.tobytes()) + IEND)
 
 
 @settings(suppress_health_check=[HealthCheck.too_slow])
@@ -158,7 +158,7 @@ def test_a_picture_that_does_not_compress_is_refused_above_its_bound() -> None:
 def test_whatever_is_changed_it_is_refused_or_a_picture(at: int, inserted: bytes, removed: int) -> None:
     changed = GOOD[:at] + inserted + GOOD[at + removed :]
     try:
-        made = png.rebuild_png(changed)
+        made = png.reencode_png(changed)
     except png.MalformedPng:
         return
     assert pixels(made).shape == (2, 2, 4)

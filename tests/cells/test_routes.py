@@ -36,7 +36,7 @@ class Echo:
     def __init__(self, raises: Exception | None = None) -> None:
         self.raises, self.asked = raises, []
 
-    async def run(self, module: str, code: str, *, reader: str, flow: str, rank: int = 0) -> bytes:
+    async def run_cell(self, module: str, code: str, *, reader: str, flow: str, rank: int = 0) -> bytes:
         self.asked.append((module, code))
         if self.raises:
             raise self.raises
@@ -133,7 +133,7 @@ def test_a_reader_who_leaves_leaves_the_queue(site: Site, play: Callable[[Echo],
     begun, ended = asyncio.Event(), asyncio.Event()
 
     class Endless(Echo):
-        async def run(self, module: str, code: str, *, reader: str, flow: str, rank: int = 0) -> bytes:
+        async def run_cell(self, module: str, code: str, *, reader: str, flow: str, rank: int = 0) -> bytes:
             begun.set()
             try:
                 await asyncio.sleep(600)

@@ -11,12 +11,12 @@ import pytest
 from PIL import Image
 
 from server.cells import run as cells
-from server.cells.schemas import RunOut
+from server.cells.schemas import CellRunResult
 from server.sandbox import Sandbox
 
 PYPLOT = "import matplotlib.pyplot as plt\n"
 PREFIX = "data:image/png;base64,"
-Run = Callable[[str], RunOut]
+Run = Callable[[str], CellRunResult]
 
 
 #: The limits of cells, of which no limit of time is to decide.

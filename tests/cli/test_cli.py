@@ -161,12 +161,12 @@ def test_files_are_read_as_python_reads_them(tmp_path: Path, content: bytes, tex
 
 
 def test_a_program_s_output_cannot_drive_the_terminal() -> None:
-    assert report.printable("a\x1b[2Jb\u202ec\u00a0d") == "a·[2Jb·c\u00a0d"
+    assert report.replace_control_characters("a\x1b[2Jb\u202ec\u00a0d") == "a·[2Jb·c\u00a0d"
 
 
 @pytest.mark.parametrize(("value", "text"), [(17.5, "17,5"), (20.0, "20"), (0, "0"), (10 / 3, "3,33")])
 def test_numbers_are_french(value: float, text: str) -> None:
-    assert report.number(value) == text
+    assert report.format_number(value) == text
 
 
 class Shifted:

@@ -30,7 +30,7 @@ def squared(grader: SandboxGrader, number: int) -> tuple[int, int]:
         raise ValueError("un défaut de chez nous")
     if number == 98:
         os.kill(os.getpid(), signal.SIGKILL)
-    assert grader.programs  # each process has a grader
+    assert grader.program_starter  # each process has a grader
     return number * number, os.getpid()
 
 

@@ -45,11 +45,11 @@ def test_the_gate_opens_where_every_required_wall_was_tried_and_stands(
 
 
 def test_nothing_is_ready_before_the_walls_are_tried(site: Site) -> None:
-    from server.health.readiness import Readiness
+    from server.health.readiness import ReadinessChecks
 
-    readiness = get_service(site.app, Readiness)
-    assert readiness.checks()["walls"] == "ok", "of an application that was told that they stand"
-    assert replace(readiness, walls=Gate()).checks()["walls"] == "being tried"
+    readiness = get_service(site.app, ReadinessChecks)
+    assert readiness.run_checks()["walls"] == "ok", "of an application that was told that they stand"
+    assert replace(readiness, walls=Gate()).run_checks()["walls"] == "being tried"
 
 
 @pytest.mark.parametrize(

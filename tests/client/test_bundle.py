@@ -11,9 +11,9 @@ from typing import Any
 import pytest
 
 from server.base.version import VERSION
-from server.client.bundle import MAX_BYTES, build
+from server.client.bundle import MAX_BYTES, build_client_archive
 from server.client.program import commands, report
-from server.client.program.values import layout
+from server.client.program.values import format_assignment
 from tests.support.service import Site
 
 
@@ -21,7 +21,7 @@ def test_the_service_hands_out_a_client_of_its_own_version_and_address(site: Sit
     answer = site.client.get("/client/balise.pyz")
     assert answer.status_code == 200
     assert "balise.pyz" in answer.headers["Content-Disposition"]
-    assert answer.content == build("http://testserver")
+    assert answer.content == build_client_archive("http://testserver")
     assert answer.content.startswith(b"#!/usr/bin/env python3\n")
     assert len(answer.content) <= MAX_BYTES
     with zipfile.ZipFile(io.BytesIO(answer.content)) as archive:
@@ -31,7 +31,7 @@ def test_the_service_hands_out_a_client_of_its_own_version_and_address(site: Sit
 
 
 def test_it_imports_the_standard_library_alone() -> None:
-    with zipfile.ZipFile(io.BytesIO(build("http://x"))) as archive:
+    with zipfile.ZipFile(io.BytesIO(build_client_archive("http://x"))) as archive:
         trees = [ast.parse(archive.read(name)) for name in archive.namelist()]
     nodes = [node for tree in trees for node in ast.walk(tree)]
     imported = {name.name for node in nodes if isinstance(node, ast.Import) for name in node.names}
@@ -40,10 +40,10 @@ def test_it_imports_the_standard_library_alone() -> None:
 
 
 def test_two_builds_have_the_same_bytes() -> None:
-    first = build("http://a")
-    build.cache_clear()
-    assert build("http://a") == first
-    assert build("http://b") != first
+    first = build_client_archive("http://a")
+    build_client_archive.cache_clear()
+    assert build_client_archive("http://a") == first
+    assert build_client_archive("http://b") != first
 
 
 @pytest.mark.parametrize(
@@ -62,18 +62,18 @@ def test_two_builds_have_the_same_bytes() -> None:
     ],
 )
 def test_values_are_laid_out_as_they_are(value: Any, lines: list[str]) -> None:
-    assert layout(value, "x") == lines
+    assert format_assignment(value, "x") == lines
 
 
 def test_long_values_are_cut_and_say_so() -> None:
-    (line,) = layout(list(range(1000)), "x")
+    (line,) = format_assignment(list(range(1000)), "x")
     assert "1000 valeurs" in line
-    assert "988 lignes de plus" in layout([[0, 1]] * 1000, "x")[-1]
+    assert "988 lignes de plus" in format_assignment([[0, 1]] * 1000, "x")[-1]
 
 
 def test_control_characters_of_a_program_do_not_reach_the_terminal() -> None:
     verdict = {"outcome": "ok", "exercise": "a/b", "points": 20, "max_points": 20, "checks": [], "stdout": "\x1b[2Jx"}
-    assert "\x1b" not in report.render({"verdict": verdict}, "http://x")
+    assert "\x1b" not in report.render_verdict({"verdict": verdict}, "http://x")
 
 
 @pytest.mark.parametrize("arguments", [[], ["-h"], ["submit"], ["submit", "-h"], ["frobnicate"]])

@@ -11,7 +11,7 @@ from server.cli import CannotRun
 from server.cli.check import _select
 from server.course import Course
 from server.course.editions import module_number
-from server.reading.service import home_view
+from server.reading.service import build_home_view
 from tests.support.quick import the_course
 
 
@@ -33,5 +33,5 @@ def test_a_module_is_checked_whole_by_its_name() -> None:
 
 def test_neighbours_that_are_served_are_linked() -> None:
     module = replace(the_course().modules["l20"], previous="L19", next="L21")
-    around = home_view(module, {}, (), {"L19": "/l19"}).around
+    around = build_home_view(module, {}, (), {"L19": "/l19"}).around
     assert [(one.word, one.number, one.href) for one in around] == [("après", "L19", "/l19"), ("avant", "L21", "")]

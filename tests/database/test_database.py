@@ -34,7 +34,7 @@ from server.database.migrate import (
 )
 from server.gradebook.models import Grading
 from server.identity.models import Account
-from server.limits.models import Allowance
+from server.limits.models import TokenBucket
 from server.submissions.models import Submission
 from server.tables import metadata
 from tests.support.quick import migrated
@@ -86,17 +86,17 @@ def test_actions_after_commit_see_the_commit(database: Database) -> None:
 
 def test_concurrent_read_modify_write_loses_nothing(database: Database) -> None:
     with database.write() as db:
-        db.add(Allowance(key="k", tokens=0, updated_at=datetime.now(UTC)))
+        db.add(TokenBucket(key="k", tokens=0, updated_at=datetime.now(UTC)))
 
     def increment(_: int) -> None:
         with database.write() as db:
-            row = db.execute(select(Allowance).where(Allowance.key == "k").with_for_update()).scalar_one()
+            row = db.execute(select(TokenBucket).where(TokenBucket.key == "k").with_for_update()).scalar_one()
             row.tokens += 1
 
     with ThreadPoolExecutor(8) as pool:
         list(pool.map(increment, range(80)))
     with database.read() as db:
-        assert db.execute(select(Allowance.tokens)).scalar_one() == 80
+        assert db.execute(select(TokenBucket.tokens)).scalar_one() == 80
 
 
 def test_times_come_back_aware_and_equal(database: Database) -> None:

@@ -14,7 +14,7 @@ import pytest
 from sqlalchemy import func, make_url, select
 
 from graders.core.contract.verdict import Outcome
-from server.app import Services
+from server.app import ApplicationServices
 from server.base.http import SESSION_COOKIE
 from server.base.settings import Settings
 from server.course import Course
@@ -179,9 +179,9 @@ def pages_of(landed: Landed, names: tuple[str, ...]) -> Iterator[tuple[str, UUID
 def test_every_page_shows_what_was_there(upgraded: Upgraded) -> None:
     landed = upgraded.landed
     marks = {"wrong": "10", "right": "20", "late": "5", "answers": "8"}
-    services = Services(upgraded.settings, upgraded.course, ())
+    services = ApplicationServices(upgraded.settings, upgraded.course, ())
     with closing(services.database):
-        services.recover_and_tidy_at_start()
+        services.recover_and_clean_at_start()
     app = standing_app(upgraded.settings, upgraded.course)
     with TestClient(app, cookies={SESSION_COOKIE: "Ada"}) as client:
 

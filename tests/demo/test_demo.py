@@ -17,10 +17,10 @@ from server.comments import service as comments
 from server.comments.models import Note, Phrase, ThreadState
 from server.course import Course
 from server.database import Database, utc_now
-from server.demo.living import OngoingLesson
-from server.demo.loading import create_demo_class, demo_module
-from server.demo.people import FAMILY, GIVEN, draw_pupils
-from server.demo.story import LESSON_DURATION, exercises_by_lesson, lesson_starts, plan_attempts
+from server.demo.living import SimulatedLessonThread
+from server.demo.loading import choose_demo_module, create_demo_class
+from server.demo.people import FAMILY, GIVEN, draw_simulated_students
+from server.demo.story import LESSON_DURATION, divide_exercises_among_lessons, lesson_start_times, plan_attempts
 from server.gradebook import standings
 from server.marks.loading import load_gradebook
 from server.submissions.models import Submission
@@ -32,7 +32,7 @@ from tests.support.service import fake_verdict
 def test_nobody_has_the_login_of_another() -> None:
     assert len(set(GIVEN)) == len(GIVEN)
     assert len(set(FAMILY)) == len(FAMILY)
-    everyone = draw_pupils(Random(1), 800)
+    everyone = draw_simulated_students(Random(1), 800)
     assert len({one.login for one in everyone}) == 800
     assert all(one.login.replace(".", "").isalpha() and one.login.isascii() for one in everyone)
     assert Counter(one.group for one in everyone) == {"TP1": 400, "TP2": 400}
@@ -40,9 +40,9 @@ def test_nobody_has_the_login_of_another() -> None:
 
 def test_a_demonstration_is_of_the_module_with_the_most_exercises() -> None:
     course = the_course()
-    assert demo_module(course).slug == "l20"
+    assert choose_demo_module(course).slug == "l20"
     turned = {slug: course.modules[slug] for slug in reversed(list(course.modules))}
-    assert demo_module(replace(course, modules=turned)).slug == "l20"
+    assert choose_demo_module(replace(course, modules=turned)).slug == "l20"
 
 
 def test_the_same_seed_tells_the_same_story(course: Course) -> None:
@@ -50,13 +50,13 @@ def test_the_same_seed_tells_the_same_story(course: Course) -> None:
 
     def told(seed: int) -> list[tuple[int, str, str, object, int]]:
         random = Random(seed)
-        steps = plan_attempts(module, draw_pupils(random, 35), random, now)
+        steps = plan_attempts(module, draw_simulated_students(random, 35), random, now)
         return [(step.pupil, step.exercise, step.submission.subject, step.sent_at, step.repeats) for step in steps]
 
     first = told(20)
     assert first == told(20)
     assert first != told(21)
-    starts = lesson_starts(now)
+    starts = lesson_start_times(now)
     at_home = [step for step in first if not any(start <= step[3] <= start + LESSON_DURATION for start in starts)]
     assert 0 < len(at_home) < len(first) / 10, "few go on between two lessons"
     assert all(starts[0] < step[3] < starts[-1] for step in at_home)
@@ -69,7 +69,7 @@ def test_the_same_seed_tells_the_same_story(course: Course) -> None:
 
 def test_each_exercise_is_in_one_lesson(course: Course) -> None:
     module = course.modules["l20"]
-    given = [one for lesson in exercises_by_lesson(module) for one in lesson]
+    given = [one for lesson in divide_exercises_among_lessons(module) for one in lesson]
     assert len(given) == len(module.exercises)
     assert set(given) == set(module.exercises)
 
@@ -85,7 +85,7 @@ def test_what_is_written_is_a_class_whose_standings_are_right(
 
     module = course.modules["l20"]
     loaded = create_demo_class(
-        database, course, module, grade, Settings(), seed=3, students=4, told=lambda _done, _all: None
+        database, course, module, grade, Settings(), seed=3, students=4, report_progress=lambda _done, _all: None
     )
     with database.read() as db:
         made = classes.find_class(db, loaded.class_id)
@@ -122,7 +122,7 @@ def test_what_is_written_is_a_class_whose_standings_are_right(
     with database.write() as db:
         assert not any(standings.rebuild_account(db, account) for account in loaded.accounts)
     soon = [replace(step, sent_at=utc_now()) for step in loaded.upcoming[:2]]
-    lesson = OngoingLesson(database, course, store, replace(loaded, upcoming=soon))
+    lesson = SimulatedLessonThread(database, course, store, replace(loaded, upcoming=soon))
     lesson.start()
     lesson.join()
     with database.read() as db:

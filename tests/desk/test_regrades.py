@@ -11,7 +11,7 @@ import pytest
 from server.base.app_services import get_service
 from server.classes import service as classes
 from server.course.models import Course
-from server.figures.service import Figures
+from server.figures.service import FigureService
 from server.gradebook import service as gradebook
 from server.marks.models import Override
 from server.regrades import applying
@@ -156,7 +156,7 @@ class Drawer:
 
 def test_figures_are_those_of_the_grading_that_a_page_shows(site: Site, lesson: Lesson, martin: Person) -> None:
     drawer = Drawer()
-    get_service(site.app, Figures).pictures._drawer = drawer  # type: ignore[assignment]
+    get_service(site.app, FigureService).pictures._drawer = drawer  # type: ignore[assignment]
     ada = person(site, account=lesson.arrive())
     name, other = lesson.sent(ada.account, 4, 8), lesson.sent(ada.account, 4, 8)
     regrade, browser = lesson.prepared(), ada.browser(site)

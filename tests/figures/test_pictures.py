@@ -13,7 +13,7 @@ from server.base.errors import InternalFailure, Overloaded
 from server.base.helpers import HelperError
 from server.figures.drawing_requests import WARM_UP_PAYLOAD, DrawingRequest
 from server.figures.pictures import MAX_PAYLOAD_BYTES, PictureRenderer
-from server.figures.store import PictureStore
+from server.figures.store import PictureFileStore
 from tests.support.quick import in_a_loop
 
 
@@ -49,13 +49,13 @@ def order(name: str) -> DrawingRequest:
 
 
 def looks(pictures: PictureRenderer, name: str, flow: str = "here", rank: int = 0) -> asyncio.Task[bytes]:
-    return asyncio.create_task(pictures.get(order(name), flow, rank))
+    return asyncio.create_task(pictures.load_or_render(order(name), flow, rank))
 
 
 def play(folder: Path, scene: Callable[[Drawer, PictureRenderer], Awaitable[None]], *, most_waiting: int = 64) -> None:
     async def whole() -> None:
         drawer = Drawer()
-        pictures = PictureRenderer(drawer, PictureStore(folder), most_waiting=most_waiting)
+        pictures = PictureRenderer(drawer, PictureFileStore(folder), most_waiting=most_waiting)
         await asyncio.wait_for(scene(drawer, pictures), 300)
         await pictures.close()
 
@@ -142,7 +142,7 @@ def test_a_process_that_cannot_be_made_ready_stops_nothing(tmp_path: Path) -> No
     async def scene(drawer: Drawer, pictures: PictureRenderer) -> None:
         drawer.go.set()
         drawer.fails.add(WARM_UP_PAYLOAD.decode())
-        pictures.warm()
+        pictures.start_process_in_background()
         await drawer.begun.wait()
         assert drawer.drawn == {WARM_UP_PAYLOAD.decode(): 1}
         assert await looks(pictures, "a") == b"<a>"
@@ -258,7 +258,7 @@ def test_a_picture_that_cannot_be_kept_is_shown_nevertheless(tmp_path: Path) -> 
 def test_what_is_too_large_to_be_drawn_is_not_asked(tmp_path: Path) -> None:
     async def scene(drawer: Drawer, pictures: PictureRenderer) -> None:
         with pytest.raises(InternalFailure):
-            await pictures.get(DrawingRequest(b"x" * (MAX_PAYLOAD_BYTES + 1), "0" * 64), "here", 0)
+            await pictures.load_or_render(DrawingRequest(b"x" * (MAX_PAYLOAD_BYTES + 1), "0" * 64), "here", 0)
         assert not drawer.drawn
 
     play(tmp_path, scene)
@@ -267,7 +267,7 @@ def test_what_is_too_large_to_be_drawn_is_not_asked(tmp_path: Path) -> None:
 def test_the_end_of_the_service_waits_for_nobody(tmp_path: Path) -> None:
     async def scene() -> None:
         drawer = Drawer()
-        pictures = PictureRenderer(drawer, PictureStore(tmp_path))
+        pictures = PictureRenderer(drawer, PictureFileStore(tmp_path))
         coming = looks(pictures, "a")
         await drawer.begun.wait()
         await asyncio.wait_for(pictures.close(), 300)

@@ -6,7 +6,7 @@ from threading import Event
 
 import pytest
 
-from server.grading.idle_monitor import IDLE_SECONDS, IdleMonitor
+from server.grading.idle_monitor import IDLE_SECONDS, WorkerIdleMonitor
 
 
 class Clock:
@@ -35,9 +35,9 @@ class Stopping(Event):
 
 def test_a_worker_is_calm_from_the_start_and_a_while_after_a_job() -> None:
     clock = Clock()
-    calm = IdleMonitor(clock)
+    calm = WorkerIdleMonitor(clock)
     assert calm.is_idle
-    with calm.busy():
+    with calm.mark_busy():
         clock.now += 60
         assert not calm.is_idle, "however long it takes"
     assert not calm.is_idle, "another may follow"
@@ -47,8 +47,8 @@ def test_a_worker_is_calm_from_the_start_and_a_while_after_a_job() -> None:
 
 def test_a_job_that_fails_is_over_too() -> None:
     clock = Clock()
-    calm = IdleMonitor(clock)
-    with pytest.raises(ValueError, match="no"), calm.busy():
+    calm = WorkerIdleMonitor(clock)
+    with pytest.raises(ValueError, match="no"), calm.mark_busy():
         raise ValueError("no")
     clock.now += IDLE_SECONDS
     assert calm.is_idle
@@ -56,11 +56,11 @@ def test_a_job_that_fails_is_over_too() -> None:
 
 def test_what_waits_for_calm_goes_on_after_the_job_or_leaves_with_the_worker() -> None:
     clock = Clock()
-    calm = IdleMonitor(clock)
-    with calm.busy():
-        assert not calm.wait_idle(Stopping(clock, 3)), "it is to stop"
-    assert calm.wait_idle(Stopping(clock, 1000))
+    calm = WorkerIdleMonitor(clock)
+    with calm.mark_busy():
+        assert not calm.wait_until_idle(Stopping(clock, 3)), "it is to stop"
+    assert calm.wait_until_idle(Stopping(clock, 1000))
     assert calm.is_idle
     told = Event()
     told.set()
-    assert not calm.wait_idle(told)
+    assert not calm.wait_until_idle(told)

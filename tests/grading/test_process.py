@@ -12,8 +12,8 @@ import pytest
 
 from server.base.files import ROOT as PROJECT
 from server.course import Course
-from server.grading.idle_monitor import IdleMonitor
-from server.grading.worker_process import _warm_up
+from server.grading.idle_monitor import WorkerIdleMonitor
+from server.grading.worker_process import _warm_up_sandbox_and_graders
 from server.sandbox import SandboxFault
 
 #: Of each statement that a module keeps: its parameters that have no type, and so would reach the driver as they are.
@@ -77,7 +77,7 @@ def test_a_worker_rehearses_every_grader_and_tells_of_those_that_fail(
         slug: replace(module, exercises=tuple(map(noting, module.exercises))) for slug, module in course.modules.items()
     }
     with caplog.at_level("WARNING"):
-        _warm_up(sandbox, replace(course, modules=MappingProxyType(modules)), IdleMonitor())  # type: ignore[arg-type]
+        _warm_up_sandbox_and_graders(sandbox, replace(course, modules=MappingProxyType(modules)), WorkerIdleMonitor())  # type: ignore[arg-type]
     assert sandbox.warmed == ["numpy", "scipy"]
     assert rehearsed == names
     assert [record.getMessage() for record in caplog.records] == [

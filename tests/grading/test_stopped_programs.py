@@ -23,7 +23,7 @@ def test_the_clock_of_a_grading_stands_still_with_its_programs(
     monkeypatch.setattr(seat.time, "monotonic", lambda: now)
     programs_of_seat = SeatPrograms()
     with programs_of_seat.running(job := uuid4()):
-        programs = SandboxGrader(course, course_sandbox).programs(EXERCISE, exercise.policy)
+        programs = SandboxGrader(course, course_sandbox).program_starter(EXERCISE, exercise.policy)
         clock = Runner(programs, exercise.solution.encode(), KitSettings("l20")).clock
         now += 1.0
         programs_of_seat.stop(job)

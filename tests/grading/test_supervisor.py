@@ -10,7 +10,7 @@ import pytest
 
 from server.base.concurrency import Gate
 from server.base.settings import Settings
-from server.grading.supervisor import WorkerSocket, WorkerSupervisor
+from server.grading.supervisor import WorkerSupervisor, WorkerWakeupSocket
 from server.queue.lease_owner import LeaseOwner
 from server.queue.wakeups import WakeupDispatcher
 from tests.support.quick import in_a_loop
@@ -33,7 +33,7 @@ def test_a_worker_told_to_stop_with_its_server_is_not_replaced(
         async with supervisor:
             first = await worker_besides(supervisor, None)
             if told:
-                supervisor.expect_shutdown()
+                supervisor.stop_restarting_workers()
             first.terminate()
             if told:
                 await asyncio.wait_for(asyncio.gather(*supervisor._tasks), 300)
@@ -63,15 +63,15 @@ def test_no_worker_starts_before_the_walls_are_known_to_stand(settings: Settings
         wanted = settings.model_copy(update={"workers": 1})
         async with WorkerSupervisor(wanted, WakeupDispatcher(print), lambda _owner: None, SLEEPS, walls) as supervisor:
             await asyncio.sleep(0.01)
-            assert supervisor.alive_count() == 0
+            assert supervisor.alive_worker_count() == 0
             walls.open()
             await worker_besides(supervisor, None)
-            assert supervisor.alive_count() == 1
+            assert supervisor.alive_worker_count() == 1
         walls = Gate()
         async with WorkerSupervisor(wanted, WakeupDispatcher(print), lambda _owner: None, SLEEPS, walls) as supervisor:
-            supervisor.expect_shutdown()
+            supervisor.stop_restarting_workers()
             walls.close()
-        assert supervisor.alive_count() == 0
+        assert supervisor.alive_worker_count() == 0
 
     in_a_loop(scene())
 
@@ -79,7 +79,7 @@ def test_no_worker_starts_before_the_walls_are_known_to_stand(settings: Settings
 def test_waking_a_worker_never_blocks_on_a_stuck_or_dead_one() -> None:
     ours, theirs = socket.socketpair()
     with ours, theirs:
-        wire = WorkerSocket(ours.dup())
+        wire = WorkerWakeupSocket(ours.dup())
         ours.setblocking(False)  # as the loop does, after which neither name of it waits
         wire.write(b"work\n")
         assert theirs.recv(100) == b"work\n"

@@ -413,7 +413,7 @@ def test_a_judge_s_patience_may_end_between_two_answers(
     program = SandboxPrograms(course_sandbox, exercise.policy).open(exercise.solution.encode(), KitSettings("l20", {}))
     with closing(program):
         spent = iter([None, None, StudentFault(Outcome.OUTPUT_LIMIT, "assez", fatal=True)])
-        monkeypatch.setattr(program._budget, "exhausted_fault", lambda: next(spent))
+        monkeypatch.setattr(program._budget, "fault_if_exhausted", lambda: next(spent))
         answers = list(program.call_many("inverse", [(np.zeros(3),)] * 9))
     assert [type(answer) for answer in answers] == [Reply, Reply, StudentFault]
 

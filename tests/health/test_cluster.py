@@ -67,17 +67,19 @@ def test_cluster_check_reports_a_nearly_full_database(
 ) -> None:
     machines.append(Machine(environment).start().up())
     with closing(Database(environment.url)) as database, database.read() as db:
-        opened, most = repository.connection_usage(db)
+        opened, most = repository.count_open_and_allowed_connections(db)
         with database.read() as other:
             other.execute(select(1))
-            assert repository.connection_usage(db) == (opened, most), "in one transaction, PostgreSQL says the same"
+            assert repository.count_open_and_allowed_connections(db) == (opened, most), (
+                "in one transaction, PostgreSQL says the same"
+            )
             assert opened >= 1
-    monkeypatch.setattr(repository, "connection_usage", lambda _: (80, 97))
+    monkeypatch.setattr(repository, "count_open_and_allowed_connections", lambda _: (80, 97))
     status, text = told(capsys)
     assert status == 0
     assert "! connexions à la base : 80 ouvertes, 97 au plus" in text
     assert "max_connections : 50 pour chaque serveur web" in text
-    monkeypatch.setattr(repository, "connection_usage", lambda _: (77, 97))
+    monkeypatch.setattr(repository, "count_open_and_allowed_connections", lambda _: (77, 97))
     assert "✓ connexions à la base" in told(capsys)[1]
 
 

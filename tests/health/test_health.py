@@ -28,9 +28,9 @@ from server.database import utc_now
 from server.grading.supervisor import WorkerSupervisor
 from server.health import readiness as checks
 from server.health import repository
-from server.health.event_counter import EventCounter
+from server.health.event_counter import TemplateRenewalCounter
 from server.health.metrics import PrometheusMetrics
-from server.health.readiness import Readiness
+from server.health.readiness import ReadinessChecks
 from server.queue.models import Job
 from server.queue.wakeups import WakeupDispatcher
 from tests.support.client import TestClient
@@ -51,22 +51,22 @@ def test_alive_asks_nothing_and_ready_says_what_is_amiss(site: Site, monkeypatch
     assert (ready.status_code, ready.json()["status"]) == (200, "ok")
     assert "set-cookie" not in ready.headers, "who asks is no visitor"
     with monkeypatch.context() as broken:
-        broken.setattr(repository, "ping", _fails)
+        broken.setattr(repository, "ping_database", _fails)
         amiss = site.client.get("/readyz")
         assert (amiss.status_code, amiss.json()["checks"]["database"]) == (503, "unreachable")
         assert site.client.get("/healthz").status_code == 200
     supervisor = get_service(site.app, WorkerSupervisor)
-    monkeypatch.setattr(WorkerSupervisor, "target_count", 2)
+    monkeypatch.setattr(WorkerSupervisor, "target_worker_count", 2)
     assert site.client.get("/readyz").json()["checks"]["workers"] == "none"
-    monkeypatch.setattr(supervisor, "alive_count", lambda: 1)
+    monkeypatch.setattr(supervisor, "alive_worker_count", lambda: 1)
     assert site.client.get("/readyz").status_code == 200
-    supervisor.expect_shutdown()
+    supervisor.stop_restarting_workers()
     assert site.client.get("/readyz").json()["checks"]["service"] == "stopping"
 
 
 def test_without_what_carries_the_work_it_serves_and_says_so(site: Site) -> None:
     assert "nats" not in site.client.get("/readyz").json()["checks"], "one machine has none"
-    readiness = get_service(site.app, Readiness)
+    readiness = get_service(site.app, ReadinessChecks)
     for state, status in (("unreachable", "degraded"), ("ok", "ok")):
         add_services(site.app, replace(readiness, broker_status=lambda state=state: state))
         answer = site.client.get("/readyz")
@@ -81,7 +81,7 @@ def test_little_room_on_the_disk_is_told_and_stops_nobody(site: Site, monkeypatc
 
 
 def test_where_other_machines_grade_and_none_does_it_is_not_ready(site: Site, monkeypatch: pytest.MonkeyPatch) -> None:
-    assert not get_service(site.app, WorkerSupervisor).target_count, "none is set here"
+    assert not get_service(site.app, WorkerSupervisor).target_worker_count, "none is set here"
     site.submit(site.token())
     assert site.client.get("/readyz").status_code == 200, "it has only just come"
     monkeypatch.setattr(checks, "NOBODY_GRADES_AFTER", -timedelta(seconds=1))
@@ -151,11 +151,11 @@ def test_metrics_count_what_is_refused_and_what_is_renewed(site: Site, measured:
     known = TEMPLATE_RENEWALS.counts().get("worn", 0)
     WakeupDispatcher(lambda _key: None).handle_message(_Nowhere(), "renewed worn")
     assert measured()["balise_template_renewals_total", frozenset({("why", "worn")})] == known + 1
-    elsewhere = EventCounter(site.database)
+    elsewhere = TemplateRenewalCounter(site.database)
     for _ in range(2):
         elsewhere.count_template_renewal("worn")
     assert measured()["balise_template_renewals_total", frozenset({("why", "worn")})] == known + 3
-    get_service(site.app, PrometheusMetrics).set_walls({"seccomp": True, "cgroup": False})
+    get_service(site.app, PrometheusMetrics).set_wall_states({"seccomp": True, "cgroup": False})
     walls = {labels: value for (name, labels), value in measured().items() if name == "balise_wall_standing"}
     assert walls == {frozenset({("wall", "seccomp")}): 1, frozenset({("wall", "cgroup")}): 0}
 

@@ -99,7 +99,7 @@ def shown(site: Site, administrator: dict[str, str], monkeypatch: pytest.MonkeyP
 
 
 def test_the_screen_is_plain_and_fits_eighty_columns(site: Site, shown: Any) -> None:
-    get_service(site.app, PrometheusMetrics).set_walls({"seccomp": True, "cgroup-mémoire": False})
+    get_service(site.app, PrometheusMetrics).set_wall_states({"seccomp": True, "cgroup-mémoire": False})
     RECENT_ERRORS.handle(logging.LogRecord("server.x", logging.ERROR, "", 0, "\033[2J" + "long " * 60, (), None))
     site.submit(site.token())
     screen = shown("--once")

@@ -34,11 +34,11 @@ def runner(course_sandbox: Sandbox) -> HuntRunner:
 
 
 def offer(runner: HuntRunner, *hunts: HuntName, seed: int = 5) -> OfferedHunt | None:
-    return runner.answer(HuntQuestion(hunts=OfferRequest(hunts=hunts, seed=seed))).offer
+    return runner.answer_question(HuntQuestion(hunts=OfferRequest(hunts=hunts, seed=seed))).offer
 
 
 def try_input(runner: HuntRunner, **typed: str) -> HuntTrialOutcome:
-    outcome = runner.answer(HuntQuestion(hunts=InputTrial(hunt=ROTATION, typed=typed))).outcome
+    outcome = runner.answer_question(HuntQuestion(hunts=InputTrial(hunt=ROTATION, typed=typed))).outcome
     assert outcome is not None
     return outcome
 
@@ -78,7 +78,7 @@ def test_a_prediction_is_compared_with_the_wrong_program(runner: HuntRunner) -> 
     assert offered.predictable
 
     def predict(typed: str) -> HuntTrialOutcome | None:
-        return runner.answer(HuntQuestion(hunts=PredictionTrial(hunt=ROTATION, typed=typed))).outcome
+        return runner.answer_question(HuntQuestion(hunts=PredictionTrial(hunt=ROTATION, typed=typed))).outcome
 
     missed = predict("[7, 7, 7]")
     assert missed is not None
@@ -102,28 +102,28 @@ def test_a_program_that_passes_is_reviewed_beside_the_reference(
     specimen = Path(graders.__file__).parent / "l20/reechantillonnage/specimens/ok/roue_en_boucle.py"
     source = specimen.read_text() + "\n\ndef inutile():\n    sum = 1\n    return sum\n"
     request = ReviewRequest(exercise="l20/reechantillonnage", source=source)
-    review = runner.answer(HuntQuestion(hunts=request)).review
+    review = runner.answer_question(HuntQuestion(hunts=request)).review
     assert review is not None
     assert review.ratio > 0
     assert "somme = 1" in review.remarks[-1].after
     assert review.remarks[-1].gain == 0, "a name costs no time"
     monkeypatch.setattr(run, "POLICY", replace(run.POLICY, cpu_seconds=0.2))
     broken = ReviewRequest(exercise="l20/reechantillonnage", source="while True:\n    pass\n")
-    stopped = runner.answer(HuntQuestion(hunts=broken)).review
+    stopped = runner.answer_question(HuntQuestion(hunts=broken)).review
     assert stopped is not None
     assert stopped.remarks == ()
 
 
 def test_a_call_is_compared_with_the_answers_of_other_known_mistakes(runner: HuntRunner) -> None:
     unknown = HuntName(exercise="l20/poses", misconception="inconnue")
-    found = runner.answer(HuntQuestion(hunts=ComparisonRequest(hunts=(unknown, ROTATION)))).comparison
+    found = runner.answer_question(HuntQuestion(hunts=ComparisonRequest(hunts=(unknown, ROTATION)))).comparison
     assert found is not None
     assert (found.index, found.hunt) == (1, ROTATION)
     assert found.call.startswith("composer(a=[")
     answers = [found.right, *(wrong.words for wrong in found.wrong)]
     assert len(set(answers)) == len(answers) >= 3
     assert found.wrong[0].misconception == ROTATION.misconception
-    assert runner.answer(HuntQuestion(hunts=ComparisonRequest(hunts=(unknown,)))).comparison is None
+    assert runner.answer_question(HuntQuestion(hunts=ComparisonRequest(hunts=(unknown,)))).comparison is None
 
 
 def test_the_wrong_line_is_judged_in_the_form_that_its_reader_sees(runner: HuntRunner) -> None:
@@ -133,7 +133,7 @@ def test_the_wrong_line_is_judged_in_the_form_that_its_reader_sees(runner: HuntR
     assert offered.wrong_lines == 1
 
     def choose(line: int) -> HuntTrialOutcome:
-        outcome = runner.answer(HuntQuestion(hunts=LineTrial(hunt=name, seed=9, line=line))).outcome
+        outcome = runner.answer_question(HuntQuestion(hunts=LineTrial(hunt=name, seed=9, line=line))).outcome
         assert outcome is not None
         return outcome
 

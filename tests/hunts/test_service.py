@@ -17,7 +17,7 @@ from server.base.app_services import add_services, get_service
 from server.course import Course
 from server.grading.grading_task import GradingInput
 from server.hunts.protocol import (
-    Argument,
+    HuntArgument,
     HuntName,
     HuntQuestion,
     HuntReply,
@@ -33,7 +33,7 @@ HUNT = "/l20/exercices/poses/chasse"
 ROTATION = HuntName(exercise="l20/poses", misconception="rotation_oubliee", function="composer")
 OFFER = OfferedHunt(
     index=0, hunt=ROTATION, title="Rotation", program="def composer(a, b):\n    return a\n",
-    arguments=(Argument(name="a", words="une pose (3,)", witness="[0, 0, pi/2]"),), numbers=3, nonzero=1,
+    arguments=(HuntArgument(name="a", words="une pose (3,)", witness="[0, 0, pi/2]"),), numbers=3, nonzero=1,
     predictable=True, returns="une pose (3,)",
 )  # fmt: skip
 TYPED = {"erreur": "rotation_oubliee", "fonction": "composer", "valeur": ["[1, 2, 3]"]}

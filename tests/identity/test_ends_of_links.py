@@ -15,7 +15,7 @@ from server.cli import main
 from server.database import Database, utc_now
 from server.identity import administration, links
 from server.identity.models import Account, ApiToken, Invitation, PasswordLink, Role
-from server.rights.slips import is_link_in_force
+from server.rights.slips import is_password_link_in_force
 from tests.support.classes import new_class, person, seat
 from tests.support.service import Site, new_account
 
@@ -46,10 +46,10 @@ class Slip:
     def opens(self) -> bool:
         with self.database.write() as db:
             try:
-                links.find_link_owner(db, self.token, is_link_in_force)
+                links.find_link_owner(db, self.token, is_password_link_in_force)
             except NotFound:
                 with pytest.raises(Conflict):
-                    links.use_password_link(db, self.token, is_link_in_force)
+                    links.use_password_link(db, self.token, is_password_link_in_force)
                 return False
             return True
 
@@ -188,7 +188,7 @@ def test_a_link_of_an_administrator_has_no_class_and_ends_with_the_role_alone(sq
     ada = new_account(sqlite, Role.teacher)
     with sqlite.write() as db:
         token = links.create_password_link(db, db.get_one(Account, ada.id), timedelta(hours=1))
-        assert links.find_link_owner(db, token, is_link_in_force).id == ada.id
+        assert links.find_link_owner(db, token, is_password_link_in_force).id == ada.id
         db.execute(update(Account).values(role=Role.administrator))
         with pytest.raises(NotFound):
-            links.find_link_owner(db, token, is_link_in_force)
+            links.find_link_owner(db, token, is_password_link_in_force)

@@ -13,7 +13,7 @@ from server.base.errors import Overloaded
 from server.identity import secrets
 from server.identity.hashing import KNOWN, NOBODY, PasswordHasher
 from server.identity.models import Account
-from server.limits.models import Allowance
+from server.limits.models import TokenBucket
 from tests.support.quick import in_a_loop
 from tests.support.service import Site
 
@@ -72,7 +72,7 @@ def test_a_link_that_is_none_costs_no_hash(site: Site, hashed: list[str]) -> Non
     assert site.client.post("/bienvenue/au-hasard", data=FORM).status_code == 404
     assert hashed == []
     with site.database.read() as db:
-        keys = list(db.execute(select(Allowance.key)).scalars())
+        keys = list(db.execute(select(TokenBucket.key)).scalars())
         assert db.execute(select(Account)).first() is None
     assert keys == ["sign-up:inconnue"], "guessing links is slow too"
 

@@ -13,7 +13,7 @@ from server.base.errors import RateLimited
 from server.base.settings import BucketSettings
 from server.database import Database, utc_now
 from server.limits import service as throttle
-from server.limits.models import Allowance
+from server.limits.models import TokenBucket
 
 SLOW = BucketSettings(burst=3, refill_seconds=1000)
 
@@ -48,7 +48,7 @@ def test_each_key_has_its_own_bucket(database: Database) -> None:
 def test_tokens_come_back_with_time(database: Database) -> None:
     assert refusals(database, 3) == 0
     with database.write() as db:
-        row = db.get(Allowance, "k")
+        row = db.get(TokenBucket, "k")
         assert row is not None
         row.updated_at = utc_now() - timedelta(seconds=2001)
     assert refusals(database, 3) == 1
@@ -65,4 +65,4 @@ def test_a_bucket_stays_between_what_it_held_and_its_burst(
     tokens: float, elapsed: float, burst: int, refill: float
 ) -> None:
     held = min(tokens, burst)
-    assert held <= throttle.tokens_after(held, elapsed, BucketSettings(burst, refill)) <= burst
+    assert held <= throttle.refilled_token_count(held, elapsed, BucketSettings(burst, refill)) <= burst

@@ -24,7 +24,7 @@ from server.course import Module
 from server.offline import site
 from server.offline.addresses import ON_THE_SERVER, ArchivePaths
 from server.offline.service import OfflineArchives
-from server.reading.downloads import Downloads
+from server.reading.downloads import DownloadArchives
 from tests.support.quick import the_course
 
 NO_ADDRESS = ("http:", "https:", "data:", "mailto:")
@@ -77,7 +77,9 @@ def opened() -> dict[str, bytes]:
     course = the_course()
     module = lessened(course.modules["l20"])
     pictures = dict.fromkeys(site.needed_pictures(module), PICTURE)
-    with zipfile.ZipFile(io.BytesIO(site.build_archive_zip(course, module, pictures, Downloads(course)))) as archive:
+    with zipfile.ZipFile(
+        io.BytesIO(site.build_archive_zip(course, module, pictures, DownloadArchives(course)))
+    ) as archive:
         assert archive.testzip() is None
         return {name: archive.read(name) for name in archive.namelist()}
 
@@ -115,7 +117,7 @@ def test_a_manipulation_that_needs_no_server_comes_along() -> None:
     assert start == 'globalThis.baliseHands["ressorts"]'
     assert json.loads(brought)["scripts"].keys() == {"main.js", "calcul.js"}
     course = the_course()
-    whole = site.OfflineSite(course, course.modules["l20"], {}, Downloads(course))
+    whole = site.OfflineSite(course, course.modules["l20"], {}, DownloadArchives(course))
     alone = set(whole._manipulations())
     assert alone >= {"elastique", "passant", "ressorts"}
     assert alone.isdisjoint({"carte", "particules"})
@@ -178,7 +180,7 @@ def test_the_same_course_makes_the_same_bytes() -> None:
     course = the_course()
     module = course.modules["l20"]
     assert site.content_digest(module) == site.content_digest(module)
-    made = site.OfflineSite(course, lessened(module), {}, Downloads(course))
+    made = site.OfflineSite(course, lessened(module), {}, DownloadArchives(course))
     assert made._addresses  # the places are told before a page is written
     places = ArchivePaths("/static/abc", {"/l20": "index.html", "/l20/lire/slam": "lire/slam.html"})
     text = '<a href="/l20/lire/slam#x">a</a> <a href="/classes">b</a> <img src="/static/abc/i.svg"> <a href="#y">c</a>'
@@ -222,7 +224,7 @@ def test_an_archive_is_made_once_and_kept(tmp_path: Path) -> None:
 
     async def story() -> None:
         course, drawn = the_course(), Drawn()
-        archives: Any = OfflineArchives(course, drawn, Downloads(course), tmp_path)  # type: ignore[arg-type]
+        archives: Any = OfflineArchives(course, drawn, DownloadArchives(course), tmp_path)  # type: ignore[arg-type]
         module = archives.module("l20")
         assert await archives.look(module) is None
         with pytest.raises(WrongMoment):
@@ -246,7 +248,7 @@ def test_an_archive_is_made_once_and_kept(tmp_path: Path) -> None:
 def test_one_that_fails_is_told_and_may_be_tried_again(tmp_path: Path) -> None:
     async def story() -> None:
         course = the_course()
-        archives: Any = OfflineArchives(course, Drawn(fails=True), Downloads(course), tmp_path)  # type: ignore[arg-type]
+        archives: Any = OfflineArchives(course, Drawn(fails=True), DownloadArchives(course), tmp_path)  # type: ignore[arg-type]
         module = archives.module("l20")
         await archives.prepare(module)
         first = archives._making["l20"]

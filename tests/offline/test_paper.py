@@ -12,7 +12,7 @@ import pytest
 from server.cli import CannotRun, export
 from server.course import Course
 from server.offline import paper, site
-from server.reading.downloads import Downloads
+from server.reading.downloads import DownloadArchives
 from tests.support.quick import the_course
 
 SLUGS = ("epreuve-corrige", "recherche")
@@ -35,7 +35,7 @@ def test_on_paper_a_module_has_the_answers_and_no_script() -> None:
     module = course.modules["l20"]
     lessons = tuple(one for one in module.lessons if one.solution)
     only = replace(module, lessons=lessons, exercises=(), glossary={})
-    made = site.OfflineSite(course, only, {}, Downloads(course), on_paper=True)
+    made = site.OfflineSite(course, only, {}, DownloadArchives(course), on_paper=True)
     (copy,) = (page for place, page in made._pages() if place == "lire/epreuve-corrige.html")
     assert "En ligne seulement" not in copy
     assert "6{,}368" in copy
@@ -52,7 +52,7 @@ def test_an_archive_has_nothing_of_what_the_answers_of_a_paper_show() -> None:
         {
             place
             for _, place in site.OfflineSite(
-                course, only, pictures(course), Downloads(course), on_paper=paper
+                course, only, pictures(course), DownloadArchives(course), on_paper=paper
             )._addresses()
         }
         for paper in (False, True)

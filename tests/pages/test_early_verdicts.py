@@ -14,7 +14,7 @@ from server.base.app_services import get_service
 from server.base.settings import Settings
 from server.course import Course
 from server.gradebook import early_verdicts
-from server.grading.early_verdicts import EarlyVerdicts
+from server.grading.early_verdicts import EarlyVerdictStore
 from server.grading.grading_task import GradingInput, GradingTask
 from server.queue.interfaces import NullNotifier
 from server.queue.service import TableQueue
@@ -31,7 +31,9 @@ def test_checks_are_shown_while_the_mistake_is_sought(small_site: SmallSite) -> 
     shown: list[str] = []
 
     def grade(sent: GradingInput) -> Judgement:
-        early = EarlyVerdicts(small_site.database, NullNotifier(), patience=0.0).naming_context(sent.submission_id)
+        early = EarlyVerdictStore(small_site.database, NullNotifier(), patience=0.0).show_verdict_while_naming(
+            sent.submission_id
+        )
         with early(Judgement(Verdict.from_json(verdict()))):
             while not _is_early(small_site, sent):
                 time.sleep(0.001)
@@ -66,7 +68,7 @@ def _is_early(site: SmallSite, sent: GradingInput) -> bool:
 
 def test_a_name_that_is_found_at_once_stores_nothing(small_site: SmallSite) -> None:
     identity = _identity(small_site.submit("x = 1"))
-    with EarlyVerdicts(small_site.database, NullNotifier(), patience=60.0).naming_context(identity)(
+    with EarlyVerdictStore(small_site.database, NullNotifier(), patience=60.0).show_verdict_while_naming(identity)(
         Judgement(Verdict.from_json(verdict()))
     ):
         pass

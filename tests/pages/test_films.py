@@ -16,7 +16,7 @@ from server.assignments.models import Mode
 from server.base.app_services import get_service
 from server.base.helpers import HelperError
 from server.database import utc_now
-from server.figures.service import Figures
+from server.figures.service import FigureService
 from server.gradebook import service as gradebook
 from server.gradebook.models import Grading
 from server.gradebook.schemas import GradingResult
@@ -49,7 +49,7 @@ class Drawer:
 
 def draws(site: Site, **options: bool) -> Drawer:
     drawer = Drawer(**options)
-    get_service(site.app, Figures).pictures._drawer = drawer  # type: ignore[assignment]
+    get_service(site.app, FigureService).pictures._drawer = drawer  # type: ignore[assignment]
     return drawer
 
 

@@ -15,7 +15,7 @@ from uuid import UUID
 import pytest
 from sqlalchemy import func, inspect, select, update
 
-from server.app import Services
+from server.app import ApplicationServices
 from server.assignments import eligibility, sittings
 from server.assignments.models import Assignment, Exemption, Mode, SavedWork, Sitting
 from server.audit.models import AuditAction, AuditEvent
@@ -80,7 +80,7 @@ class School:
         assert self.teacher.browser(self.site).post(f"{self.path}/publier").status_code == 303
 
     def tidy(self) -> None:
-        Services(self.site.settings, None, ()).tidy()  # type: ignore[arg-type]
+        ApplicationServices(self.site.settings, None, ()).delete_expired_data()  # type: ignore[arg-type]
 
     def events(self) -> list[tuple[str, UUID | None, UUID | None]]:
         with self.site.database.read() as db:

@@ -15,7 +15,7 @@ from uuid import UUID
 import pytest
 from sqlalchemy import func, select, text, update
 
-from server.app import Services
+from server.app import ApplicationServices
 from server.audit import service as audit
 from server.audit.models import AuditAction, AuditEvent
 from server.base.app_services import add_services, get_service
@@ -233,7 +233,7 @@ def test_what_has_ended_is_removed_however_long_the_service_runs(site: Site, mon
     with site.database.write() as db:
         db.execute(update(BrowserSession).values(expires_at=utc_now() - timedelta(seconds=1)))
         db.execute(update(Account).values(created_at=utc_now() - timedelta(days=400)))
-    Services(site.settings, None, ()).tidy()  # type: ignore[arg-type]
+    ApplicationServices(site.settings, None, ()).delete_expired_data()  # type: ignore[arg-type]
     assert set(counts(site.database).values()) == {0}
 
 

@@ -17,14 +17,14 @@ from reference.odometry import DifferentialDrive, integrate
 from server.base.errors import NotFound
 from server.base.files import reproducible_zip
 from server.base.settings import Settings
-from server.reading.downloads import Downloads
+from server.reading.downloads import DownloadArchives
 from tests.support.client import TestClient
 from tests.support.quick import migrated, standing_app, the_course
 
 
 @pytest.fixture(scope="module")
 def journey() -> dict[str, bytes]:
-    with zipfile.ZipFile(io.BytesIO(Downloads(the_course()).archive("l20", "parcours"))) as archive:
+    with zipfile.ZipFile(io.BytesIO(DownloadArchives(the_course()).build_archive("l20", "parcours"))) as archive:
         assert archive.testzip() is None
         return {name.removeprefix("parcours/"): archive.read(name) for name in archive.namelist()}
 
@@ -83,7 +83,7 @@ def test_the_same_files_make_the_same_archive() -> None:
 @pytest.mark.parametrize(("module", "name"), [("l20", "absent"), ("l99", "parcours"), ("l20", "../kit/l20")])
 def test_what_is_not_offered_is_not_found(module: str, name: str) -> None:
     with pytest.raises(NotFound):
-        Downloads(the_course()).archive(module, name)
+        DownloadArchives(the_course()).build_archive(module, name)
 
 
 def test_it_comes_as_a_file(site_of_the_course: TestClient) -> None:
@@ -95,7 +95,7 @@ def test_it_comes_as_a_file(site_of_the_course: TestClient) -> None:
 
 
 def test_the_real_scans_come_with_what_says_them() -> None:
-    with zipfile.ZipFile(io.BytesIO(Downloads(the_course()).archive("l20", "intel"))) as archive:
+    with zipfile.ZipFile(io.BytesIO(DownloadArchives(the_course()).build_archive("l20", "intel"))) as archive:
         files = {name.removeprefix("intel/"): archive.read(name) for name in archive.namelist()}
     told = files["LISEZ-MOI.txt"].decode()
     assert all(name in told for name in files.keys() - {"LISEZ-MOI.txt"})

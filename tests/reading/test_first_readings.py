@@ -54,7 +54,7 @@ def gate(monkeypatch: pytest.MonkeyPatch) -> threading.Event:
     monkeypatch.setattr(Text, "is_rendered", property(lambda _text: opened.is_set()))
     monkeypatch.setattr(Text, "rendered", property(waiting(lambda text: text.__dict__["rendered"])))
     monkeypatch.setattr(search, "_indexes", {})
-    monkeypatch.setattr(search, "Index", waiting(search.Index))
+    monkeypatch.setattr(search, "SearchIndex", waiting(search.SearchIndex))
     monkeypatch.setattr(downloads, "import_file", waiting(downloads.import_file))
     return opened
 

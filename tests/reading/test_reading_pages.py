@@ -15,8 +15,8 @@ from server.base.app_services import app_service
 from server.base.settings import Settings
 from server.course.lengths import length_in_words
 from server.database import Database
-from server.figures.service import Figures
-from server.reading.service import word_sort_key
+from server.figures.service import FigureService
+from server.reading.service import dictionary_sort_key
 from tests.support.client import TestClient
 from tests.support.quick import migrated, standing_app
 from tests.support.small_course import CourseFolder
@@ -196,7 +196,7 @@ def test_a_drawing_that_one_has_is_not_sent_again(small_site: SmallSite) -> None
         async def draw_lesson_figure(self, *_: str) -> bytes:
             return b"<svg/>"
 
-    small_site.client.app.dependency_overrides[app_service(Figures)] = Drawn  # type: ignore[attr-defined]
+    small_site.client.app.dependency_overrides[app_service(FigureService)] = Drawn  # type: ignore[attr-defined]
     path = "/m9/figures/dessin.svg?theme=dark"
     first = small_site.client.get(path)
     assert (first.content, first.headers["content-type"]) == (b"<svg/>", "image/svg+xml")
@@ -291,4 +291,4 @@ def test_lengths_in_words(minutes: int, words: str) -> None:
 
 def test_words_are_sorted_as_in_a_dictionary() -> None:
     words = ["SLAM par graphe", "état", "scan matching", "A*", "étape", "Nav2"]
-    assert sorted(words, key=word_sort_key) == ["A*", "étape", "état", "Nav2", "scan matching", "SLAM par graphe"]
+    assert sorted(words, key=dictionary_sort_key) == ["A*", "étape", "état", "Nav2", "scan matching", "SLAM par graphe"]

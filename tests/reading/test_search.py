@@ -14,9 +14,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from graders.typography import unaccented
-from server.reading.schemas import HitView
-from server.reading.search import Index, Passage, load_index, query_words, search_lessons
-from server.reading.vocabulary import ALIKE, Vocabulary
+from server.reading.schemas import SearchHitView
+from server.reading.search import SearchablePassage, SearchIndex, load_index, search_lessons, split_query_words
+from server.reading.vocabulary import ALIKE, SearchVocabulary
 from tests.support.quick import the_course
 from tests.support.small_course import CourseFolder
 from tests.support.texts_on_disk import GLOSSARY, write_page
@@ -39,7 +39,7 @@ Rien.
 """
 
 
-Search = Callable[[str], tuple[HitView, ...]]
+Search = Callable[[str], tuple[SearchHitView, ...]]
 
 
 @pytest.fixture
@@ -53,7 +53,7 @@ def search(course_folder: CourseFolder) -> Search:
     return lambda query: search_lessons(module, query).hits
 
 
-def hrefs(hits: tuple[HitView, ...]) -> list[str]:
+def hrefs(hits: tuple[SearchHitView, ...]) -> list[str]:
     return [one.href for one in hits]
 
 
@@ -117,20 +117,22 @@ def test_a_word_is_found_by_its_short_name_too() -> None:
     assert hrefs(find_in("A*")) == ["/a-etoile"]
 
 
-def find_in(query: str) -> tuple[HitView, ...]:
+def find_in(query: str) -> tuple[SearchHitView, ...]:
     texts = (
-        Passage("/neff", "Glossaire", "", "nombre effectif", "N_eff = 1/∑ w^2.", "neff"),
-        Passage("/a-etoile", "Glossaire", "", "A*", "Un plus court chemin.", "a-etoile"),
-        Passage("/autre", "Fiche", "", "Autre", "Avancer, aller, arriver."),
+        SearchablePassage("/neff", "Glossaire", "", "nombre effectif", "N_eff = 1/∑ w^2.", "neff"),
+        SearchablePassage("/a-etoile", "Glossaire", "", "A*", "Un plus court chemin.", "a-etoile"),
+        SearchablePassage("/autre", "Fiche", "", "Autre", "Avancer, aller, arriver."),
     )
-    return Index(texts).find(query).hits
+    return SearchIndex(texts).find_passages(query).hits
 
 
-FORMS = Index(
+FORMS = SearchIndex(
     [
-        Passage("/filtre", "Fiche", "", "Rééchantillonnage", "Rééchantillonner, c'est tirer selon les poids."),
-        Passage("/graphe", "Fiche", "", "Fermeture de boucle", "Un nœud du graphe, revu."),
-        Passage("/autre", "Fiche", "", "Autre", "Une boucle. Un chat."),
+        SearchablePassage(
+            "/filtre", "Fiche", "", "Rééchantillonnage", "Rééchantillonner, c'est tirer selon les poids."
+        ),
+        SearchablePassage("/graphe", "Fiche", "", "Fermeture de boucle", "Un nœud du graphe, revu."),
+        SearchablePassage("/autre", "Fiche", "", "Autre", "Une boucle. Un chat."),
     ]
 )
 
@@ -149,13 +151,13 @@ FORMS = Index(
     ],
 )
 def test_endings_ligatures_and_typing_errors(query: str, first: str, read_as: str) -> None:
-    found = FORMS.find(query)
+    found = FORMS.find_passages(query)
     assert (hrefs(found.hits)[0], found.read_as) == (first, read_as)
 
 
 def test_a_word_like_no_other_is_left_as_it_is() -> None:
-    assert FORMS.find("wxyz boucle").read_as == ""
-    assert hrefs(FORMS.find("wxyz boucle").hits) == ["/graphe", "/autre"]
+    assert FORMS.find_passages("wxyz boucle").read_as == ""
+    assert hrefs(FORMS.find_passages("wxyz boucle").hits) == ["/graphe", "/autre"]
 
 
 def test_what_stands_above_the_first_title_leads_to_the_page(search: Search) -> None:
@@ -177,42 +179,44 @@ def test_hostile_queries_find_something_or_nothing(search: Search, query: str) -
     assert search("poids"), "the table is still there"
 
 
-INDEX = Index([Passage("/a", "Fiche", "Titre", "Été & hiver", "Du <b>texte</b> à chercher \x02ici\x03, 1 ² x_t.")])
+INDEX = SearchIndex(
+    [SearchablePassage("/a", "Fiche", "Titre", "Été & hiver", "Du <b>texte</b> à chercher \x02ici\x03, 1 ² x_t.")]
+)
 
 
 @settings(deadline=None, max_examples=100)
 @given(st.text() | st.text(alphabet="\"'*^():{}-+ANDORNEAR \0éà1²<>&;"))
 def test_no_query_breaks_the_search(query: str) -> None:
-    for hit in INDEX.find(query).hits:
+    for hit in INDEX.find_passages(query).hits:
         bare = hit.snippet.replace("<mark>", "").replace("</mark>", "")
         assert "<" not in bare
         assert "\x02" not in hit.snippet
-    assert len(query_words(query)) <= 8
+    assert len(split_query_words(query)) <= 8
 
 
 @settings(deadline=None)
 @given(st.sampled_from(["Été", "hiver", "texte", "chercher", "ici"]), st.integers(0, 3))
 def test_every_word_is_found_by_its_beginning(word: str, cut: int) -> None:
-    assert INDEX.find(word[: max(3, len(word) - cut)]).hits
+    assert INDEX.find_passages(word[: max(3, len(word) - cut)]).hits
 
 
 def test_the_nearest_word_is_that_of_difflib() -> None:
-    vocabulary = Vocabulary(["rééchantillonnage graphe fermeture noeud boucle particules filtres odométrie"])
+    vocabulary = SearchVocabulary(["rééchantillonnage graphe fermeture noeud boucle particules filtres odométrie"])
     for word in ("reechantillonage", "grapes", "fremeture", "neoud", "xyz", "particulles", "boucel", "odometri"):
         close = difflib.get_close_matches(word, vocabulary._plain, n=1, cutoff=ALIKE)
-        assert [unaccented(vocabulary.mended(word) or "")] == (close or [""])
+        assert [unaccented(vocabulary.closest_known_word(word) or "")] == (close or [""])
 
 
 def test_stems_are_the_same_in_threads() -> None:
     """Snowball's stemmer holds the word that it works on, and stems it in Python, so that threads take turns inside."""
-    vocabulary = Vocabulary(["équations localisation odométrie planification"])
+    vocabulary = SearchVocabulary(["équations localisation odométrie planification"])
     asked = [f"{word}{k}ements" for k in range(60) for word in ("localisation", "été", "planificatrice", "roues")]
-    alone = [vocabulary.stems(word) for word in asked]
+    alone = [vocabulary.possible_stems(word) for word in asked]
     interval = sys.getswitchinterval()
     sys.setswitchinterval(1e-6)
     try:
         with ThreadPoolExecutor(4) as pool:
-            together = list(pool.map(lambda _: [vocabulary.stems(word) for word in asked], range(4)))
+            together = list(pool.map(lambda _: [vocabulary.possible_stems(word) for word in asked], range(4)))
     finally:
         sys.setswitchinterval(interval)
     assert together == [alone] * 4
@@ -229,9 +233,9 @@ def test_no_query_takes_long() -> None:
         assert best < 40 * usual, query  # 200 before, 7 since, on the same machine
 
 
-def _seconds(index: Index, query: str) -> float:
+def _seconds(index: SearchIndex, query: str) -> float:
     began = time.process_time()
-    index.find(query)
+    index.find_passages(query)
     return time.process_time() - began
 
 

@@ -16,7 +16,7 @@ from hypothesis import settings as runs
 from hypothesis import strategies as st
 from sqlalchemy import delete, select
 
-from server.app import Services
+from server.app import ApplicationServices
 from server.assignments.models import AssignedExercise, Assignment, LatePolicy, Mode, Sitting
 from server.audit.models import AuditAction, AuditEvent
 from server.base.errors import Conflict, Invalid, NotFound, ServiceError
@@ -128,7 +128,7 @@ def test_what_it_would_do_is_shown_then_done_then_undone(lesson: Lesson) -> None
     assert marks(lesson) == before
     assert seen(lesson, regrade)[0] is RegradeState.undone
     with lesson.database.read() as db:
-        assert not any(copy.is_applied for copy in repository.load_attempts(db, regrade.id))
+        assert not any(copy.is_applied for copy in repository.load_regraded_attempts(db, regrade.id))
     assert (AuditAction.regrade_undone, bob.id, {"points": 12}, {"points": 16}) in events(lesson)
     apply(lesson, regrade)
     assert best(lesson) == [18, 12, 10, 10]
@@ -222,7 +222,7 @@ def test_an_assignment_has_its_own_dates_and_marks(quick: Lesson) -> None:
         db.add(made)
         db.flush()
         with pytest.raises(Invalid, match="pas dans ce devoir"), quick.database.read():
-            service._new_regrade(
+            service._build_regrade(
                 db, quick.made, ada.id, service.RegradeInput(EXERCISE, RegradePolicy.renew, assignment=made.id)
             )
         db.add(AssignedExercise(assignment_id=made.id, exercise=EXERCISE, position=0))
@@ -313,7 +313,7 @@ def test_who_erases_their_account_leaves_the_others_to_be_graded(lesson: Lesson)
     regrade = lesson.start(RegradePolicy.renew)
     lesson.worker.run_one()
     with lesson.database.write() as db:
-        found = repository.load_next_item(db, regrade.id)
+        found = repository.load_next_item_to_grade(db, regrade.id)
         assert found is not None
         assert found[1].account_id == bob.id
         identity.delete_account(db, bob.id)
@@ -384,7 +384,7 @@ def test_what_ends_its_workers_is_given_up_and_the_others_are_graded(quick: Less
 
 def test_the_service_knows_the_end_of_what_regrades_put(quick: Lesson) -> None:
     """Else a regrade would wait for ever behind a job that was lost with its worker."""
-    assert {GRADE, REGRADE_JOB} <= Services(quick.settings, quick.course, ()).give_ups.keys()
+    assert {GRADE, REGRADE_JOB} <= ApplicationServices(quick.settings, quick.course, ()).give_up_handlers.keys()
 
 
 def test_a_guest_who_makes_an_account_takes_the_regrade_along(lesson: Lesson) -> None:
@@ -510,7 +510,10 @@ def test_attempts_of_an_older_version_are_counted_until_they_are_graded_anew(les
 
     def outdated() -> list[tuple[str, int, int]]:
         with lesson.database.read() as db:
-            return [(one.exercise, one.attempts, one.students) for one in lesson.regrades.outdated(db, lesson.made)]
+            return [
+                (one.exercise, one.attempts, one.students)
+                for one in lesson.regrades.load_outdated_exercises(db, lesson.made)
+            ]
 
     assert outdated() == [(EXERCISE, 3, 2)]
     usual, lesson.opinion = lesson.opinion, dict.fromkeys(lesson.opinion)

@@ -19,8 +19,8 @@ from server.base.app_services import get_service
 from server.grading import trial_task
 from server.grading.grading_task import GradingInput, GradingTask
 from server.grading.sandbox_grader import SandboxGrader, SandboxPrograms
-from server.grading.trial_task import TrialTask
-from server.grading.tryout_task import TryoutTask
+from server.grading.trial_task import DraftTrialTask
+from server.grading.tryout_task import ProgramTryoutTask
 from server.identity.models import Role
 from server.queue.worker import Worker
 from server.sandbox import Sandbox
@@ -153,8 +153,8 @@ def studio(site: Site, course_sandbox: Sandbox, monkeypatch: pytest.MonkeyPatch)
         return grader.grade(work.exercise, work.source, work.seed, submission=work.submission_id)
 
     tasks = {
-        TRIAL_JOB: TrialTask(service.queue, partial(SandboxPrograms, course_sandbox)),
-        TRYOUT_JOB: TryoutTask(service.queue, partial(SandboxPrograms, course_sandbox)),
+        TRIAL_JOB: DraftTrialTask(service.queue, partial(SandboxPrograms, course_sandbox)),
+        TRYOUT_JOB: ProgramTryoutTask(service.queue, partial(SandboxPrograms, course_sandbox)),
         GRADE: GradingTask(course, grade),
     }
     course.exercises.find_authored = AuthoredExercises(site.database, course, clock=Ticks()).find

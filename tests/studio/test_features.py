@@ -106,7 +106,7 @@ def hunting(studio: Studio, course_sandbox: Sandbox) -> Studio:
 
     async def ask(question: bytes, *, reader: str, flow: str, rank: int = 0) -> bytes:
         asked = HuntQuestion.model_validate_json(question)
-        return (await run_in_threadpool(runner.answer, asked)).model_dump_json().encode()
+        return (await run_in_threadpool(runner.answer_question, asked)).model_dump_json().encode()
 
     add_services(studio.site.app, replace(get_service(studio.site.app, HuntService), ask=ask))
     return studio
@@ -172,16 +172,16 @@ def test_each_kind_of_argument_is_hunted(
     name = HuntName(exercise="l20/essai_222222", misconception="fausse")
     data = {name.exercise: {**declaration, "erreurs": [mistake]}}
     runner = HuntRunner(course_sandbox)
-    offer = runner.answer(HuntQuestion(hunts=OfferRequest(hunts=(name,), seed=1), declarations=data)).offer
+    offer = runner.answer_question(HuntQuestion(hunts=OfferRequest(hunts=(name,), seed=1), declarations=data)).offer
     assert offer is not None
     for given in (typed, {argument.name: argument.witness for argument in offer.arguments}):
         trial = InputTrial(hunt=offer.hunt, typed=given)
-        outcome = runner.answer(HuntQuestion(hunts=trial, declarations=data)).outcome
+        outcome = runner.answer_question(HuntQuestion(hunts=trial, declarations=data)).outcome
         assert outcome is not None
         assert outcome.is_right, outcome
     for odd in ("1)", "1, 2", "f(2", "__import__('os')", "", "x", "open('a')", "[" * 99, "1 if 1 else 2", "*a", "f(1)"):
         trial = InputTrial(hunt=offer.hunt, typed=dict.fromkeys(typed, odd))
-        outcome = runner.answer(HuntQuestion(hunts=trial, declarations=data)).outcome
+        outcome = runner.answer_question(HuntQuestion(hunts=trial, declarations=data)).outcome
         assert outcome is not None
         assert outcome.refusal
         assert not outcome.is_right

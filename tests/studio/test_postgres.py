@@ -58,10 +58,10 @@ def test_the_life_of_an_exercise(studio: Studio) -> None:
     studio.save(path, **MISTAKE, action="publier", enonce="Un autre énoncé.")
     regrades = get_service(studio.site.app, RegradeService)
     with studio.site.database.read() as db:
-        assert list(regrades.outdated(db, made)) == []
+        assert list(regrades.load_outdated_exercises(db, made)) == []
     studio.save(path, **MISTAKE, action="publier", **{"v-0-c-3-appel": 'compter_mots("z z z")'})
     with studio.site.database.read() as db:
-        assert [each.exercise for each in regrades.outdated(db, made)] == [exercise.name]
+        assert [each.exercise for each in regrades.load_outdated_exercises(db, made)] == [exercise.name]
         assert [len(read_draft(find_own(db, studio.teacher.account, exercise.id)).checks[0].cases)] == [4]
     asked = studio.browser.post(f"/classes/{made.id}/recalculs", data={"exercice": exercise.name})
     assert asked.status_code == 303, asked.text

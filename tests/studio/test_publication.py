@@ -162,7 +162,7 @@ def test_a_new_version_calls_for_a_regrade_and_changes_no_mark(studio: Studio) -
 
     def outdated() -> list[Any]:
         with studio.site.database.read() as db:
-            return list(regrades.outdated(db, made))
+            return list(regrades.load_outdated_exercises(db, made))
 
     studio.save(path, action="publier", enonce="Un autre énoncé.")
     assert outdated() == [], "the words of the statement change no mark"

@@ -23,7 +23,7 @@ from server.gradebook import solutions
 from server.gradebook.schemas import NOTHING_YET, ExerciseProgress
 from server.identity.models import Account, Role
 from server.limits import service as limits
-from server.limits.models import Allowance
+from server.limits.models import TokenBucket
 from server.submissions import service
 from server.submissions.job_events import stream_sse
 from server.submissions.models import Submission, SubmissionState
@@ -130,7 +130,7 @@ def test_what_an_account_stores_is_bounded(desk: Desk, ada: Account) -> None:
     seat(desk.database, new_class(desk.database, new_account(desk.database, Role.teacher)), pupil)
     with desk.database.write() as db:
         key = f"storage-from:{ADDRESS}"
-        db.execute(update(Allowance).where(Allowance.key == key).values(tokens=short * 1.5, updated_at=utc_now()))
+        db.execute(update(TokenBucket).where(TokenBucket.key == key).values(tokens=short * 1.5, updated_at=utc_now()))
     bounded.submit(new_account(desk.database))
     with pytest.raises(RateLimited, match="aucune classe"):
         bounded.submit(new_account(desk.database))
@@ -273,7 +273,7 @@ def test_a_guest_whose_address_has_its_heap_learns_that_accounts_come_first(desk
     assert refused.value.retry_after >= 1
     with desk.database.read() as db:
         assert gradebook.list_attempts(db, two, EXERCISE, 1).total == 0
-        assert db.get(Allowance, limits.submission_key(two.id)) is None, "a refusal costs nothing"
+        assert db.get(TokenBucket, limits.submission_bucket_key(two.id)) is None, "a refusal costs nothing"
     send(two, "198.51.100.7")
     send(ada)
 

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from fastapi import FastAPI
     from pwdlib import PasswordHash
 
-    from server.app import Services
+    from server.app import ApplicationServices
     from server.course import Course, Exercise
     from server.database import Database
 
@@ -103,18 +103,20 @@ def _upgrade_once(url: str) -> None:
 
 
 @cache
-def _services_without_chores() -> type[Services]:
+def _services_without_chores() -> type[ApplicationServices]:
     """Services that ask the database nothing by themselves, neither as they start nor every few seconds.
 
     There is nothing to recover, and what a page asks is counted.
     """
-    from server.app import Services
+    from server.app import ApplicationServices
 
-    async def nothing(_services: Services) -> None:
+    async def nothing(_services: ApplicationServices) -> None:
         return
 
     return type(
-        "QuietServices", (Services,), {"recover_and_tidy_at_start": lambda _services: None, "keep_recovering": nothing}
+        "QuietServices",
+        (ApplicationServices,),
+        {"recover_and_clean_at_start": lambda _services: None, "recover_lost_jobs_periodically": nothing},
     )
 
 
@@ -131,7 +133,7 @@ def standing_app(settings: Settings, course: Course) -> FastAPI:
 
     told = settings.body_bytes, settings.session_days, settings.root_path  # what its middleware was
     routers = () if told in _standing else ROUTERS
-    with patch("server.app.Services", _services_without_chores()), patch("server.app.ROUTERS", routers):
+    with patch("server.app.ApplicationServices", _services_without_chores()), patch("server.app.ROUTERS", routers):
         new = create_app(settings, course=course)
     app = _standing.setdefault(told, new)
     app.state.provided = new.state.provided

@@ -1,7 +1,8 @@
 """The readers of strangers' bytes, and the inputs of routes that each of them reads.
 
-An input is named by its kind and its name: `form:texte`, `query:q`, `body:NewRun.code`; or `raw:<module>.<function>`,
-for a function that reads of a request what no parameter tells. Numbers, UUIDs, dates and choices are read by pydantic.
+An input is named by its kind and its name: `form:texte`, `query:q`, `body:CellRunInput.code`; or
+`raw:<module>.<function>`, for a function that reads of a request what no parameter tells. Numbers, UUIDs, dates and
+choices are read by pydantic.
 """
 
 from __future__ import annotations
@@ -155,7 +156,7 @@ def _imported_file(text: str) -> None:
 
 
 @cache
-def _index() -> search.Index:
+def _index() -> search.SearchIndex:
     return search.load_index(the_course().modules["l20"])
 
 
@@ -177,7 +178,7 @@ IDENTITIES = """
     form:module form:non_rendu form:nouveaux form:phrase form:portee form:regle form:retard form:role
     form:sans_reponse form:semaines form:classe form:contenu form:cours form:verification form:version form:code
     body:NewSubmission.exercise body:NewRegrade.exercise body:WeightedIn.exercise body:NewClass.module
-    body:NewComment.check body:ReplayBody.check body:NewAnswer.question body:NewAnswer.answer
+    body:NewComment.check body:ReplayBody.check body:LessonAnswerInput.question body:LessonAnswerInput.answer
 """
 
 
@@ -371,7 +372,7 @@ READERS: tuple[Reader, ...] = (
         "query:etat query:ticket query:iss query:error raw:server.pages.school.entries.come_back "
         "raw:server.pages.school.entries.leave",
     ),
-    Reader("a search", lambda text: (_index().find(text), normalise_name(text)), HEAD, TEXTS, "query:q"),
+    Reader("a search", lambda text: (_index().find_passages(text), normalise_name(text)), HEAD, TEXTS, "query:q"),
     Reader("a list", _encoded(read_roster), BODY, TEXTS, "raw:server.api.classes.import_list"),
     Reader(
         "a list read again",
@@ -396,7 +397,7 @@ READERS: tuple[Reader, ...] = (
         lambda text: code_digest(encode_bounded(text, CODE).decode()),
         BODY,
         {**TEXTS, **PROGRAMS},
-        "body:NewSubmission.code body:NewRun.code body:CallBody.code body:CallBody.after body:CellBody.code "
+        "body:NewSubmission.code body:CellRunInput.code body:CallBody.code body:CallBody.after body:CellBody.code "
         "raw:server.pages.routes._code "
         "raw:server.pages.own_run.run_own_call "
         "raw:server.pages.routes.save raw:server.pages.routes.submit",
@@ -431,7 +432,7 @@ READERS: tuple[Reader, ...] = (
         read_number,
         CODE,
         {**TEXTS, **PROGRAMS},
-        "body:NewSubmission.answers form:reponse raw:server.reading.routes.answer_retrieval "
+        "body:NewSubmission.answers form:reponse raw:server.reading.routes.mark_retrieval_answer "
         "raw:server.pages.answers._placed raw:server.pages.answers._text "
         "raw:server.pages.answers._ticked",
     ),
@@ -493,14 +494,14 @@ READERS: tuple[Reader, ...] = (
         """
         raw:server.api.routes.Api.matches raw:server.base.http.cookie_value raw:server.base.http.problem_document
         raw:server.base.middleware.RefusedEncodingsMiddleware.__call__
-        raw:server.base.middleware.BodyLimitMiddleware.__call__ raw:server.client.routes.download
+        raw:server.base.middleware.BodyLimitMiddleware.__call__ raw:server.client.routes.download_client
         raw:server.base.http.bearer_token raw:server.base.turns.FairTurnsMiddleware.__call__
         raw:server.base.middleware.BodyLimitMiddleware._read raw:server.base.middleware.RequestLogMiddleware.__call__
         raw:server.base.middleware._is_forged raw:server.base.middleware._visitor
         raw:server.base.root_path.RootPathMiddleware.__call__ raw:server.base.root_path.RootPathMiddleware._inside
         raw:server.base.root_path.service_url raw:server.desk.people.routes.show_class
         raw:server.desk.people.management._render_settings raw:server.web.forms.redirect_to_login
-        raw:server.health.routes.metrics raw:server.pages.drawn.film
+        raw:server.health.routes.show_metrics raw:server.pages.drawn.film
         raw:server.pages.school.launches._open
         raw:server.pages.school.launches._without_cookies
         raw:server.replays.routes._answer_response raw:server.web.assets._Packed.file_response

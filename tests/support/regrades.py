@@ -96,7 +96,9 @@ class Lesson:
 
     def start(self, policy: RegradePolicy = RegradePolicy.keep_best, **scope: UUID) -> Regrade:
         with self.database.write() as db:
-            return self.regrades.start(db, self.made, self.teacher.id, RegradeInput(self.exercise, policy, **scope))
+            return self.regrades.start_regrade(
+                db, self.made, self.teacher.id, RegradeInput(self.exercise, policy, **scope)
+            )
 
     def work(self) -> int:
         """Until nothing waits; how many jobs that took."""

@@ -10,7 +10,7 @@ from graders.core.code.folder import read_model
 from graders.core.code.mutations import Model
 from graders.core.contract.outcomes import Outcome
 from server.course import Exercise
-from server.demo.story import build_repertoire
+from server.demo.story import build_submission_repertoire
 
 FOLDERS = Path(__file__).parents[2] / "graders"
 MISTAKES = ("m1", "m2")
@@ -24,7 +24,7 @@ class LessonPrograms:
     """
 
     def __init__(self, exercise: Exercise, seed: int) -> None:
-        repertoire = build_repertoire(exercise, Random(seed))
+        repertoire = build_submission_repertoire(exercise, Random(seed))
         model = read_model(FOLDERS.joinpath(*exercise.id.split("/")))
         assert model is not None
         edited = {edit.id for edit in model.edits}

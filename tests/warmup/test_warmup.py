@@ -31,9 +31,9 @@ from server.identity.models import Role
 from server.recall.models import QuestionKind, RecallAnswer
 from server.recall.scheduling import Review
 from server.recall.service import RecallCandidate
-from server.warmup.making import retrieval_question
+from server.warmup.making import build_retrieval_question
 from server.warmup.models import WarmUp
-from server.warmup.needs import StudentMemory, SubjectNeed, rank_needs
+from server.warmup.needs import StudentRecallHistory, SubjectReviewNeed, rank_subjects_to_review
 from tests.support.classes import Person, new_class, person, seat
 from tests.support.crowd import Sent, seated, store
 from tests.support.service import EXERCISE, Site
@@ -173,22 +173,22 @@ def test_subjects_of_most_students_come_first_and_those_that_nobody_is_to_see_do
     long_ago, just_now = now - timedelta(days=9), now - timedelta(minutes=5)
     candidate = RecallCandidate(EXERCISE, WRONG)
 
-    def memory(**reviews: Sequence[Review]) -> StudentMemory:
-        return StudentMemory(reviews, {name: [candidate] for name in reviews}, ())
+    def memory(**reviews: Sequence[Review]) -> StudentRecallHistory:
+        return StudentRecallHistory(reviews, {name: [candidate] for name in reviews}, ())
 
     failed = [Review(long_ago, False)]
     both = {uuid4(): memory(angle=failed, frame=failed, fresh=[Review(just_now, False)]) for _ in range(5)}
     one_more = {uuid4(): memory(frame=failed)}
-    still = {uuid4(): StudentMemory({}, {"open": [candidate]}, {"open"}) for _ in range(7)}
-    ranked = rank_needs(both | one_more | still, now)
-    assert [(need.subject, need.students) for need in ranked] == [("open", 7), ("frame", 6), ("angle", 5)]
+    still = {uuid4(): StudentRecallHistory({}, {"open": [candidate]}, {"open"}) for _ in range(7)}
+    ranked = rank_subjects_to_review(both | one_more | still, now)
+    assert [(need.subject, need.students_to_review) for need in ranked] == [("open", 7), ("frame", 6), ("angle", 5)]
     assert ranked[0].candidates == (candidate,)
 
 
 def test_a_lesson_s_number_becomes_a_choice_among_the_answers_of_known_mistakes(course: Course) -> None:
     module = course.modules["l20"]
-    need = SubjectNeed("rappel:", 5, 5, ())
-    made = {name: retrieval_question(module, name, need, seed=3) for name in module.retrievals}
+    need = SubjectReviewNeed("rappel:", 5, 5, ())
+    made = {name: build_retrieval_question(module, name, need, seed=3) for name in module.retrievals}
     questions = [question for question in made.values() if question is not None]
     assert len(questions) > 0.8 * len(made)
     for question in questions:

@@ -43,20 +43,20 @@ def frontend(tmp_path: Path) -> Path:
 
 
 def test_the_stamp_follows_sources_and_lock(hook: ModuleType, frontend: Path) -> None:
-    stamp = hook.source_stamp(frontend)
-    assert hook.source_stamp(frontend) == stamp == hook.source_stamp(FRONTEND)
+    stamp = hook.compute_source_digest(frontend)
+    assert hook.compute_source_digest(frontend) == stamp == hook.compute_source_digest(FRONTEND)
     for changed in ("package-lock.json", "build.mjs", "src/css/tokens.css", "src/js/app.js"):
         with (frontend / changed).open("a") as file:
             file.write("\n")
-        assert hook.source_stamp(frontend) != stamp
-        stamp = hook.source_stamp(frontend)
+        assert hook.compute_source_digest(frontend) != stamp
+        stamp = hook.compute_source_digest(frontend)
 
 
 def test_an_up_to_date_build_is_left_alone(hook: ModuleType, frontend: Path, tmp_path: Path) -> None:
     static = tmp_path / "static"
     static.mkdir()
-    (static / "stamp.txt").write_text(hook.source_stamp(frontend))
-    assert hook.ensure_built(frontend, static) is False
+    (static / "stamp.txt").write_text(hook.compute_source_digest(frontend))
+    assert hook.build_if_outdated(frontend, static) is False
     assert [path.name for path in static.iterdir()] == ["stamp.txt"]
 
 

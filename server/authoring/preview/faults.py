@@ -30,7 +30,7 @@ def write_faults(session: PreviewSession) -> None:
         *shapes.faults(course),
         *objectives.faults(course),
         *(fault for module in course.modules.values() for fault in retrievals.find_faults(module)),
-        *lessons.faults(course),
+        *lessons.find_drawing_faults(course),
         *of_replays(course),
     ]
     write_atomically(session.faults_file, json.dumps([[str(fault.path), fault.line, fault.message] for fault in found]))

@@ -176,8 +176,8 @@ async def figure(
     data = await run_in_threadpool(first_case_figure, grader, check, SEED) if isinstance(grader, CodeGrader) else None
     if data is None:
         raise NotFound("Cette vérification ne dessine rien.")
-    picture = await figures.pictures.get(
-        drawing_requests.verdict_figure_request(exercise.id, data, "svg", theme), client_address(request), rank=0
+    picture = await figures.pictures.load_or_render(
+        drawing_requests.build_verdict_figure_request(exercise.id, data, "svg", theme), client_address(request), rank=0
     )
     return Response(picture, media_type=MEDIA_TYPES["svg"], headers={"Cache-Control": "no-store"})
 

@@ -12,4 +12,4 @@ def load_ipython_extension(shell: Any) -> None:
     """Called by `%load_ext balise`."""
     from . import notebook
 
-    notebook.register(shell)
+    notebook.register_cell_magic(shell)

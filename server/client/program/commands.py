@@ -14,9 +14,9 @@ from pathlib import Path
 from typing import Any
 
 from . import report, tokens, vscode
-from .connection import Connection
+from .connection import ServerConnection
 from .errors import ClientError
-from .exercises import find_exercise
+from .exercises import find_exercise_id
 from .french import FrenchParser
 from .release import SERVER, VERSION
 
@@ -53,29 +53,29 @@ def _parser() -> FrenchParser:
         command.set_defaults(run=run)
         return command.arguments
 
-    add("login", _login, "garde le jeton créé sur la page « Mon compte »")
-    add("list", _list, "liste les exercices")
-    get = add("get", _get, "écrit l’énoncé et le code de départ, ou votre dernier envoi")
+    add("login", _run_login, "garde le jeton créé sur la page « Mon compte »")
+    add("list", _run_list_exercises, "liste les exercices")
+    get = add("get", _run_get_exercise, "écrit l’énoncé et le code de départ, ou votre dernier envoi")
     get.add_argument("exercise", metavar="EXERCICE")
     get.add_argument("--last", action="store_true", help="votre dernier envoi, au lieu du code de départ")
-    submit = add("submit", _submit, "envoie un fichier et affiche le verdict")
+    submit = add("submit", _run_submit, "envoie un fichier et affiche le verdict")
     submit.add_argument("names", nargs="+", metavar="[EXERCICE] FICHIER")
     submit.add_argument("--problems", action="store_true", help="une ligne par échec, pour un éditeur")
     submit.add_argument("--json", action="store_true", help="le verdict en JSON")
-    watch = add("watch", _watch, "envoie le fichier chaque fois que vous l’enregistrez")
+    watch = add("watch", _run_watch, "envoie le fichier chaque fois que vous l’enregistrez")
     watch.add_argument("names", nargs="+", metavar="[EXERCICE] FICHIER")
-    add("vscode", _vscode, "écrit une tâche pour VS Code dans ce dossier")
+    add("vscode", _run_write_vscode_tasks, "écrit une tâche pour VS Code dans ce dossier")
     return parser
 
 
-def _connect(arguments: argparse.Namespace) -> Connection:
+def _connect(arguments: argparse.Namespace) -> ServerConnection:
     server = str(arguments.server).rstrip("/")
     if not server:
         raise ClientError("à quel serveur ? Donnez --server URL.")
-    return Connection(server, tokens.token_of(server))
+    return ServerConnection(server, tokens.find_token(server))
 
 
-def _login(arguments: argparse.Namespace) -> int:
+def _run_login(arguments: argparse.Namespace) -> int:
     server = str(arguments.server).rstrip("/")
     if sys.stdin.isatty():
         token = getpass(f"Jeton créé sur {server}/compte (rien ne s’affiche) : ").strip()
@@ -83,35 +83,37 @@ def _login(arguments: argparse.Namespace) -> int:
         token = sys.stdin.readline().strip()
     if not token:
         raise ClientError("aucun jeton n’a été donné.")
-    Connection(server, token).exercises()
-    tokens.save(server, token)
-    print(f"Jeton gardé dans {tokens.path()}, que vous seul pouvez lire.")
+    ServerConnection(server, token).list_exercises()
+    tokens.save_token(server, token)
+    print(f"Jeton gardé dans {tokens.token_file_path()}, que vous seul pouvez lire.")
     return 0
 
 
-def _list(arguments: argparse.Namespace) -> int:
-    exercises = _connect(arguments).exercises()
+def _run_list_exercises(arguments: argparse.Namespace) -> int:
+    exercises = _connect(arguments).list_exercises()
     width = max((len(exercise["id"]) for exercise in exercises), default=0)
     for exercise in exercises:
         print(f"{exercise['id']:<{width}}  {exercise['title']}")
     return 0
 
 
-def _get(arguments: argparse.Namespace) -> int:
+def _run_get_exercise(arguments: argparse.Namespace) -> int:
     connection = _connect(arguments)
-    name = find_exercise(connection, arguments.exercise)
-    exercise = connection.exercise(name)
+    name = find_exercise_id(connection, arguments.exercise)
+    exercise = connection.load_exercise(name)
     if exercise["kind"] != "code":
         raise ClientError(f"« {name} » se fait sur sa page : {connection.server}/{exercise['module']}")
-    code = connection.last_file(name)["code"] if arguments.last else exercise["starter"]
+    code = connection.load_last_submitted_file(name)["code"] if arguments.last else exercise["starter"]
     marker = f"# balise: {name}\n"
-    _write_new(Path(f"{exercise['slug']}.py"), code if MARKER.search(code) else marker + code)
-    statement = "\n\n".join((exercise["title"], _plain(exercise["statement_html"]), *_promises(exercise)))
-    _write_new(Path(f"{exercise['slug']}.txt"), f"{statement}\n")
+    _write_without_overwriting(Path(f"{exercise['slug']}.py"), code if MARKER.search(code) else marker + code)
+    statement = "\n\n".join(
+        (exercise["title"], _html_to_plain_text(exercise["statement_html"]), *_describe_accepted_answers(exercise))
+    )
+    _write_without_overwriting(Path(f"{exercise['slug']}.txt"), f"{statement}\n")
     return 0
 
 
-def _promises(exercise: dict[str, Any]) -> Iterator[str]:
+def _describe_accepted_answers(exercise: dict[str, Any]) -> Iterator[str]:
     """Yield what is accepted of each function; nothing where the service does not say it."""
     for function in exercise["functions"]:
         lines = [f"- {promise['label']} : {promise['text']}" for promise in function.get("promises", ())]
@@ -119,51 +121,60 @@ def _promises(exercise: dict[str, Any]) -> Iterator[str]:
             yield "\n".join((f"Ce qui est accepté de {function['name']} :", *lines))
 
 
-def _write_new(file: Path, text: str) -> None:
+def _write_without_overwriting(file: Path, text: str) -> None:
     if file.exists() and file.read_text(encoding="utf-8") != text:
         raise ClientError(f"{file} existe déjà : déplacez-le d’abord, rien n’est remplacé.")
     file.write_text(text, encoding="utf-8")
     print(f"{file} écrit.")
 
 
-def _plain(statement: str) -> str:
+def _html_to_plain_text(statement_html: str) -> str:
     """The text of a statement; its page has the mathematics and the figures."""
-    text = re.sub(r"(?is)<(script|style|annotation).*?</\1>", "", statement)
+    text = re.sub(r"(?is)<(script|style|annotation).*?</\1>", "", statement_html)
     text = re.sub(r"(?i)</(p|li|h\d|tr|div|pre)>", "\n", text)
     return BLANK_LINES.sub("\n\n", unescape(TAG.sub("", text))).strip()
 
 
-def _submit(arguments: argparse.Namespace) -> int:
+def _run_submit(arguments: argparse.Namespace) -> int:
     connection = _connect(arguments)
-    exercise, file = _exercise_and_file(connection, arguments.names)
-    return _send(connection, exercise, file, arguments)
+    exercise, file = _find_exercise_and_file(connection, arguments.names)
+    return _submit_and_print_verdict(connection, exercise, file, arguments)
 
 
-def _send(connection: Connection, exercise: str, file: Path, arguments: argparse.Namespace) -> int:
-    submission = connection.follow(connection.submit(exercise, _content(file)))
+def _submit_and_print_verdict(
+    connection: ServerConnection, exercise: str, file: Path, arguments: argparse.Namespace
+) -> int:
+    submission = connection.wait_for_verdict(connection.submit(exercise, _read_submission_content(file)))
     if getattr(arguments, "json", False):
         print(json.dumps(submission, ensure_ascii=False))
     elif getattr(arguments, "problems", False):
-        print("\n".join([*report.problems(submission, str(file.resolve())), connection.attempt_page(submission)]))
+        print(
+            "\n".join(
+                [
+                    *report.problem_matcher_lines(submission, str(file.resolve())),
+                    connection.attempt_page_url(submission),
+                ]
+            )
+        )
     else:
-        print(report.render(submission, connection.attempt_page(submission)))
-    return report.exit_status(submission)
+        print(report.render_verdict(submission, connection.attempt_page_url(submission)))
+    return report.exit_status_of_verdict(submission)
 
 
-def _watch(arguments: argparse.Namespace) -> int:
+def _run_watch(arguments: argparse.Namespace) -> int:
     connection = _connect(arguments)
-    exercise, file = _exercise_and_file(connection, arguments.names)
+    exercise, file = _find_exercise_and_file(connection, arguments.names)
     print(f"{file} est envoyé à {exercise} à chaque enregistrement ; Ctrl+C pour arrêter.", flush=True)
-    for _ in _saves(file):
+    for _ in _iterate_saved_contents(file):
         try:
-            _send(connection, exercise, file, arguments)
+            _submit_and_print_verdict(connection, exercise, file, arguments)
         except ClientError as error:
             print(f"balise : {error}", file=sys.stderr)
         sys.stdout.flush()
     return 0
 
 
-def _saves(file: Path) -> Iterator[bytes]:
+def _iterate_saved_contents(file: Path) -> Iterator[bytes]:
     """Yield the content of a file, then each new one."""
     before = None
     while True:
@@ -177,13 +188,14 @@ def _saves(file: Path) -> Iterator[bytes]:
         time.sleep(LOOK_SECONDS)
 
 
-def _vscode(_arguments: argparse.Namespace) -> int:
-    print(f"{vscode.write_tasks(Path.cwd(), Path(sys.argv[0]).resolve())} écrit : Ctrl+Maj+B envoie le fichier ouvert.")
+def _run_write_vscode_tasks(_arguments: argparse.Namespace) -> int:
+    tasks = vscode.write_vscode_tasks(Path.cwd(), Path(sys.argv[0]).resolve())
+    print(f"{tasks} écrit : Ctrl+Maj+B envoie le fichier ouvert.")
     return 0
 
 
-def _content(file: Path) -> dict[str, Any]:
-    text = _read(file)
+def _read_submission_content(file: Path) -> dict[str, Any]:
+    text = _read_utf8_file(file)
     if file.suffix != ANSWERS:
         return {"code": text}
     try:
@@ -192,7 +204,7 @@ def _content(file: Path) -> dict[str, Any]:
         raise ClientError(f"{file} n’est pas du JSON : {error}.") from error
 
 
-def _read(file: Path) -> str:
+def _read_utf8_file(file: Path) -> str:
     try:
         return file.read_bytes().decode("utf-8-sig")
     except FileNotFoundError as error:
@@ -203,12 +215,12 @@ def _read(file: Path) -> str:
         raise ClientError(f"{file} n’est pas un texte en UTF-8 (octet {error.start + 1}).") from error
 
 
-def _exercise_and_file(connection: Connection, names: list[str]) -> tuple[str, Path]:
+def _find_exercise_and_file(connection: ServerConnection, names: list[str]) -> tuple[str, Path]:
     """Find the exercise: named first, else by the first line of the file, else by the file's name."""
     if len(names) > 2:
         raise ClientError("donnez l’exercice et le fichier, ou le fichier seul.")
     file = Path(names[-1])
     if len(names) == 2:
-        return find_exercise(connection, names[0]), file
-    marked = MARKER.search(_read(file))
-    return find_exercise(connection, marked[1] if marked else file.stem), file
+        return find_exercise_id(connection, names[0]), file
+    marked = MARKER.search(_read_utf8_file(file))
+    return find_exercise_id(connection, marked[1] if marked else file.stem), file

@@ -12,7 +12,7 @@ from typing import Any
 from urllib.parse import quote, urlsplit
 from uuid import uuid4
 
-from .errors import AwayError, ClientError
+from .errors import ClientError, ServerUnavailableError
 
 TIMEOUT_SECONDS = 60
 WAIT_SECONDS = 20  # the server answers as soon as the verdict is there
@@ -31,7 +31,7 @@ class _NoRedirect(urllib.request.HTTPRedirectHandler):
         return None
 
 
-class Connection:
+class ServerConnection:
     """One server, and the token of one account."""
 
     def __init__(self, server: str, token: str) -> None:
@@ -43,25 +43,25 @@ class Connection:
         self.server, self._token = server.rstrip("/"), token
         self._opener = urllib.request.build_opener(_NoRedirect)
 
-    def get(self, path: str) -> Json:
+    def get_json(self, path: str) -> Json:
         return _parse_json(self._request("GET", path))
 
     def get_bytes(self, path: str) -> bytes:
         return self._request("GET", path)
 
-    def exercises(self) -> list[dict[str, Json]]:
+    def list_exercises(self) -> list[dict[str, Json]]:
         """Return the exercises, in the order of the course."""
-        found = self.get("/api/v1/exercises")
+        found = self.get_json("/api/v1/exercises")
         if not isinstance(found, list):
             raise ClientError(NO_BALISE)
         return found
 
-    def exercise(self, name: str) -> dict[str, Json]:
-        return dict(self.get(f"/api/v1/exercises/{quote(name)}"))
+    def load_exercise(self, name: str) -> dict[str, Json]:
+        return dict(self.get_json(f"/api/v1/exercises/{quote(name)}"))
 
-    def last_file(self, name: str) -> dict[str, Json]:
+    def load_last_submitted_file(self, name: str) -> dict[str, Json]:
         """Return the last file that this account has sent: `code`, `created_at`, `submission`."""
-        return dict(self.get(f"/api/v1/me/exercises/{quote(name)}/last"))
+        return dict(self.get_json(f"/api/v1/me/exercises/{quote(name)}/last"))
 
     def submit(self, exercise: str, content: dict[str, Json]) -> dict[str, Json]:
         """Send a file or answers once, whatever is cut off, and return the submission as it is stored.
@@ -74,26 +74,28 @@ class Connection:
         for pause in PAUSES:
             try:
                 return dict(_parse_json(self._request("POST", path, body, headers)))
-            except AwayError:
+            except ServerUnavailableError:
                 time.sleep(pause)
         return dict(_parse_json(self._request("POST", path, body, headers)))
 
-    def follow(self, submission: dict[str, Json]) -> dict[str, Json]:
+    def wait_for_verdict(self, submission: dict[str, Json]) -> dict[str, Json]:
         """Wait for the verdict, or until a test holds it back; return the submission."""
         path = f"/api/v1/submissions/{submission['id']}"
         deadline = time.monotonic() + MAX_WAIT_SECONDS
         pauses = iter(PAUSES)
         while submission.get("status") != "done" and not submission.get("held"):
             if time.monotonic() > deadline:
-                raise ClientError(f"le verdict se fait attendre ; il sera à l’adresse {self.attempt_page(submission)}")
+                raise ClientError(
+                    f"le verdict se fait attendre ; il sera à l’adresse {self.attempt_page_url(submission)}"
+                )
             time.sleep(next(pauses, PAUSES[-1]))
             try:
-                submission = dict(self.get(path))
-            except AwayError:
+                submission = dict(self.get_json(path))
+            except ServerUnavailableError:
                 continue
         return submission
 
-    def attempt_page(self, submission: dict[str, Json]) -> str:
+    def attempt_page_url(self, submission: dict[str, Json]) -> str:
         return f"{self.server}/soumissions/{submission['id']}"
 
     def _request(
@@ -108,20 +110,22 @@ class Connection:
                 content: bytes = answer.read(MAX_BYTES)
                 return content
         except urllib.error.HTTPError as error:
-            raise _refusal(error) from error
+            raise _refusal_error(error) from error
         except (OSError, HTTPException) as error:
-            raise self._unreachable(error) from error
+            raise self._unreachable_error(error) from error
 
-    def _unreachable(self, error: Exception) -> ClientError:
+    def _unreachable_error(self, error: Exception) -> ClientError:
         reason = getattr(error, "reason", error)
         if isinstance(reason, ssl.SSLError):
             return ClientError(f"la connexion chiffrée à {self.server} est refusée (certificat) : {reason}.")
         if isinstance(reason, TimeoutError):
-            return AwayError(f"{self.server} met trop de temps à répondre.")
-        return AwayError(f"impossible de joindre {self.server} : le serveur ne répond pas à cette adresse.")
+            return ServerUnavailableError(f"{self.server} met trop de temps à répondre.")
+        return ServerUnavailableError(
+            f"impossible de joindre {self.server} : le serveur ne répond pas à cette adresse."
+        )
 
 
-def _refusal(error: urllib.error.HTTPError) -> ClientError:
+def _refusal_error(error: urllib.error.HTTPError) -> ClientError:
     try:
         problem = json.loads(error.read(MAX_BYTES))
         detail = str(problem["detail"])
@@ -129,7 +133,7 @@ def _refusal(error: urllib.error.HTTPError) -> ClientError:
     except (ValueError, KeyError, TypeError, AttributeError, OSError):
         return ClientError(f"le serveur répond {error.code}, sans explication.")
     message = f"le serveur refuse ({error.code}) : {detail}{''.join(places)}"
-    return AwayError(message) if error.code in (AWAY, SHORT_OF_ROOM) else ClientError(message)
+    return ServerUnavailableError(message) if error.code in (AWAY, SHORT_OF_ROOM) else ClientError(message)
 
 
 def _parse_json(content: bytes) -> Json:

@@ -5,5 +5,5 @@ class ClientError(Exception):
     """A request or a command that cannot be carried out; its message is French and for the user."""
 
 
-class AwayError(ClientError):
+class ServerUnavailableError(ClientError):
     """The server does not answer, or asks to come back later."""

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from difflib import get_close_matches
 
-from .connection import Connection
+from .connection import ServerConnection
 from .errors import ClientError
 
 
-def find_exercise(connection: Connection, name: str) -> str:
+def find_exercise_id(connection: ServerConnection, name: str) -> str:
     """Return the id of an exercise, of which the last part will do. Raises ClientError with near names."""
-    ids = [str(exercise["id"]) for exercise in connection.exercises()]
+    ids = [str(exercise["id"]) for exercise in connection.list_exercises()]
     by_slug = [exercise for exercise in ids if exercise == name or exercise.rpartition("/")[2] == name]
     if len(by_slug) == 1:
         return by_slug[0]

@@ -9,7 +9,7 @@ from typing import Any, NoReturn
 from .report import CANNOT
 
 
-class FrenchHelp(argparse.HelpFormatter):
+class FrenchHelpFormatter(argparse.HelpFormatter):
     """The heading of a command's usage."""
 
     def add_usage(self, usage: Any, actions: Any, groups: Any, prefix: str | None = None) -> None:
@@ -20,7 +20,7 @@ class FrenchParser(argparse.ArgumentParser):
     """A parser of which each argument is added to a group with a French title."""
 
     def __init__(self, **options: Any) -> None:
-        super().__init__(add_help=False, formatter_class=FrenchHelp, **options)
+        super().__init__(add_help=False, formatter_class=FrenchHelpFormatter, **options)
         self.arguments = self.add_argument_group("arguments")
         self.arguments.add_argument("-h", "--help", action="help", help="affiche cette aide")
 

@@ -7,9 +7,9 @@ import html
 from typing import Any
 
 from . import report, tokens
-from .connection import Connection
+from .connection import ServerConnection
 from .errors import ClientError
-from .exercises import find_exercise
+from .exercises import find_exercise_id
 from .release import SERVER
 
 
@@ -32,7 +32,7 @@ class NotebookVerdict:
         return f'{shown}<p><a href="{address}">Voir l’essai</a></p>'
 
 
-def register(shell: Any) -> None:
+def register_cell_magic(shell: Any) -> None:
     """Add the cell magic to an IPython shell."""
 
     def balise(line: str, cell: str) -> NotebookVerdict | None:
@@ -50,13 +50,13 @@ def grade_cell(exercise: str, cell: str) -> NotebookVerdict:
     """Send a cell; return its verdict. Raises ClientError."""
     if not exercise:
         raise ClientError("quel exercice ? Écrivez par exemple « %%balise l20/poses » en tête de la cellule.")
-    connection = Connection(SERVER, tokens.token_of(SERVER))
-    submission = connection.follow(connection.submit(find_exercise(connection, exercise), {"code": cell}))
-    page = connection.attempt_page(submission)
-    return NotebookVerdict(report.render(submission, page), page, _first_figure(connection, submission))
+    connection = ServerConnection(SERVER, tokens.find_token(SERVER))
+    submission = connection.wait_for_verdict(connection.submit(find_exercise_id(connection, exercise), {"code": cell}))
+    page = connection.attempt_page_url(submission)
+    return NotebookVerdict(report.render_verdict(submission, page), page, _load_first_figure(connection, submission))
 
 
-def _first_figure(connection: Connection, submission: dict[str, Any]) -> bytes | None:
+def _load_first_figure(connection: ServerConnection, submission: dict[str, Any]) -> bytes | None:
     checks = (submission.get("verdict") or {}).get("checks", ())
     names = [check["figure"] for check in checks if check.get("figure") and not check["passed"]]
     if not names:

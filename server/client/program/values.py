@@ -8,21 +8,25 @@ MAX_ROWS, MAX_COLUMNS = 12, 10
 SPECIAL_NUMBERS = frozenset({"nan", "inf", "-inf"})
 
 
-def layout(value: Any, name: str) -> list[str]:
+def format_assignment(value: Any, name: str) -> list[str]:
     """Return the lines of `name = value`."""
     head = f"{name} = "
-    first, *others = _lines(value)
+    first, *others = _format_value(value)
     return [head + first, *(" " * len(head) + line for line in others)]
 
 
-def _lines(value: Any) -> list[str]:
+def _format_value(value: Any) -> list[str]:
     if isinstance(value, str):
         return value.splitlines() or [repr(value)]
     if isinstance(value, dict):
-        return [f"{key}: {' '.join(_lines(item))}" for key, item in list(value.items())[:MAX_ROWS]] or ["{}"]
+        return [f"{key}: {' '.join(_format_value(item))}" for key, item in list(value.items())[:MAX_ROWS]] or ["{}"]
     if isinstance(value, list):
-        return _matrix(value) if _is_matrix(value) else ["[" + ", ".join(_cut([_inline(item) for item in value])) + "]"]
-    return [_inline(value)]
+        return (
+            _format_matrix(value)
+            if _is_matrix(value)
+            else ["[" + ", ".join(_shorten_long_row([_format_inline(item) for item in value])) + "]"]
+        )
+    return [_format_inline(value)]
 
 
 def _is_matrix(rows: list[Any]) -> bool:
@@ -30,8 +34,8 @@ def _is_matrix(rows: list[Any]) -> bool:
     return len(rows) > 1 and len(widths) == 1 and None not in widths
 
 
-def _matrix(rows: list[list[Any]]) -> list[str]:
-    cells = [_cut([_inline(item) for item in row]) for row in rows[:MAX_ROWS]]
+def _format_matrix(rows: list[list[Any]]) -> list[str]:
+    cells = [_shorten_long_row([_format_inline(item) for item in row]) for row in rows[:MAX_ROWS]]
     widths = [max(map(len, column)) for column in zip(*cells)]
     lines = [", ".join(cell.rjust(width) for cell, width in zip(row, widths)) for row in cells]
     lines = [f"{'[[' if number == 0 else ' ['}{line}]" for number, line in enumerate(lines)]
@@ -40,15 +44,15 @@ def _matrix(rows: list[list[Any]]) -> list[str]:
     return [*lines[:-1], lines[-1] + "]"]
 
 
-def _cut(texts: list[str]) -> list[str]:
+def _shorten_long_row(texts: list[str]) -> list[str]:
     return texts if len(texts) <= MAX_COLUMNS else [*texts[: MAX_COLUMNS - 1], f"… ({len(texts)} valeurs)"]
 
 
-def _inline(value: Any) -> str:
+def _format_inline(value: Any) -> str:
     if isinstance(value, str):
         return value if value in SPECIAL_NUMBERS else repr(value)
     if isinstance(value, float):
         return f"{value:.10g}"
     if isinstance(value, list):
-        return "[" + ", ".join(map(_inline, value)) + "]"
+        return "[" + ", ".join(map(_format_inline, value)) + "]"
     return repr(value)

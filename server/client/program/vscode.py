@@ -12,14 +12,14 @@ FILE = Path(".vscode", "tasks.json")
 PATTERN = {"regexp": r"^(.+):(\d+): (error): (.*)$", "file": 1, "line": 2, "severity": 3, "message": 4}
 
 
-def write_tasks(folder: Path, client: Path) -> Path:
+def write_vscode_tasks(folder: Path, client_path: Path) -> Path:
     """Write the tasks of a folder; return the file. Raises ClientError where there are other tasks already."""
     file = folder / FILE
     task = {
         "label": "Balise : envoyer ce fichier",
         "type": "process",
         "command": sys.executable,
-        "args": [str(client), "submit", "${file}", "--problems"],
+        "args": [str(client_path), "submit", "${file}", "--problems"],
         "group": {"kind": "build", "isDefault": True},
         "presentation": {"clear": True},
         "problemMatcher": {"owner": "balise", "fileLocation": "absolute", "pattern": PATTERN},

@@ -20,7 +20,7 @@ from server.web.views import exercise_href
 
 def find_own_warm_up(db: Session, access: ClassAccess, account_id: UUID) -> OwnWarmUp | None:
     """Return the questions of today, or None where there are none."""
-    today = warmup.find_today(db, access.school_class.id)
+    today = warmup.find_todays_warm_up(db, access.school_class.id)
     if today is None:
         return None
     answered = warmup.load_own_answers(db, account_id, access.school_class, today)

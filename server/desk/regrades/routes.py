@@ -74,7 +74,7 @@ def prepare_regrade(
         if regle not in set(RegradePolicy):
             raise NotFound(NOT_OFFERED)
         wanted = RegradeInput(exercice, RegradePolicy(regle), _parse_optional_id(devoir), _parse_optional_id(eleve))
-        made = store.start(db, access.school_class, account.id, wanted)
+        made = store.start_regrade(db, access.school_class, account.id, wanted)
     except ServiceError as refused:
         roll_back_then_read(db)
         chosen = RegradeFormValues(exercice, regle, devoir, eleve, refused.detail)
@@ -153,7 +153,7 @@ def _load_progress(database: Database, account: Account | None, class_id: str, r
         raise NotFound(service.UNKNOWN)
     with database.read() as db:
         access = rights.require_right(db, account, Right.regrade, class_id)
-        return service.load_progress(db, service.find_regrade(db, access.school_class.id, regrade_id))
+        return service.load_regrade_progress(db, service.find_regrade(db, access.school_class.id, regrade_id))
 
 
 def _progress_json(advance: RegradeProgress) -> str:

@@ -72,12 +72,12 @@ def build_regrades_page(db: Session, course: Course, access: ClassAccess, regrad
     school_class = access.school_class
     return {
         "head": class_head(course, access, PATH),
-        "outdated": regrades.outdated(db, school_class),
-        "exercises": regrades.exercises(db, school_class),
+        "outdated": regrades.load_outdated_exercises(db, school_class),
+        "exercises": regrades.load_exercise_titles(db, school_class),
         "names": _ClassNames(db, school_class.id),
         "policies": POLICIES,
         "states": STATES,
-        "rows": service.load_history(db, school_class.id),
+        "rows": service.load_regrade_history(db, school_class.id),
     }
 
 

@@ -16,7 +16,7 @@ from server.classes.models import SchoolClass
 from server.course import Course
 from server.polls import repository as polls
 from server.warmup import service
-from server.warmup.schemas import CountedQuestion
+from server.warmup.schemas import QuestionWithCounts
 from server.web.rendering import jinja_environment
 
 
@@ -24,7 +24,7 @@ from server.web.rendering import jinja_environment
 class ShownWarmUp:
     """Today's questions with the answers of the class; none where none were prepared."""
 
-    questions: Sequence[CountedQuestion]
+    questions: Sequence[QuestionWithCounts]
     students: int
 
     @property
@@ -35,7 +35,7 @@ class ShownWarmUp:
 def load_warm_up(
     db: Session, _course: Course, school_class: SchoolClass, _now: datetime, _pulse: Sequence[object]
 ) -> ShownWarmUp:
-    warm_up = service.find_today(db, school_class.id)
+    warm_up = service.find_todays_warm_up(db, school_class.id)
     questions = [] if warm_up is None else service.count_answers(db, school_class, warm_up)
     return ShownWarmUp(questions, polls.count_active_students(db, school_class.id))
 
@@ -43,10 +43,10 @@ def load_warm_up(
 def load_warm_up_pulse(db: Session, class_id: UUID) -> Sequence[object]:
     """Load the numbers themselves: reading them costs as much as a tag of them would."""
     school_class = classes.find_class(db, class_id)
-    warm_up = None if school_class is None else service.find_today(db, class_id)
+    warm_up = None if school_class is None else service.find_todays_warm_up(db, class_id)
     if school_class is None or warm_up is None:
         return []
-    names = service.poll_names(school_class, warm_up)
+    names = service.question_poll_names(school_class, warm_up)
     return [warm_up.id, polls.count_active_students(db, class_id), *polls.load_answer_counts(db, class_id, names)]
 
 

@@ -54,7 +54,7 @@ async def prepare_questions(
 ) -> Response:
     """Prepare the questions of today; say why where there are none."""
     try:
-        await WarmUpService(course, database, hunts).prepare(account, class_id, client_address(request))
+        await WarmUpService(course, database, hunts).prepare_today(account, class_id, client_address(request))
     except Conflict as conflict:
         return await run_in_threadpool(_refuse, request, class_id, account, course, database, conflict.detail)
     return redirect(f"/classes/{class_id}{views.PATH}")
@@ -81,7 +81,7 @@ def answer_question(
     """Store the first answer to a question; a later one changes nothing."""
     access = rights.require_right(reader.db, account, Right.answer_questions, class_id)
     try:
-        service.answer(reader.db, account, access.school_class, question - 1, reponse)
+        service.store_student_answer(reader.db, account, access.school_class, question - 1, reponse)
     except Invalid as refused:
         roll_back_then_read(reader.db)
         access = rights.require_right(reader.db, account, Right.answer_questions, class_id)

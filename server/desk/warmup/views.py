@@ -32,7 +32,7 @@ def staff_page(
     With `counts_relapses`, whether they serve, which takes all attempts of the class.
     """
     school_class = access.school_class
-    warm_up = service.find_today(db, school_class.id)
+    warm_up = service.find_todays_warm_up(db, school_class.id)
     return {
         "head": class_head(course, access, "/seance"),
         "href": warm_up_href(school_class),
@@ -40,7 +40,7 @@ def staff_page(
         "students": polls.count_active_students(db, school_class.id),
         "may_prepare": access.has(Right.run_lessons) and school_class.archived_at is None,
         "stream": f"{warm_up_href(school_class)}/evenements",
-        "relapses": service.load_relapses(db, course, school_class) if counts_relapses else None,
+        "relapses": service.load_relapse_stats(db, course, school_class) if counts_relapses else None,
         "fewest": FEWEST_CASES,
         "problem": problem,
     }
@@ -50,8 +50,8 @@ def student_page(
     db: Session, course: Course, access: ClassAccess, account: Account, problem: str = ""
 ) -> Mapping[str, Any]:
     """Build the page of a student: today's questions, each with its mark once it is answered."""
-    warm_up = service.find_today(db, access.school_class.id)
-    questions = [] if warm_up is None else service.questions_of(warm_up)
+    warm_up = service.find_todays_warm_up(db, access.school_class.id)
+    questions = [] if warm_up is None else service.parse_stored_questions(warm_up)
     said = {} if warm_up is None else service.load_own_answers(db, account.id, access.school_class, warm_up)
     return {
         "head": class_head(course, access),
@@ -67,7 +67,7 @@ def student_page(
 def wall_page(db: Session, access: ClassAccess, number: int, *, shows_answers: bool) -> Mapping[str, Any] | None:
     """Build a question for the projector, with numbers of students alone; None where there is no such question."""
     school_class = access.school_class
-    warm_up = service.find_today(db, school_class.id)
+    warm_up = service.find_todays_warm_up(db, school_class.id)
     counted = [] if warm_up is None else service.count_answers(db, school_class, warm_up)
     if not 0 <= number < len(counted):
         return None

@@ -19,7 +19,7 @@ from typing import Any
 import pytest
 from sqlalchemy import select, text
 
-from server.app import Services
+from server.app import ApplicationServices
 from server.base.settings import Settings
 from server.course import Course
 from server.database import Database
@@ -53,12 +53,12 @@ def test_each_web_process_tells_of_what_was_sent_to_the_other(
     machines.append(worker)
 
     async def story() -> list[SubmissionState]:
-        one, other = (Services(shared_settings, course, ()) for _ in range(2))
+        one, other = (ApplicationServices(shared_settings, course, ()) for _ in range(2))
         async with AsyncExitStack() as stack:
             for services in (one, other):
-                await stack.enter_async_context(services.running())
-                assert services.engine is not None
-                assert await asyncio.to_thread(services.engine.connection.wait_ready, PATIENCE)
+                await stack.enter_async_context(services.run_during_lifespan())
+                assert services.nats_engine is not None
+                assert await asyncio.to_thread(services.nats_engine.connection.wait_ready, PATIENCE)
             key = await asyncio.to_thread(send, one)
 
             def read() -> Seen:
@@ -66,7 +66,7 @@ def test_each_web_process_tells_of_what_was_sent_to_the_other(
                     return Seen(other.submissions.progress(db, db.execute(select(Submission)).scalar_one()))
 
             states = []
-            async for seen in other.events.follow(key, read):
+            async for seen in other.job_events.follow(key, read):
                 states.append(seen.state)
                 if len(states) == 1:
                     hand = Hand(worker.start().up()).start()
@@ -79,7 +79,7 @@ def test_each_web_process_tells_of_what_was_sent_to_the_other(
     assert (states[0], states[-1]) == (SubmissionState.queued, SubmissionState.done)
 
 
-def send(services: Services) -> str:
+def send(services: ApplicationServices) -> str:
     account = new_account(services.database)
     with services.database.write() as db:
         return job_key(services.submissions.submit(db, account, EXERCISE, "pass", address=ADDRESS).id)
@@ -260,7 +260,7 @@ def test_a_cluster_of_three_outlives_each_of_its_nodes(shared_settings: Settings
     settings = shared_settings.model_copy(update={"nats_url": url, "nats_replicas": 3, "submission_burst": 1000})
     web, worker = Machine(settings).start(), Machine(settings).start()
     for machine in (web, worker):
-        assert machine.engine.connection.wait_ready(3 * PATIENCE), "the three have elected a leader"
+        assert machine.nats_engine.connection.wait_ready(3 * PATIENCE), "the three have elected a leader"
     account, sent = new_account(web.database), list[str]()
     store = Submissions(settings, web.queue)
 
@@ -273,7 +273,7 @@ def test_a_cluster_of_three_outlives_each_of_its_nodes(shared_settings: Settings
         if graded(web) == sorted(sent):
             return True
         with web.database.read() as db:
-            web.engine.sweeper.resend_missing(db)
+            web.nats_engine.sweeper.resend_missing(db)
         time.sleep(0.5)
         return False
 
@@ -294,7 +294,7 @@ def test_a_cluster_of_three_outlives_each_of_its_nodes(shared_settings: Settings
 
 def in_step(machine: Machine) -> bool:
     """Whether the three nodes hold the stream, none behind."""
-    connection = machine.engine.connection
+    connection = machine.nats_engine.connection
     try:
         info = connection.run_blocking(lambda: connection.jetstream.stream_info("work"), PATIENCE)
     except NatsUnavailableError:

@@ -177,7 +177,14 @@ def _load_demo(data: Path, students: int) -> UUID:
         database, course = Database(settings.url), the_course()
         module = course.modules["l20"]
         loaded = create_demo_class(
-            database, course, module, grade, settings, seed=3, students=students, told=lambda _done, _all: None
+            database,
+            course,
+            module,
+            grade,
+            settings,
+            seed=3,
+            students=students,
+            report_progress=lambda _done, _all: None,
         )
         _one_of_each(database, loaded)
         database.close()
@@ -214,7 +221,7 @@ def _one_of_each(database: Database, loaded: DemoClass) -> None:
         db.add(LiveLesson(class_id=loaded.class_id, exercises=[EXERCISE], started_at=begun, ended_at=utc_now()))
         options = (WarmUpOption("A", "`a + b`", MISTAKE, "Voici pourquoi."), WarmUpOption("B", "`b + a`"))
         question = WarmUpQuestion("s", EXERCISE, MISTAKE, "Poses", "/", "Que vaut `f(1)` ?", options, "B", needed=5)
-        warm_ups.add_if_absent(db, loaded.class_id, today(), [question.to_data()])
+        warm_ups.add_warm_up_if_absent(db, loaded.class_id, today(), [question.to_data()])
         db.flush()
         db.add(Fingerprint(grading_id=graded, group_id=GROUP))
 

@@ -85,7 +85,7 @@ def played(tmp_path: Path, test: Callable[[CellRunner], Awaitable[None]], script
 
 def ran(cells: CellRunner, code: str, reader: str = "", address: str = "here") -> Coroutine[None, None, bytes]:
     """A cell of a reader's; of a new one's, where it is not said."""
-    return cells.run("l20", code, reader=reader or str(next(READERS)), flow=address)
+    return cells.run_cell("l20", code, reader=reader or str(next(READERS)), flow=address)
 
 
 async def started(cells: CellRunner, code: str) -> asyncio.Task[bytes]:
@@ -127,15 +127,15 @@ def test_cells_run_and_their_process_is_started_by_the_first(tmp_path: Path) -> 
 
 def test_its_process_is_started_ahead_while_the_application_serves_only(tmp_path: Path) -> None:
     async def test(cells: CellRunner) -> None:
-        cells.prepare(READINESS)
+        cells.start_process_early(READINESS)
         await asyncio.sleep(0)
         assert not cells.helper.is_running
         async with cells:
             for _ in range(2):
-                cells.prepare(READINESS)
+                cells.start_process_early(READINESS)
             await eventually(lambda: cells.helper.is_running)
             first = process(cells)
-            cells.prepare(READINESS)
+            cells.start_process_early(READINESS)
             assert json.loads(await ran(cells, "print(H)"))["stdout"] == "16\n"
             assert process(cells) == first
 

@@ -16,7 +16,7 @@ from uuid import UUID
 import pytest
 from sqlalchemy import select
 
-from server.backup.move import move_rows
+from server.backup.move import copy_rows_into_empty_database
 from server.base.files import ROOT
 from server.base.http import SESSION_COOKIE
 from server.base.settings import Settings
@@ -101,7 +101,7 @@ def upgraded(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFa
             server = request.getfixturevalue("postgres_url")
             url = stack.enter_context(new_database(server, f"balise_released_{os.getpid()}"))
             with closing(Database(url)) as target:
-                move_rows(source, target, metadata.sorted_tables, lambda _table, _rows: None)
+                copy_rows_into_empty_database(source, target, metadata.sorted_tables, lambda _table, _rows: None)
         yield Upgraded(released, url)
 
 

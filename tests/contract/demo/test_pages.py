@@ -20,8 +20,8 @@ from graders.core.contract.verdict import CheckResult, Diagnosis, Verdict
 from server.base.app_services import get_service
 from server.base.settings import Settings
 from server.course import Course
-from server.demo.loading import TEACHER, create_demo_class, demo_module
-from server.figures.service import Figures
+from server.demo.loading import TEACHER, choose_demo_module, create_demo_class
+from server.figures.service import FigureService
 from server.identity.models import Account
 from tests.contract.rights.test_routes import Drawer
 from tests.support.classes import person
@@ -100,9 +100,16 @@ def demo(site: Site, course: Course) -> Site:
     def judge(exercise: str, source: bytes, seed: int) -> Judgement:
         return grade(course, exercise, source, seed)
 
-    get_service(site.app, Figures).pictures._drawer = Drawer()  # type: ignore[assignment]
+    get_service(site.app, FigureService).pictures._drawer = Drawer()  # type: ignore[assignment]
     create_demo_class(
-        site.database, course, demo_module(course), judge, Settings(), seed=3, students=PUPILS, told=lambda *_: None
+        site.database,
+        course,
+        choose_demo_module(course),
+        judge,
+        Settings(),
+        seed=3,
+        students=PUPILS,
+        report_progress=lambda *_: None,
     )
     return site
 

@@ -86,10 +86,10 @@ def catalogue_of(course_folder: CourseFolder, text: str) -> Course:
 def test_a_drawing_is_the_same_each_time_and_not_in_the_other_theme(course_folder: CourseFolder) -> None:
     course = catalogue_of(course_folder, FIGURES)
     drawing = course.modules["m9"].drawings["trace"]
-    light = lessons.draw(drawing, "light", "svg").picture
+    light = lessons.draw_lesson_figure(drawing, "light", "svg").picture
     assert light.startswith(b"<?xml")
-    assert lessons.draw(drawing, "light", "svg").picture == light
-    dark = lessons.draw(drawing, "dark", "svg").picture
+    assert lessons.draw_lesson_figure(drawing, "light", "svg").picture == light
+    dark = lessons.draw_lesson_figure(drawing, "dark", "svg").picture
     assert palette("dark").paper.encode() in dark
     assert palette("dark").paper.encode() not in light
 
@@ -99,8 +99,8 @@ def test_another_text_makes_another_figure_and_the_same_text_the_same(course_fol
     drawing = catalogue_of(course_folder, FIGURES).modules["m9"].drawings["trace"]
 
     def key(theme: drawing_requests.Theme = "light") -> str:
-        drawing_requests.folder_version.cache_clear()
-        return drawing_requests.lesson_figure_request(drawing, theme).key
+        drawing_requests.module_drawings_digest.cache_clear()
+        return drawing_requests.build_lesson_figure_request(drawing, theme).key
 
     first = key()
     assert key("dark") != first
@@ -121,7 +121,7 @@ def test_check_tells_what_does_not_draw_or_changes_size(course_folder: CourseFol
         "def juste(figure, palette):\n    figure.subplots()\n"
         'FIGURES = {\n    "panne": (panne, "A"),\n    "grand": (grand, "A"),\n    "juste": (juste, "A"),\n}\n',
     )
-    found = [(one.line, one.message) for one in lessons.faults(course)]
+    found = [(one.line, one.message) for one in lessons.find_drawing_faults(course)]
     assert [line for line, _ in found] == [8, 9]
     assert "« panne » ne se dessine pas (ZeroDivisionError" in found[0][1]
     assert '"grand": (grand, "…", (6.4, 9))' in found[1][1]
@@ -136,20 +136,23 @@ def test_what_fails_on_dark_paper_alone_is_told(course_folder: CourseFolder) -> 
         "    figure.set_size_inches((6.4, 3) if palette == of('light') else (6.4, 9))\n"
         'FIGURES = {\n    "nuit": (nuit, "A"),\n    "ombre": (ombre, "A", (6.4, 3)),\n}\n',
     )
-    night, shade = [one.message for one in lessons.faults(course)]
+    night, shade = [one.message for one in lessons.find_drawing_faults(course)]
     assert "KeyError" in night
     assert "(6.4, 9)" in shade
 
 
 @pytest.mark.slow
 def test_the_drawings_of_the_course_are_drawn_at_their_size() -> None:
-    assert [str(one) for one in lessons.faults(the_course())] == []
+    assert [str(one) for one in lessons.find_drawing_faults(the_course())] == []
 
 
 def test_some_drawings_of_the_course_are_drawn_at_their_size() -> None:
     drawings = the_course().modules["l20"].drawings
     for name in sorted(drawings)[::4]:
-        assert lessons.size_fault(drawings[name], lessons.draw(drawings[name], "light", "svg").size) == "", name
+        assert (
+            lessons.describe_size_fault(drawings[name], lessons.draw_lesson_figure(drawings[name], "light", "svg").size)
+            == ""
+        ), name
 
 
 @pytest.mark.parametrize("theme", THEMES)

@@ -17,8 +17,8 @@ from graders.scene.films import wire
 from server.base.helpers import Helper, HelperError, HelperProgram
 from server.course.models import Drawing
 from server.figures import drawing_requests
-from server.figures.lessons import draw
-from server.figures.program import MAX_REPLAY_BYTES, helper_program
+from server.figures.lessons import draw_lesson_figure
+from server.figures.program import MAX_REPLAY_BYTES, drawing_helper_program
 from tests.support.live import alive, children, until
 from tests.support.quick import in_a_loop
 
@@ -60,7 +60,7 @@ def drawing(path: Path, function: str) -> Drawing:
 
 
 def question(path: Path, function: str) -> bytes:
-    return drawing_requests.lesson_figure_request(drawing(path, function), "dark").payload
+    return drawing_requests.build_lesson_figure_request(drawing(path, function), "dark").payload
 
 
 def has_ended(pid: int) -> bool:
@@ -69,7 +69,7 @@ def has_ended(pid: int) -> bool:
 
 def play(scene: Callable[[Helper], Awaitable[None]], made: HelperProgram | None = None) -> None:
     async def whole() -> None:
-        helper = Helper(made or helper_program())
+        helper = Helper(made or drawing_helper_program())
         await scene(helper)
         last = helper._process
         await helper.close()
@@ -89,7 +89,7 @@ def test_one_process_draws_as_it_would_be_drawn_here_whatever_failed_before(fold
     frames = {"a": [0.0, 0.0, 0.0], "b": [1.0, 0.0, 0.5]}
     data = {"kind": "frames", "title": "Essai", "frames": frames, "expected": [1.0, 0.0, 0.5], "got": [1.0, 0.0, 0.0]}
     exercise = "l20/poses"
-    lesson = draw(drawing(folder, "right"), "dark", "svg").picture
+    lesson = draw_lesson_figure(drawing(folder, "right"), "dark", "svg").picture
 
     async def scene(helper: Helper) -> None:
         assert await helper.ask(drawing_requests.WARM_UP_PAYLOAD) == b""
@@ -97,18 +97,18 @@ def test_one_process_draws_as_it_would_be_drawn_here_whatever_failed_before(fold
         first = helper._process.pid
         assert await helper.ask(question(folder, "right")) == lesson
         for form in ("svg", "png"):
-            order = drawing_requests.verdict_figure_request(exercise, data, form, "light")
+            order = drawing_requests.build_verdict_figure_request(exercise, data, form, "light")
             assert await helper.ask(order.payload) == counterexample(exercise, data, theme="light", extension=form)
         await raises(
-            helper, drawing_requests.verdict_figure_request(exercise, {"kind": "rien"}, "svg", "light").payload
+            helper, drawing_requests.build_verdict_figure_request(exercise, {"kind": "rien"}, "svg", "light").payload
         )
         film = {"kind": "localisation", "start": [1, 1], "commands": [[1, 0]], "cells": [[1, 2]], "beliefs": []}
-        asked = drawing_requests.film_request("l20/predire2d", film, "Suivre").payload
+        asked = drawing_requests.build_replay_request("l20/predire2d", film, "Suivre").payload
         assert json.loads(gzip.decompress(await helper.ask(asked))) == wire("l20/predire2d", film, "Suivre")
         for bad in ({**film, "beliefs": ["00ff"]}, {**film, "kind": "rien"}, {"beliefs": []}):
-            await raises(helper, drawing_requests.film_request("l20/predire2d", bad, "Suivre").payload)
+            await raises(helper, drawing_requests.build_replay_request("l20/predire2d", bad, "Suivre").payload)
         await raises(
-            helper, drawing_requests.film_request("l20/predire2d", film, "é" * (MAX_REPLAY_BYTES // 2)).payload
+            helper, drawing_requests.build_replay_request("l20/predire2d", film, "é" * (MAX_REPLAY_BYTES // 2)).payload
         )
         for function in ("wrong", "greedy"):  # what raises or takes too much memory
             await raises(helper, question(folder, function))
@@ -134,7 +134,7 @@ def test_what_takes_too_much_processor_time_ends_alone_beside_others(folder: Pat
         assert await helper.ask(question(folder, "right")) == lesson
         assert helper._process.pid == process
 
-    play(scene, helper_program(cpu_seconds=1.5, patience=600.0))
+    play(scene, drawing_helper_program(cpu_seconds=1.5, patience=600.0))
 
 
 def test_what_ends_its_process_fails_alone_and_the_next_is_drawn_by_another(folder: Path) -> None:
@@ -142,7 +142,7 @@ def test_what_ends_its_process_fails_alone_and_the_next_is_drawn_by_another(fold
     draws, processes = question(folder, "right"), list[int]()
 
     async def drawn_by_another(helper: Helper) -> None:
-        helper.program = helper_program()
+        helper.program = drawing_helper_program()
         assert await helper.ask(draws)
         assert helper._process is not None
         processes.append(helper._process.pid)
@@ -150,7 +150,7 @@ def test_what_ends_its_process_fails_alone_and_the_next_is_drawn_by_another(fold
 
     async def scene(helper: Helper) -> None:
         await drawn_by_another(helper)
-        helper.program = helper_program(patience=0.3)
+        helper.program = drawing_helper_program(patience=0.3)
         await raises(helper, question(folder, "asleep"))
         await asyncio.to_thread(until, lambda: not alive(processes[-1]), "the one that hung is gone")
         await drawn_by_another(helper)
@@ -158,11 +158,11 @@ def test_what_ends_its_process_fails_alone_and_the_next_is_drawn_by_another(fold
         await asyncio.to_thread(until, lambda: helper._process is not None and helper._process.ended, "it is noticed")
         await drawn_by_another(helper)
 
-    play(scene, helper_program(cpu_seconds=0.5, patience=600.0))
+    play(scene, drawing_helper_program(cpu_seconds=0.5, patience=600.0))
 
 
 def test_it_is_given_no_setting_of_the_service(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("BALISE_DATABASE_URL", "postgresql://balise:secret@localhost/balise")
     assert not any(
-        "secret" in value or name.startswith("BALISE_") for name, value in helper_program().environment.items()
+        "secret" in value or name.startswith("BALISE_") for name, value in drawing_helper_program().environment.items()
     )

@@ -29,7 +29,7 @@ from server.classes.models import ClassRole, Membership, SchoolClass
 from server.comments.models import Message, Note, NoteReader, Thread, ThreadState
 from server.database import utc_now
 from server.federation.models import ContextTeacher, IdentityProvider, Protocol, ProviderContext
-from server.figures.service import Figures
+from server.figures.service import FigureService
 from server.gradebook import service as gradebook
 from server.gradebook.schemas import GradingResult
 from server.health import readiness
@@ -299,7 +299,7 @@ class Stage:
         self.calendar = calendars.renew_address(db, self.accounts["student"])
         options = (WarmUpOption("A", "1"), WarmUpOption("B", "2"))
         question = WarmUpQuestion("s", EXERCISE, MISTAKE, "Poses", "/", "Combien ?", options, "A", 5)
-        warm_ups.add_if_absent(db, self.made.id, today(), [question.to_data()])
+        warm_ups.add_warm_up_if_absent(db, self.made.id, today(), [question.to_data()])
         teacher = self.accounts["teacher"].id
         self.authored = AuthoredExercise(author_id=teacher, module="l20", draft=ExerciseDraft().to_data(), digest="")
         self.lent = AuthoredExercise(
@@ -402,7 +402,7 @@ def test_the_table_has_every_route_and_no_other(site: Site) -> None:
 def test_every_route_does_for_everybody_what_the_table_says(site: Site, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(readiness, "NOBODY_GRADES_AFTER", timedelta(days=1))  # however slow the machine is
     site.tighten(sign_up_burst=1000, guest_burst=10_000)
-    get_service(site.app, Figures).pictures._drawer = Drawer()  # type: ignore[assignment]
+    get_service(site.app, FigureService).pictures._drawer = Drawer()  # type: ignore[assignment]
     get_service(site.app, LiveBoards).max_stream_seconds = 0.0
     found, read_only = {}, Stage(site)
     for name in expected():
