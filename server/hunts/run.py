@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from contextlib import closing, contextmanager
 from dataclasses import dataclass
 from functools import lru_cache
@@ -23,10 +22,9 @@ from graders.core.code.hunts import (
     measure_input,
 )
 from graders.core.code.wrong_lines import find_wrong_lines
-from graders.core.compare.words import fraction_of_pi, text
+from graders.core.compare.words import text
 from graders.core.contract.program import Program, StudentFault
 from graders.core.contract.values import Arguments, Value
-from server.base.errors import Invalid
 from server.grading.sandbox_grader import SandboxPrograms
 from server.hunts.declared import DeclaredHuntRunner
 from server.hunts.protocol import (
@@ -51,8 +49,8 @@ from server.hunts.protocol import (
     ProgramReview,
     ReviewRequest,
 )
+from server.hunts.typed_values import format_typed_argument, parse_typed_arguments, parse_typed_value
 from server.sandbox import Policy, Sandbox
-from server.steps import calls
 
 MIB = 1 << 20
 POLICY = Policy(cpu_seconds=3.0, wall_seconds=5.0, memory_bytes=512 * MIB)
@@ -216,7 +214,7 @@ class HuntRunner:
         if hunt is None or (known := self._find_witness(trial.hunt, hunt)) is None:
             return HuntTrialOutcome(refusal=GONE)
         try:
-            args = hunt.read_input(_parse_typed_arguments(trial.typed))
+            args = hunt.read_input(parse_typed_arguments(trial.typed))
         except InputFault as fault:
             return HuntTrialOutcome(refusal=fault.message, argument=fault.argument)
         try:
@@ -241,7 +239,7 @@ class HuntRunner:
         ):
             return HuntTrialOutcome(refusal="Cette question n’existe plus : prenez-en une autre.")
         try:
-            typed = np.asarray(_parse_typed_value("valeur", trial.typed), dtype=np.float64)
+            typed = np.asarray(parse_typed_value("valeur", trial.typed), dtype=np.float64)
         except InputFault as fault:
             return HuntTrialOutcome(refusal=fault.message, argument=fault.argument)
         except (TypeError, ValueError):
@@ -314,33 +312,6 @@ def _flatten_numbers(value: Value) -> np.ndarray:
     if isinstance(value, tuple | list):
         return np.concatenate([np.zeros(0), *map(_flatten_numbers, value)])
     return np.ravel(np.asarray(value, dtype=np.float64))
-
-
-def _parse_typed_arguments(typed: Mapping[str, str]) -> dict[str, Value]:
-    """Read typed arguments; those left empty are not given. Raises InputFault."""
-    return {name: _parse_typed_value(name, words) for name, words in typed.items() if words.strip()}
-
-
-def _parse_typed_value(name: str, typed: str) -> Value:
-    try:
-        return calls.parse_value(typed)
-    except Invalid as error:
-        raise InputFault(name, f"{name} : {error}") from error
-
-
-def format_typed_argument(value: Value) -> str:
-    """Return a number or a list of numbers as a reader types it: « [0, 1, pi/2] »."""
-    if isinstance(value, list | tuple):
-        return f"[{', '.join(map(format_typed_argument, value))}]"
-    if isinstance(value, np.ndarray):
-        return format_typed_argument(value.tolist())
-    number = float(value)
-    if number == int(number):
-        return str(int(number))
-    part = fraction_of_pi(number)
-    if part is None:
-        return f"{number:.6g}"
-    return re.sub(r"(?<=\d)π", "*π", part).replace("π", "pi").replace("−", "-")
 
 
 def _find_hunts_of_misconception(name: HuntName) -> Iterator[Hunt]:

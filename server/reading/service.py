@@ -227,8 +227,8 @@ def build_lesson_view(
     chosen_path: ReadingPath | None = None,
 ) -> LessonPage:
     """A lesson for one who stands there in the module's exercises, and gave `first_answers` to its questions; None
-    where nobody hears them. Behind a gate that is not open, nothing of its text. `chosen_path` is the reader's path, which
-    folds what it leaves for later."""
+    where nobody hears them. Behind a gate that is not open, nothing of its text. `chosen_path` is the reader's path,
+    which folds what it leaves for later."""
     way = lessons_in_reading_order(module)
     left = _path_names_to_leave_out(chosen_path)
     rows = _exercise_rows_by_slug(module.exercises, progress)
