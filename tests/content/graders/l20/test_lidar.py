@@ -99,6 +99,21 @@ def test_a_march_of_long_steps_that_ends_in_their_middle_is_refused() -> None:
         assert checked(GRADER.exercise, source, 2).verdict.score < 0.5
 
 
+@pytest.mark.parametrize("step", ["0.05 / max(abs(cos(angle)), 1e-9)", "0.05 / max(abs(sin(angle)), 1e-9)",
+                                  "0.1 / max(abs(cos(angle)), abs(sin(angle)))"])  # fmt: skip
+def test_a_step_that_is_constant_on_an_axis_is_named_and_no_range_is_blamed(step: str) -> None:
+    assert named(verdict(march(step=step), 2)) == "pas_sur_un_axe"
+
+
+def test_a_range_is_blamed_only_where_the_same_rays_are_right_with_a_long_one() -> None:
+    assert (
+        named(verdict(march().replace("    return portee_max", "    return portee_max - 0.5"), 2))
+        == "portee_mal_traitee"
+    )
+    grows = march(step="0.03 + 0.02 * t")
+    assert named(verdict(grows, 2)) not in ("portee_mal_traitee", "bord_mal_traite")
+
+
 OUTSIDE = "colonne < 0 or ligne < 0 or colonne >= {w} or ligne >= {h}"
 MARCHING = {
     "axes_echanges": {"cell": "floor(y + t * sin(angle)), floor(x + t * cos(angle))"},
