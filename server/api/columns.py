@@ -56,7 +56,7 @@ def create_column(class_id: str, body: ColumnIn, account: ApiAccount, db: Db) ->
     place = rights.require_right(db, account, Right.change_marks, class_id)
     fields = ColumnInput(**{name: getattr(body, name) for name in FIELDS})
     column = columns.create_column(db, place.school_class, account, fields)
-    columns.publish_column(db, place.school_class, account, column.id, published=body.published)
+    columns.set_column_published(db, place.school_class, account, column.id, published=body.published)
     return _out(column)
 
 
@@ -78,10 +78,10 @@ def change_column(class_id: str, column_id: str, body: ColumnChange, account: Ap
     sent = {field: getattr(body, field) for field in body.model_fields_set & set(FIELDS)}
     told: dict[str, Any] = {field: value for field, value in sent.items() if value is not None or field == "taken_on"}
     columns.change_column(
-        db, school_class, account, name, ColumnInput(**{**asdict(columns.column_input(column)), **told})
+        db, school_class, account, name, ColumnInput(**{**asdict(columns.editable_column_fields(column)), **told})
     )
     if body.published is not None:
-        columns.publish_column(db, school_class, account, name, published=body.published)
+        columns.set_column_published(db, school_class, account, name, published=body.published)
     if body.place is not None:
         columns.move_column(db, school_class, account, name, body.place)
     return _out(column)
@@ -107,7 +107,7 @@ def set_column_marks(class_id: str, column_id: str, body: TypedMarksIn, account:
     """Stores the marks that are sent, all or none; those of other students stay."""
     place = rights.require_right(db, account, Right.change_marks, class_id)
     entries = [_entry(mark) for mark in body.marks]
-    column = columns.set_marks(db, place.school_class, account, _id(column_id), entries)
+    column = columns.store_column_marks(db, place.school_class, account, _id(column_id), entries)
     return _with_marks(db, place.school_class, column)
 
 
@@ -133,10 +133,10 @@ def _values(column: ManualColumn) -> dict[str, Any]:
 
 
 def _with_marks(db: Db, school_class: SchoolClass, column: ManualColumn) -> ColumnWithMarks:
-    stored = repository.load_marks(db, column.id)
+    stored = repository.load_column_marks(db, column.id)
     marks = []
     for student in classes.load_student_records(db, school_class.id):
         row = stored.get(student.id)
-        typed = NEVER_TYPED if row is None else repository.typed_mark(row)
+        typed = NEVER_TYPED if row is None else repository.build_typed_mark(row)
         marks.append({"student": student.id, "name": student.name, **asdict(typed)})
     return ColumnWithMarks.model_validate({**_values(column), "marks": marks})

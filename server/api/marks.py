@@ -117,8 +117,10 @@ def decide_state(
     """Says of a student's whole assignment: absent, excused, or zero. What was sent stays, and counts no more."""
     place = rights.require_right(db, account, Right.change_marks, class_id)
     who, assignment = parse_uuid(student, NOT_A_MEMBER), parse_uuid(aid, service.NO_SUCH_ASSIGNMENT)
-    decisions.decide_state(db, place.school_class, account, who, assignment, body.state, body.reason)
-    decision = plain_values.decision_json(marks.load_decisions(db, place.school_class.id, [who])[who, assignment])
+    decisions.set_state_decision(db, place.school_class, account, who, assignment, body.state, body.reason)
+    decision = plain_values.decision_json(
+        marks.load_active_decisions(db, place.school_class.id, [who])[who, assignment]
+    )
     return StudentDecision.model_validate({"assignment": assignment, "student": who, "decision": decision})
 
 
@@ -127,7 +129,7 @@ def withdraw_decision(class_id: str, aid: str, student: str, account: ApiAccount
     """Withdraws the decision: what was sent counts again."""
     place = rights.require_right(db, account, Right.change_marks, class_id)
     who, assignment = parse_uuid(student, NOT_A_MEMBER), parse_uuid(aid, service.NO_SUCH_ASSIGNMENT)
-    decisions.withdraw_decision(db, place.school_class, account, who, assignment)
+    decisions.withdraw_state_decision(db, place.school_class, account, who, assignment)
     return Response(status_code=204)
 
 
@@ -135,7 +137,7 @@ def withdraw_decision(class_id: str, aid: str, student: str, account: ApiAccount
 def read_marking(class_id: str, account: ApiAccount, db: Db) -> MarkingOut:
     """How states without points count in the means of the class."""
     place = rights.require_right(db, account, Right.read_marks, class_id)
-    return _marking_out(marks.load_marking(db, place.school_class.id))
+    return _marking_out(marks.load_marking_rules(db, place.school_class.id))
 
 
 @router.patch(MARKING, responses=problems(400, 401, 403, 404, 409, 413, 422))
@@ -143,8 +145,8 @@ def choose_marking(class_id: str, body: MarkingIn, account: ApiAccount, db: Db) 
     """Chooses how they count. Marks stay as they are; means are computed anew."""
     place = rights.require_right(db, account, Right.change_marks, class_id)
     chosen = {name: Counting(value) for name, value in body.model_dump(exclude={"version"}).items() if value}
-    rules = replace(marks.load_marking(db, place.school_class.id).rules, **chosen)
-    return _marking_out(decisions.choose_rules(db, place.school_class, account, rules, body.version))
+    rules = replace(marks.load_marking_rules(db, place.school_class.id).rules, **chosen)
+    return _marking_out(decisions.set_marking_rules(db, place.school_class, account, rules, body.version))
 
 
 def _marking_out(marking: ClassMarking) -> MarkingOut:

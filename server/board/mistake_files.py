@@ -13,7 +13,7 @@ from server.board.objective_loading import ClassObjectives
 from server.board.objectives import RULE, Mastery, MisconceptionLookup
 from server.classes.schemas import StudentRecord
 from server.gradebook.histories import Attempts
-from server.marks.cells import Cell, Sheet
+from server.marks.cells import Cell, WorkbookSheet
 from server.marks.files import PERSON, person_cells
 
 FormatTime = Callable[[datetime], str]
@@ -25,16 +25,18 @@ STATE_WORDS = {
 
 def mistake_sheets(
     loaded: ClassObjectives, students: Sequence[StudentRecord], format_time: FormatTime
-) -> tuple[Sheet, ...]:
+) -> tuple[WorkbookSheet, ...]:
     """Return the tables of mistakes and of objectives, then the rule of the latter."""
-    rule = Sheet("Explications", ("Explication",), [(RULE,), (f"État du {format_time(loaded.progress.now)}.",)])
+    rule = WorkbookSheet("Explications", ("Explication",), [(RULE,), (f"État du {format_time(loaded.progress.now)}.",)])
     return mistakes_sheet(loaded, students, format_time), objectives_sheet(loaded, students), rule
 
 
-def mistakes_sheet(loaded: ClassObjectives, students: Sequence[StudentRecord], format_time: FormatTime) -> Sheet:
+def mistakes_sheet(
+    loaded: ClassObjectives, students: Sequence[StudentRecord], format_time: FormatTime
+) -> WorkbookSheet:
     """Return a line for each student, exercise and misconception that some attempt shows."""
     rows = [row for student in students for row in _mistakes_of(loaded, student, format_time)]
-    return Sheet("Erreurs", MISTAKE_HEADER, rows, frozen=2)
+    return WorkbookSheet("Erreurs", MISTAKE_HEADER, rows, frozen=2)
 
 
 def _mistakes_of(loaded: ClassObjectives, student: StudentRecord, format_time: FormatTime) -> list[tuple[Cell, ...]]:
@@ -67,11 +69,11 @@ def _times_by_mistake(attempts: Attempts) -> Mapping[str, Sequence[datetime]]:
     return times
 
 
-def objectives_sheet(loaded: ClassObjectives, students: Sequence[StudentRecord]) -> Sheet:
+def objectives_sheet(loaded: ClassObjectives, students: Sequence[StudentRecord]) -> WorkbookSheet:
     """Return the table of students × objectives, their states in words; nothing for what is not begun."""
     header = (*PERSON, *(practised.objective.short for practised in loaded.practised))
     rows = [(*person_cells(student), *_state_words(loaded, student.id)) for student in students]
-    return Sheet("Objectifs", header, rows, frozen=2)
+    return WorkbookSheet("Objectifs", header, rows, frozen=2)
 
 
 def _state_words(loaded: ClassObjectives, student: UUID) -> tuple[Cell, ...]:

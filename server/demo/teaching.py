@@ -154,8 +154,8 @@ def create_oral_marks_column(db: Session, room: DemoClassroom, now: datetime) ->
     called = room.students[: len(room.students) * 2 // 3]
     entries = [MarkEntry(student, TypedMark(float(5 + number % 6))) for number, student in enumerate(called)]
     entries[-1:] = [MarkEntry(called[-1], TypedMark(state=TypedState.absent))]
-    columns.set_marks(db, room.school_class, room.teacher, oral.id, entries)
-    columns.publish_column(db, room.school_class, room.teacher, oral.id, published=True)
+    columns.store_column_marks(db, room.school_class, room.teacher, oral.id, entries)
+    columns.set_column_published(db, room.school_class, room.teacher, oral.id, published=True)
 
 
 def write_example_comments(

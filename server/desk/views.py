@@ -37,7 +37,7 @@ from server.desk.tabs import visible_tabs
 from server.federation import waiting
 from server.identity.models import Account
 from server.identity.secrets import format_code as format_slip_code
-from server.marks.repository import load_marking
+from server.marks.repository import load_marking_rules
 from server.rights import service as rights
 from server.rights.models import Right
 from server.rights.service import ClassAccess
@@ -246,7 +246,7 @@ def build_settings_page(db: Session, course: Course, access: ClassAccess, base: 
         "head": class_head(course, access, "/reglages"),
         "approval": school_class.approval,
         "version": version_of(settings_texts(school_class.name, school_class.approval)),
-        "marking": load_marking(db, school_class.id),
+        "marking": load_marking_rules(db, school_class.id),
         "staff": active_staff(repository.load_staff(db, school_class.id)),
         "roles": ROLES,
         "code": join_code_view(school_class, base),

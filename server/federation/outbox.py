@@ -29,7 +29,7 @@ from server.federation.models import (
     ProviderContext,
 )
 from server.marks.loading import load_gradebook
-from server.marks.schemas import AssignmentMark, is_withheld
+from server.marks.schemas import AssignmentMark, is_test_withheld
 from server.marks.states import MarkState
 
 #: Timestamps of a student's scores differ by this at least: platforms compare whole seconds.
@@ -51,7 +51,7 @@ REASONS: Mapping[int, str] = {
 
 def final_points(mark: AssignmentMark, assignment: Assignment, now: datetime) -> float | None:
     """Return the points of a mark that is final and published: with work, or by a teacher's decision; else None."""
-    if is_withheld(assignment, now) or mark.endless or mark.state is not MarkState.done:
+    if is_test_withheld(assignment, now) or mark.has_no_end or mark.state is not MarkState.done:
         return None
     if mark.decision is None and all(exercise.points is None for exercise in mark.exercises):
         return None

@@ -20,7 +20,7 @@ MAX_WIDTH = 60
 
 
 @dataclass(frozen=True)
-class Sheet:
+class WorkbookSheet:
     """A table with its header. The first `frozen` columns stay visible; None is an empty cell."""
 
     title: str
@@ -34,33 +34,33 @@ def escape_formula(text: str) -> str:
     return f"'{text}" if FORMULA.match(text) else text
 
 
-def french_csv(header: Sequence[Cell], rows: Iterable[Sequence[Cell]]) -> Iterator[bytes]:
+def write_french_csv(header: Sequence[Cell], rows: Iterable[Sequence[Cell]]) -> Iterator[bytes]:
     """Yield the lines of a CSV file for a French Excel: UTF-8 with BOM, « ; », decimal comma, CRLF, all quoted."""
-    yield (BOM + _line(header, ";", ",")).encode()
+    yield (BOM + _format_csv_line(header, ";", ",")).encode()
     for row in rows:
-        yield _line(row, ";", ",").encode()
+        yield _format_csv_line(row, ";", ",").encode()
 
 
-def plain_csv(header: Sequence[Cell], rows: Iterable[Sequence[Cell]]) -> Iterator[bytes]:
+def write_plain_csv(header: Sequence[Cell], rows: Iterable[Sequence[Cell]]) -> Iterator[bytes]:
     """Yield the lines of a CSV file for programs: UTF-8 without BOM, commas, decimal point."""
     for row in (header, *rows):
-        yield _line(row, ",", ".").encode()
+        yield _format_csv_line(row, ",", ".").encode()
 
 
-def _line(row: Sequence[Cell], separator: str, decimal_sign: str) -> str:
+def _format_csv_line(row: Sequence[Cell], separator: str, decimal_sign: str) -> str:
     text = io.StringIO()
     writer = csv.writer(text, delimiter=separator, quoting=csv.QUOTE_ALL, lineterminator="\r\n")
-    writer.writerow([_text(cell, decimal_sign) for cell in row])
+    writer.writerow([_format_cell(cell, decimal_sign) for cell in row])
     return text.getvalue()
 
 
-def _text(cell: Cell, decimal_sign: str) -> str:
+def _format_cell(cell: Cell, decimal_sign: str) -> str:
     if cell is None:
         return ""
     return escape_formula(cell) if isinstance(cell, str) else format_number(cell, decimal_sign)
 
 
-def xlsx(sheets: Iterable[Sheet]) -> bytes:
+def build_xlsx(sheets: Iterable[WorkbookSheet]) -> bytes:
     """Return a workbook: numbers as numbers, text never as formulas, header and names always visible."""
     import xlsxwriter
 
@@ -74,11 +74,11 @@ def xlsx(sheets: Iterable[Sheet]) -> bytes:
             "note": book.add_format({"text_wrap": True, "valign": "top"}),
         }
         for sheet in sheets:
-            _write(book.add_worksheet(sheet.title), sheet, styles)
+            _write_worksheet(book.add_worksheet(sheet.title), sheet, styles)
     return content.getvalue()
 
 
-def _write(page, sheet: Sheet, styles) -> None:  # type: ignore[no-untyped-def]
+def _write_worksheet(page, sheet: WorkbookSheet, styles) -> None:  # type: ignore[no-untyped-def]
     for column, title in enumerate(sheet.header):
         page.write_string(0, column, title, styles["head"])
     for line, row in enumerate(sheet.rows, 1):
@@ -92,7 +92,7 @@ def _write(page, sheet: Sheet, styles) -> None:  # type: ignore[no-untyped-def]
         page.set_column(column, column, width)
 
 
-def _column_widths(sheet: Sheet) -> list[int]:
+def _column_widths(sheet: WorkbookSheet) -> list[int]:
     columns = zip(*(sheet.header, *sheet.rows), strict=True)
     return [min(MAX_WIDTH, max(8, *(len(cell) + 2 for cell in column if isinstance(cell, str)))) for column in columns]
 

@@ -24,7 +24,7 @@ from server.marks import rubrics_repository
 from server.marks.means import format_number
 from server.marks.models import ManualColumn, ManualMark
 from server.marks.schemas import NEVER_TYPED, TypedMark
-from server.marks.typed import ColumnInput, check_points, parse_comment, validate_column
+from server.marks.typed import ColumnInput, parse_mark_comment, require_points_on_scale, validate_column_fields
 
 MAX_COLUMNS = 50
 MAX_WITH_DELETED = 200
@@ -50,25 +50,25 @@ class MarkEntry:
 
 def create_column(db: Session, school_class: SchoolClass, by: Account, fields: ColumnInput) -> ManualColumn:
     """Create a column after the others. Raise Conflict or InvalidFields."""
-    _lock(db, school_class)
-    fields = validate_column(fields)
-    columns = _require_room(db, school_class)
-    if repository.count_columns(db, school_class.id) >= MAX_WITH_DELETED:
+    _lock_open_class(db, school_class)
+    fields = validate_column_fields(fields)
+    columns = _require_room_for_column(db, school_class)
+    if repository.count_columns_with_deleted(db, school_class.id) >= MAX_WITH_DELETED:
         raise Conflict(TOO_MANY_DELETED)
     position = 1 + max((column.position for column in columns), default=0)
     column = ManualColumn(class_id=school_class.id, created_by=by.id, position=position, **asdict(fields))
     db.add(column)
     db.flush()
-    _record(db, by, AuditAction.column_made, column, {}, _values(column))
+    _record_column_event(db, by, AuditAction.column_made, column, {}, _audited_column_values(column))
     return column
 
 
-def _lock(db: Session, school_class: SchoolClass) -> None:
+def _lock_open_class(db: Session, school_class: SchoolClass) -> None:
     require_not_archived(school_class)
     classes.lock_class(db, school_class.id)
 
 
-def _require_room(db: Session, school_class: SchoolClass) -> Sequence[ManualColumn]:
+def _require_room_for_column(db: Session, school_class: SchoolClass) -> Sequence[ManualColumn]:
     columns = repository.list_columns(db, school_class.id)
     if len(columns) >= MAX_COLUMNS:
         raise Conflict(TOO_MANY)
@@ -85,7 +85,7 @@ def find_column(db: Session, school_class: SchoolClass, column_id: UUID) -> Manu
 
 def lock_column(db: Session, school_class: SchoolClass, column_id: UUID) -> ManualColumn:
     """Return a column that is not deleted, and lock those of the class until the commit. Raise NotFound or Conflict."""
-    _lock(db, school_class)
+    _lock_open_class(db, school_class)
     column = find_column(db, school_class, column_id)
     db.refresh(column)
     if column.deleted_at is not None:
@@ -93,7 +93,7 @@ def lock_column(db: Session, school_class: SchoolClass, column_id: UUID) -> Manu
     return column
 
 
-def column_input(column: ManualColumn) -> ColumnInput:
+def editable_column_fields(column: ManualColumn) -> ColumnInput:
     return ColumnInput(column.title, column.out_of, column.taken_on, column.weight, column.bonus)
 
 
@@ -102,15 +102,15 @@ def change_column(
 ) -> ManualColumn:
     """Change a column; its marks stay. Raise NotFound, Conflict, Invalid or InvalidFields."""
     column = lock_column(db, school_class, column_id)
-    fields = validate_column(fields)
-    highest = max((mark.points or 0.0 for mark in repository.load_marks(db, column.id).values()), default=0.0)
+    fields = validate_column_fields(fields)
+    highest = max((mark.points or 0.0 for mark in repository.load_column_marks(db, column.id).values()), default=0.0)
     if highest > fields.out_of:
         raise Invalid(SCALE_BELOW.format(points=format_number(highest)))
-    _change(db, by, column, asdict(fields))
+    _set_column_values(db, by, column, asdict(fields))
     return column
 
 
-def publish_column(
+def set_column_published(
     db: Session, school_class: SchoolClass, by: Account, column_id: UUID, *, published: bool
 ) -> ManualColumn:
     """Show a column to the students, or hide it from them again. Raise NotFound or Conflict.
@@ -120,20 +120,20 @@ def publish_column(
     column = lock_column(db, school_class, column_id)
     if (column.published_at is not None) is not published:
         if published:
-            set_marks(db, school_class, by, column.id, _rubric_entries(db, school_class, column))
-        _change(db, by, column, {"published_at": utc_now() if published else None})
+            store_column_marks(db, school_class, by, column.id, _load_rubric_mark_entries(db, school_class, column))
+        _set_column_values(db, by, column, {"published_at": utc_now() if published else None})
     return column
 
 
-def _rubric_entries(db: Session, school_class: SchoolClass, column: ManualColumn) -> Sequence[MarkEntry]:
+def _load_rubric_mark_entries(db: Session, school_class: SchoolClass, column: ManualColumn) -> Sequence[MarkEntry]:
     """Return the marks of the finished copies of present students; none for a column without a rubric."""
     rubric = rubrics_repository.find_rubric_of_column(db, column.id)
     if rubric is None:
         return []
-    items = rubrics_repository.items_of(rubric)
-    markings = rubrics_repository.load_markings(db, column.id)
+    items = rubrics_repository.read_rubric_items(rubric)
+    markings = rubrics_repository.load_rubric_markings(db, column.id)
     return [
-        MarkEntry(student.id, TypedMark(points=rubrics_repository.marks_of(marking).total(items)))
+        MarkEntry(student.id, TypedMark(points=rubrics_repository.read_rubric_scores(marking).total_over(items)))
         for student in classes.load_student_records(db, school_class.id)
         if (marking := markings.get(student.id)) is not None and marking.finished_at is not None
     ]
@@ -145,15 +145,15 @@ def require_student(db: Session, school_class: SchoolClass, student: UUID) -> No
         raise NotFound(NOT_A_MEMBER)
 
 
-def _change(db: Session, by: Account, column: ManualColumn, values: Mapping[str, object]) -> None:
-    before = _values(column)
+def _set_column_values(db: Session, by: Account, column: ManualColumn, values: Mapping[str, object]) -> None:
+    before = _audited_column_values(column)
     if all(getattr(column, name) == value for name, value in values.items()):
         return
     for name, value in values.items():
         setattr(column, name, value)
     column.version += 1
     db.flush()
-    _record(db, by, AuditAction.column_changed, column, before, _values(column))
+    _record_column_event(db, by, AuditAction.column_changed, column, before, _audited_column_values(column))
 
 
 def move_column(db: Session, school_class: SchoolClass, by: Account, column_id: UUID, place: int) -> ManualColumn:
@@ -168,33 +168,35 @@ def move_column(db: Session, school_class: SchoolClass, by: Account, column_id: 
     db.flush()
     moved = columns.index(column)
     if moved != before:
-        _record(db, by, AuditAction.column_changed, column, {"position": before + 1}, {"position": moved + 1})
+        _record_column_event(
+            db, by, AuditAction.column_changed, column, {"position": before + 1}, {"position": moved + 1}
+        )
     return column
 
 
 def delete_column(db: Session, school_class: SchoolClass, by: Account, column_id: UUID) -> None:
     """Take a column out of the gradebook; its marks are stored, for `restore_column`. Raise NotFound or Conflict."""
-    _lock(db, school_class)
+    _lock_open_class(db, school_class)
     column = find_column(db, school_class, column_id)
     if column.deleted_at is None:
         column.deleted_at, column.version = utc_now(), column.version + 1
         db.flush()
-        _record(db, by, AuditAction.column_deleted, column, _values(column), {})
+        _record_column_event(db, by, AuditAction.column_deleted, column, _audited_column_values(column), {})
 
 
 def restore_column(db: Session, school_class: SchoolClass, by: Account, column_id: UUID) -> ManualColumn:
     """Put a deleted column back, with its marks. Raise NotFound or Conflict."""
-    _lock(db, school_class)
+    _lock_open_class(db, school_class)
     column = find_column(db, school_class, column_id)
     if column.deleted_at is not None:
-        _require_room(db, school_class)
+        _require_room_for_column(db, school_class)
         column.deleted_at, column.version = None, column.version + 1
         db.flush()
-        _record(db, by, AuditAction.column_restored, column, {}, _values(column))
+        _record_column_event(db, by, AuditAction.column_restored, column, {}, _audited_column_values(column))
     return column
 
 
-def set_marks(
+def store_column_marks(
     db: Session, school_class: SchoolClass, by: Account, column_id: UUID, entries: Sequence[MarkEntry]
 ) -> ManualColumn:
     """Store marks, all or none. Raise NotFound, Conflict or Invalid.
@@ -203,15 +205,15 @@ def set_marks(
     """
     column = lock_column(db, school_class, column_id)
     names = {student.id: student.name for student in classes.load_student_records(db, school_class.id)}
-    stored = repository.load_marks(db, column.id)
+    stored = repository.load_column_marks(db, column.id)
     changes, changed_names = [], []
     for entry in entries:
         if entry.student not in names:
             raise NotFound(NOT_A_MEMBER)
         current = stored.get(entry.student)
-        seen = NEVER_TYPED if current is None else repository.typed_mark(current)
-        comment = seen.comment if entry.comment is None else parse_comment(entry.comment)
-        points = None if entry.typed.points is None else check_points(entry.typed.points, column.out_of)
+        seen = NEVER_TYPED if current is None else repository.build_typed_mark(current)
+        comment = seen.comment if entry.comment is None else parse_mark_comment(entry.comment)
+        points = None if entry.typed.points is None else require_points_on_scale(entry.typed.points, column.out_of)
         wanted = TypedMark(points, entry.typed.state, comment, seen.version)
         if wanted == seen:
             continue
@@ -232,12 +234,12 @@ def _store_mark(
     column: ManualColumn,
     student: UUID,
     current: ManualMark | None,
-    seen: TypedMark,
-    wanted: TypedMark,
+    previous: TypedMark,
+    new_mark: TypedMark,
 ) -> None:
     mark = current or ManualMark(column_id=column.id, account_id=student, version=0)
-    mark.points, mark.comment = wanted.points, wanted.comment
-    mark.state = None if wanted.state is None else wanted.state.value
+    mark.points, mark.comment = new_mark.points, new_mark.comment
+    mark.state = None if new_mark.state is None else new_mark.state.value
     mark.by, mark.at, mark.version = by.id, utc_now(), mark.version + 1
     db.add(mark)
     audit.record_event(
@@ -247,22 +249,24 @@ def _store_mark(
         AuditAction.column_mark_changed,
         student=student,
         about=column.title,
-        before=_mark_values(seen),
-        after=_mark_values(wanted),
-        reason=wanted.comment if wanted.comment != seen.comment else "",  # erased with the student, as values are not
+        before=_audited_mark_values(previous),
+        after=_audited_mark_values(new_mark),
+        reason=new_mark.comment
+        if new_mark.comment != previous.comment
+        else "",  # erased with the student, as values are not
     )
 
 
-def _mark_values(mark: TypedMark) -> dict[str, object]:
+def _audited_mark_values(mark: TypedMark) -> dict[str, object]:
     return {"points": mark.points, "state": mark.state}
 
 
-def _values(column: ManualColumn) -> dict[str, object]:
+def _audited_column_values(column: ManualColumn) -> dict[str, object]:
     taken_on = None if column.taken_on is None else column.taken_on.isoformat()
-    return {**asdict(column_input(column)), "taken_on": taken_on, "published_at": column.published_at}
+    return {**asdict(editable_column_fields(column)), "taken_on": taken_on, "published_at": column.published_at}
 
 
-def _record(
+def _record_column_event(
     db: Session,
     by: Account,
     action: AuditAction,

@@ -16,7 +16,7 @@ from server.marks.states import TypedState
 TypedMarks = Mapping[tuple[UUID, UUID], TypedMark]
 
 
-def load_columns(
+def load_columns_and_marks(
     db: Session, class_id: UUID, students: Collection[UUID] | None = None
 ) -> tuple[Sequence[ColumnRecord], TypedMarks]:
     """Load the columns of a class in order, deleted ones left out, and the marks by column and student: one query."""
@@ -33,13 +33,13 @@ def load_columns(
     marks: dict[tuple[UUID, UUID], TypedMark] = {}
     for column, mark in db.execute(query):
         if column.id not in columns:
-            columns[column.id] = column_record(column)
+            columns[column.id] = build_column_record(column)
         if mark is not None:
-            marks[column.id, mark.account_id] = typed_mark(mark)
+            marks[column.id, mark.account_id] = build_typed_mark(mark)
     return list(columns.values()), marks
 
 
-def column_record(column: ManualColumn) -> ColumnRecord:
+def build_column_record(column: ManualColumn) -> ColumnRecord:
     return ColumnRecord(
         id=column.id,
         title=column.title,
@@ -52,7 +52,7 @@ def column_record(column: ManualColumn) -> ColumnRecord:
     )
 
 
-def typed_mark(mark: ManualMark) -> TypedMark:
+def build_typed_mark(mark: ManualMark) -> TypedMark:
     state = None if mark.state is None else TypedState(mark.state)
     return TypedMark(mark.points, state, mark.comment, mark.version)
 
@@ -73,19 +73,19 @@ def list_columns(db: Session, class_id: UUID, *, deleted: bool = False) -> Seque
     return db.execute(query.order_by(ManualColumn.id)).scalars().all()
 
 
-def count_columns(db: Session, class_id: UUID) -> int:
+def count_columns_with_deleted(db: Session, class_id: UUID) -> int:
     """Count the columns of a class, deleted ones included."""
     query = select(func.count()).select_from(ManualColumn).where(ManualColumn.class_id == class_id)
     return db.execute(query).scalar_one()
 
 
-def load_marks(db: Session, column_id: UUID) -> Mapping[UUID, ManualMark]:
+def load_column_marks(db: Session, column_id: UUID) -> Mapping[UUID, ManualMark]:
     """Load the marks of a column, by student."""
     rows = db.execute(select(ManualMark).where(ManualMark.column_id == column_id)).scalars()
     return {row.account_id: row for row in rows}
 
 
-def list_marks_of(db: Session, account_id: UUID) -> Sequence[Row[ManualMark, ManualColumn, str]]:
+def load_account_marks(db: Session, account_id: UUID) -> Sequence[Row[ManualMark, ManualColumn, str]]:
     """Return every mark of an account in a column, each with its column and the name of the class."""
     query = (
         select(ManualMark, ManualColumn, SchoolClass.name)
@@ -96,7 +96,7 @@ def list_marks_of(db: Session, account_id: UUID) -> Sequence[Row[ManualMark, Man
     return db.execute(query.order_by(ManualColumn.created_at, ManualColumn.id)).all()
 
 
-def move_marks(db: Session, old: UUID, new: UUID) -> None:
+def move_column_marks(db: Session, old: UUID, new: UUID) -> None:
     """Move marks from a guest to an account, which keeps its own where both have one."""
     own = select(ManualMark.column_id).where(ManualMark.account_id == new)
     of_guest = ManualMark.account_id == old

@@ -12,8 +12,8 @@ from server.base.errors import NotFound
 from server.course import Course
 from server.database import Database
 from server.marks import repository
-from server.marks.cells import Cell, ascii_slug, french_csv
-from server.marks.files import FormatTime, unique_titles
+from server.marks.cells import Cell, ascii_slug, write_french_csv
+from server.marks.files import FormatTime, numbered_assignment_titles
 from server.marks.means import round_points
 from server.marks.schemas import ExerciseMark, Gradebook, StudentMarks
 
@@ -26,7 +26,7 @@ HEADER = (
 
 
 @dataclass(frozen=True)
-class CountedCopy:
+class CountingAttemptFile:
     """An attempt that counts: its path in the archive, and its line in the index."""
 
     submission: UUID
@@ -42,9 +42,9 @@ class StudentLabel:
     file_stem: str
 
 
-def list_copies(
+def list_counting_attempt_files(
     gradebook: Gradebook, course: Course, *, names: bool, only: UUID | None, format_time: FormatTime
-) -> Sequence[CountedCopy]:
+) -> Sequence[CountingAttemptFile]:
     """List the copies of every assignment, or of one. Raise NotFound for an assignment of another class.
 
     Without `names`, each student gets a pseudonym drawn for this archive alone, and the times of sending are left out,
@@ -52,9 +52,9 @@ def list_copies(
     """
     if only is not None and all(assignment.id != only for assignment in gradebook.assignments):
         raise NotFound(NO_SUCH_ASSIGNMENT)
-    labels = _real_names(gradebook.rows) if names else _pseudonyms(gradebook.rows)
-    titles = unique_titles(gradebook.assignments)
-    folders = _unique([ascii_slug(title, "devoir") for title in titles])
+    labels = _label_by_real_name(gradebook.rows) if names else _label_by_pseudonym(gradebook.rows)
+    titles = numbered_assignment_titles(gradebook.assignments)
+    folders = _number_duplicate_names([ascii_slug(title, "devoir") for title in titles])
     copies = []
     for index, assignment in enumerate(gradebook.assignments):
         if only is not None and assignment.id != only:
@@ -63,16 +63,16 @@ def list_copies(
             label = labels[row.member.id]
             for mark in row.marks[index].exercises:
                 if mark.counted is not None:
-                    path = f"{folders[index]}/{_file_path(course, mark.exercise, label.file_stem)}"
+                    path = f"{folders[index]}/{_archive_path(course, mark.exercise, label.file_stem)}"
                     sent = format_time(mark.sent_at) if names and mark.sent_at else ""
-                    title = gradebook.title_of(mark.exercise)
+                    title = gradebook.exercise_title(mark.exercise)
                     partners = ", ".join(row.marks[index].partners) if names else ""
                     line = (path, titles[index], title, label.name, sent, *_mark_cells(mark), partners)
-                    copies.append(CountedCopy(mark.counted.attempt, path, line))
+                    copies.append(CountingAttemptFile(mark.counted.attempt, path, line))
     return copies
 
 
-def _file_path(course: Course, exercise: str, file_stem: str) -> str:
+def _archive_path(course: Course, exercise: str, file_stem: str) -> str:
     known = course.exercises.get(exercise)
     extension = "json" if known is not None and known.answers is not None else "py"
     return f"{exercise.rpartition('/')[2]}/{file_stem}.{extension}"
@@ -83,15 +83,15 @@ def _mark_cells(mark: ExerciseMark) -> tuple[Cell, ...]:
     return points, float(mark.counted.days_late if mark.counted else 0), "oui" if mark.override else ""
 
 
-def _real_names(rows: Sequence[StudentMarks]) -> Mapping[UUID, StudentLabel]:
+def _label_by_real_name(rows: Sequence[StudentMarks]) -> Mapping[UUID, StudentLabel]:
     """Label students by family name, with different file names for equal names."""
     students = [row.member for row in rows]
     names = [" ".join(filter(None, (student.family_name, student.given_name))) or student.name for student in students]
-    stems = _unique([ascii_slug(name, "eleve") for name in names])
+    stems = _number_duplicate_names([ascii_slug(name, "eleve") for name in names])
     return {student.id: StudentLabel(name, stem) for student, name, stem in zip(students, names, stems, strict=True)}
 
 
-def _pseudonyms(rows: Sequence[StudentMarks]) -> Mapping[UUID, StudentLabel]:
+def _label_by_pseudonym(rows: Sequence[StudentMarks]) -> Mapping[UUID, StudentLabel]:
     """Label students by numbers that hold for one archive: drawn with a salt that is not stored."""
     salt = secrets.token_bytes(32)
     students = sorted((row.member.id for row in rows), key=lambda id: hmac.digest(salt, id.bytes, "sha256"))
@@ -100,7 +100,7 @@ def _pseudonyms(rows: Sequence[StudentMarks]) -> Mapping[UUID, StudentLabel]:
     return {account_id: StudentLabel(name, name) for account_id, name in zip(students, names, strict=True)}
 
 
-def _unique(names: Sequence[str]) -> list[str]:
+def _number_duplicate_names(names: Sequence[str]) -> list[str]:
     """Append numbers to names that occur before."""
     taken: set[str] = set()
     unique_names = []
@@ -114,11 +114,11 @@ def _unique(names: Sequence[str]) -> list[str]:
     return unique_names
 
 
-def archive_files(database: Database, copies: Sequence[CountedCopy]) -> Iterator[ArchiveFile]:
+def iter_archive_files(database: Database, copies: Sequence[CountingAttemptFile]) -> Iterator[ArchiveFile]:
     """Yield the index, then each file, read in a transaction of its own; files erased meanwhile are left out."""
-    yield INDEX, b"".join(french_csv(HEADER, (copy.line for copy in copies)))
+    yield INDEX, b"".join(write_french_csv(HEADER, (copy.line for copy in copies)))
     for copy in copies:
         with database.read() as db:
-            source = repository.load_source(db, copy.submission)
+            source = repository.load_submission_source(db, copy.submission)
         if source is not None:
             yield copy.path, source

@@ -22,7 +22,12 @@ from server.database import utc_now
 from server.identity.models import Account
 from server.marks import repository
 from server.marks.models import MarkingPolicy, StateDecision
-from server.marks.service import NO_SUCH_ASSIGNMENT, lock_student, parse_reason, require_concerned
+from server.marks.service import (
+    NO_SUCH_ASSIGNMENT,
+    lock_student_marks,
+    parse_override_reason,
+    require_assignment_concerns,
+)
 from server.marks.states import ClassMarking, DecidedState, MarkingRules
 
 NO_SUCH_STATE = "Choisissez : absent, dispensé, ou compter 0."
@@ -32,13 +37,13 @@ RULES_CHANGED = (
 )
 
 
-def decide_state(
+def set_state_decision(
     db: Session, school_class: SchoolClass, by: Account, student: UUID, assignment_id: UUID, state: str, reason: str
 ) -> None:
     """Set a student's state at an assignment, in place of an earlier decision. Raise NotFound, Conflict or Invalid."""
     if state not in set(DecidedState):
         raise Invalid(NO_SUCH_STATE)
-    reason = parse_reason(reason) if reason.strip() else ""
+    reason = parse_override_reason(reason) if reason.strip() else ""
     assignment, earlier = _lock_decision(db, school_class, student, assignment_id)
     now = utc_now()
     if earlier is not None:
@@ -59,7 +64,9 @@ def decide_state(
     db.flush()
 
 
-def withdraw_decision(db: Session, school_class: SchoolClass, by: Account, student: UUID, assignment_id: UUID) -> None:
+def withdraw_state_decision(
+    db: Session, school_class: SchoolClass, by: Account, student: UUID, assignment_id: UUID
+) -> None:
     """Withdraw the decision in force, if there is one. Raise NotFound or Conflict."""
     assignment, decision = _lock_decision(db, school_class, student, assignment_id)
     if decision is None:
@@ -81,15 +88,15 @@ def withdraw_decision(db: Session, school_class: SchoolClass, by: Account, stude
 def _lock_decision(
     db: Session, school_class: SchoolClass, student: UUID, assignment_id: UUID
 ) -> tuple[Assignment, StateDecision | None]:
-    membership = lock_student(db, school_class, student)
+    membership = lock_student_marks(db, school_class, student)
     assignment = assignments.find_assignment(db, school_class.id, assignment_id)
     if assignment is None:
         raise NotFound(NO_SUCH_ASSIGNMENT)
-    require_concerned(db, assignment, membership)
-    return assignment, repository.find_decision(db, assignment_id, student)
+    require_assignment_concerns(db, assignment, membership)
+    return assignment, repository.find_active_decision(db, assignment_id, student)
 
 
-def choose_rules(
+def set_marking_rules(
     db: Session, school_class: SchoolClass, by: Account, rules: MarkingRules, version: int | None = None
 ) -> ClassMarking:
     """Choose how states count in the means of a class. Raise Conflict.
@@ -98,10 +105,10 @@ def choose_rules(
     """
     require_not_archived(school_class)
     classes.lock_class(db, school_class.id)
-    earlier = repository.load_marking(db, school_class.id)
+    earlier = repository.load_marking_rules(db, school_class.id)
     if version is not None and version != earlier.version:
         raise Conflict(RULES_CHANGED)
-    policy = repository.find_policy(db, school_class.id) or MarkingPolicy(class_id=school_class.id, version=0)
+    policy = repository.find_marking_policy(db, school_class.id) or MarkingPolicy(class_id=school_class.id, version=0)
     for name, counting in asdict(rules).items():
         setattr(policy, name, counting.value)
     policy.chosen_at, policy.version = utc_now(), policy.version + 1
@@ -119,9 +126,9 @@ def choose_rules(
     return ClassMarking(rules, True, policy.version)
 
 
-def copy_rules(db: Session, old: SchoolClass, new: SchoolClass) -> None:
+def copy_marking_rules(db: Session, old: SchoolClass, new: SchoolClass) -> None:
     """Give a copied class the rules that were chosen in the old one; one never chosen leaves the defaults."""
-    policy = repository.find_policy(db, old.id)
+    policy = repository.find_marking_policy(db, old.id)
     if policy is not None and policy.chosen_at is not None:
-        rules = asdict(repository.load_marking(db, old.id).rules)
+        rules = asdict(repository.load_marking_rules(db, old.id).rules)
         db.add(MarkingPolicy(class_id=new.id, chosen_at=policy.chosen_at, version=1, **rules))

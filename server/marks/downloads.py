@@ -9,14 +9,14 @@ from datetime import date
 from enum import StrEnum
 from uuid import UUID
 
-from server.marks.cells import french_csv, xlsx
+from server.marks.cells import build_xlsx, write_french_csv
 from server.marks.files import (
     FormatTime,
     MoodleIdentifier,
-    file_name,
-    gradebook_sheets,
-    marks_sheet,
-    moodle_file,
+    build_gradebook_sheets,
+    build_marks_sheet,
+    build_moodle_table,
+    gradebook_file_name,
 )
 from server.marks.plain_values import gradebook_json
 from server.marks.schemas import Gradebook
@@ -58,20 +58,20 @@ def render_download(
 ) -> GradebookDownload:
     """Render a file. `identifier` is for Moodle's, whose header `X-Balise-Left-Out` counts the students left out."""
     if format is GradebookFormat.moodle:
-        moodle = moodle_file(gradebook, identifier)
-        name, content = file_name(gradebook, "moodle", "csv"), b"".join(moodle.lines())
+        moodle = build_moodle_table(gradebook, identifier)
+        name, content = gradebook_file_name(gradebook, "moodle", "csv"), b"".join(moodle.iter_csv_lines())
         return GradebookDownload(name, content, format.media_type, {"X-Balise-Left-Out": str(len(moodle.left_out))})
     if format is GradebookFormat.xlsx:
-        content = xlsx(gradebook_sheets(gradebook, format_time))
+        content = build_xlsx(build_gradebook_sheets(gradebook, format_time))
     elif format is GradebookFormat.csv:
-        sheet = marks_sheet(gradebook)
-        content = b"".join(french_csv(sheet.header, sheet.rows))
+        sheet = build_marks_sheet(gradebook)
+        content = b"".join(write_french_csv(sheet.header, sheet.rows))
     else:
-        content = json.dumps(gradebook_json(gradebook), default=_text_of, ensure_ascii=False, indent=1).encode()
-    return GradebookDownload(file_name(gradebook, "notes", format.value), content, format.media_type)
+        content = json.dumps(gradebook_json(gradebook), default=_json_text, ensure_ascii=False, indent=1).encode()
+    return GradebookDownload(gradebook_file_name(gradebook, "notes", format.value), content, format.media_type)
 
 
-def _text_of(value: object) -> str:
+def _json_text(value: object) -> str:
     """Return a date or an id as text. Raise TypeError for anything else."""
     if isinstance(value, date):
         return value.isoformat()

@@ -10,16 +10,16 @@ from enum import StrEnum
 
 from server.assignments.models import Assignment
 from server.classes.schemas import StudentRecord
-from server.marks.cells import Cell, Sheet, ascii_slug, escape_formula, plain_csv
+from server.marks.cells import Cell, WorkbookSheet, ascii_slug, escape_formula, write_plain_csv
 from server.marks.means import FORMULA, format_number, round_or_none, round_points
 from server.marks.schemas import (
     AssignmentMark,
     ColumnMark,
     ExerciseMark,
     Gradebook,
-    MarkSummary,
+    MarkStatistics,
     StudentMarks,
-    is_withheld,
+    is_test_withheld,
 )
 from server.marks.states import STATE_WORDS, UNMARKED_STATES, WHOLE_STATES, Counting, MarkingRules, MarkState
 
@@ -35,44 +35,44 @@ class MoodleIdentifier(StrEnum):
     id = "id"
 
 
-def file_name(gradebook: Gradebook, contents: str, extension: str) -> str:
+def gradebook_file_name(gradebook: Gradebook, contents: str, extension: str) -> str:
     """Return an ASCII file name: « balise-mpsi-2-notes-2026-11-22.csv »."""
     return f"balise-{ascii_slug(gradebook.school_class.name, 'classe')}-{contents}-{gradebook.at:%Y-%m-%d}.{extension}"
 
 
-def mark_cell(mark: AssignmentMark) -> Cell:
+def assignment_value_cell(mark: AssignmentMark) -> Cell:
     """Return points, or the state in words where there are none."""
     if mark.state in UNMARKED_STATES or mark.points is None:
-        return state_words(mark.state)
+        return french_state_words(mark.state)
     return round_points(mark.points)
 
 
-def column_cell(mark: ColumnMark) -> Cell:
+def column_value_cell(mark: ColumnMark) -> Cell:
     """Return the points out of the column's own scale, or the state in words; None where nothing was typed."""
     if mark.typed.points is not None:
         return mark.typed.points
     return None if mark.typed.state is None else STATE_WORDS[mark.state]
 
 
-def exercise_cell(exercise: ExerciseMark, mark: AssignmentMark) -> Cell:
+def exercise_value_cell(exercise: ExerciseMark, mark: AssignmentMark) -> Cell:
     """Return the points of an exercise, or its state in words where there are none."""
-    state = exercise.state_in(mark.state)
+    state = exercise.state_within(mark.state)
     if state in STATE_WORDS and (exercise.points is None or state in WHOLE_STATES):
-        return state_words(state)
+        return french_state_words(state)
     return round_or_none(exercise.points)
 
 
-def state_words(state: MarkState) -> str:
+def french_state_words(state: MarkState) -> str:
     """Return the words of a state; empty for one that has points."""
     return STATE_WORDS.get(state, "")
 
 
-def unique_titles(assignments: Sequence[Assignment]) -> tuple[str, ...]:
+def numbered_assignment_titles(assignments: Sequence[Assignment]) -> tuple[str, ...]:
     """Return the titles of assignments, numbered where several have the same."""
-    return _unique([assignment.title for assignment in assignments])
+    return _number_duplicate_titles([assignment.title for assignment in assignments])
 
 
-def _unique(titles: Sequence[str]) -> tuple[str, ...]:
+def _number_duplicate_titles(titles: Sequence[str]) -> tuple[str, ...]:
     counts: Counter[str] = Counter()
     numbered = []
     for title in titles:
@@ -90,19 +90,19 @@ def person_cells(student: StudentRecord) -> tuple[str, str, str, str]:
 PERSON = ("Nom", "Prénom", "Identifiant", "Groupe")
 
 
-def marks_sheet(gradebook: Gradebook) -> Sheet:
+def build_marks_sheet(gradebook: Gradebook) -> WorkbookSheet:
     """Return the table of students × assignments and columns, with the averages."""
     rows = [
         (
             *person_cells(row.member),
-            *(mark_cell(mark) for mark in row.marks),
-            *(column_cell(mark) for mark in row.columns),
+            *(assignment_value_cell(mark) for mark in row.marks),
+            *(column_value_cell(mark) for mark in row.columns),
             round_or_none(row.average),
         )
         for row in gradebook.rows
     ]
-    titles = (*unique_titles(gradebook.assignments), *(column.full_title for column in gradebook.columns))
-    return Sheet("Notes", (*PERSON, *_unique(titles), AVERAGE), rows, frozen=2)
+    titles = (*numbered_assignment_titles(gradebook.assignments), *(column.full_title for column in gradebook.columns))
+    return WorkbookSheet("Notes", (*PERSON, *_number_duplicate_titles(titles), AVERAGE), rows, frozen=2)
 
 
 DETAILS = (
@@ -112,24 +112,29 @@ DETAILS = (
 SCOPES = {True: "tous les devoirs", False: "ce devoir"}
 
 
-def exercises_sheet(gradebook: Gradebook) -> Sheet:
+def build_exercises_sheet(gradebook: Gradebook) -> WorkbookSheet:
     """Return a table with a line for each student, assignment and exercise."""
-    titles = unique_titles(gradebook.assignments)
+    titles = numbered_assignment_titles(gradebook.assignments)
     rows = [
-        (*person_cells(row.member), title, gradebook.title_of(exercise.exercise), *_details(exercise, mark))
+        (
+            *person_cells(row.member),
+            title,
+            gradebook.exercise_title(exercise.exercise),
+            *_exercise_detail_cells(exercise, mark),
+        )
         for row in gradebook.rows
         for title, mark in zip(titles, row.marks, strict=True)
         for exercise in mark.exercises
     ]
-    return Sheet("Exercices", (*PERSON, "Devoir", "Exercice", *DETAILS), rows, frozen=2)
+    return WorkbookSheet("Exercices", (*PERSON, "Devoir", "Exercice", *DETAILS), rows, frozen=2)
 
 
-def _details(exercise: ExerciseMark, mark: AssignmentMark) -> tuple[Cell, ...]:
-    state, override = exercise.state_in(mark.state), exercise.override
+def _exercise_detail_cells(exercise: ExerciseMark, mark: AssignmentMark) -> tuple[Cell, ...]:
+    state, override = exercise.state_within(mark.state), exercise.override
     return (
         None if state in WHOLE_STATES else round_or_none(exercise.points),
         round_or_none(exercise.effective.automatic),
-        state_words(state),
+        french_state_words(state),
         float(exercise.days_late),
         float(exercise.attempts),
         YES[override is not None],
@@ -140,37 +145,40 @@ def _details(exercise: ExerciseMark, mark: AssignmentMark) -> tuple[Cell, ...]:
     )
 
 
-def explanations_sheet(gradebook: Gradebook, format_time: FormatTime) -> Sheet:
+def build_explanations_sheet(gradebook: Gradebook, format_time: FormatTime) -> WorkbookSheet:
     """Return the table of assignments with weights, dates, mean and median, followed by the notes."""
     rows: list[tuple[Cell, ...]] = []
     for index, assignment in enumerate(gradebook.assignments):
         dates = (assignment.opens_at, assignment.due_at, assignment.closes_at)
-        remark = "contrôle, pas encore publié" if is_withheld(assignment, gradebook.at) else ""
-        title, summary = unique_titles(gradebook.assignments)[index], gradebook.summary_of(index)
+        remark = "contrôle, pas encore publié" if is_test_withheld(assignment, gradebook.at) else ""
+        title, summary = (
+            numbered_assignment_titles(gradebook.assignments)[index],
+            gradebook.assignment_statistics(index),
+        )
         texts = (format_time(date) if date else "" for date in dates)
         rows.append((title, assignment.weight, *texts, remark, *_summary_cells(summary)))
     for index, column in enumerate(gradebook.columns):
         when = "" if column.taken_on is None else f"{column.taken_on:%d/%m/%Y}"
         remark = "bonus" if column.bonus else "colonne"
         remark += "" if column.published_at else ", pas encore publiée aux élèves"
-        summary = gradebook.summary_of_column(index)
+        summary = gradebook.column_statistics(index)
         weight = None if column.bonus else column.weight
         rows.append((column.full_title, weight, when, "", "", remark, *_summary_cells(summary)))
-    rows.append((AVERAGE, None, "", "", "", "", *_summary_cells(gradebook.averages)))
-    notes = (*mark_notes(gradebook.marking), f"Notes du {format_time(gradebook.at)}.")
+    rows.append((AVERAGE, None, "", "", "", "", *_summary_cells(gradebook.average_statistics)))
+    notes = (*explain_marking_rules(gradebook.marking), f"Notes du {format_time(gradebook.at)}.")
     rows += [("",) + (None,) * 8] + [(note, *[None] * 8) for note in notes]
     header = ("Devoir", "Coefficient", "Ouvre", "À rendre", "Ferme", "Remarque", "Copies", "Moyenne", "Médiane")
-    return Sheet("Explications", header, rows, frozen=1)
+    return WorkbookSheet("Explications", header, rows, frozen=1)
 
 
-def _summary_cells(summary: MarkSummary) -> tuple[Cell, ...]:
+def _summary_cells(summary: MarkStatistics) -> tuple[Cell, ...]:
     return float(summary.count), round_or_none(summary.mean), round_or_none(summary.median)
 
 
 COUNTED_WORDS = {Counting.zero: "compte 0 dans la moyenne", Counting.ignore: "ne compte pas dans la moyenne"}
 
 
-def mark_notes(marking: MarkingRules) -> tuple[str, ...]:
+def explain_marking_rules(marking: MarkingRules) -> tuple[str, ...]:
     """Return how marks are made in a class, in sentences."""
     blank = COUNTED_WORDS[marking.unanswered].replace("la moyenne", "sa note")
     return (
@@ -192,39 +200,43 @@ def mark_notes(marking: MarkingRules) -> tuple[str, ...]:
     )
 
 
-def gradebook_sheets(gradebook: Gradebook, format_time: FormatTime) -> tuple[Sheet, ...]:
-    return marks_sheet(gradebook), exercises_sheet(gradebook), explanations_sheet(gradebook, format_time)
+def build_gradebook_sheets(gradebook: Gradebook, format_time: FormatTime) -> tuple[WorkbookSheet, ...]:
+    return (
+        build_marks_sheet(gradebook),
+        build_exercises_sheet(gradebook),
+        build_explanations_sheet(gradebook, format_time),
+    )
 
 
-def column_text(gradebook: Gradebook, name: str | None) -> str:
+def marks_as_lines(gradebook: Gradebook, name: str | None) -> str:
     """Return the marks of the assignment or column with this id, or the averages (None): one a line, in the order of
     the list of names."""
-    cells = [_cell_of(gradebook, row, name) for row in gradebook.rows]
+    cells = [_find_student_cell(gradebook, row, name) for row in gradebook.rows]
     return "\n".join("" if cell is None else cell if isinstance(cell, str) else format_number(cell) for cell in cells)
 
 
-def _cell_of(gradebook: Gradebook, row: StudentMarks, name: str | None) -> Cell:
+def _find_student_cell(gradebook: Gradebook, row: StudentMarks, name: str | None) -> Cell:
     if name is None:
         return round_or_none(row.average)
     for column_mark in row.columns:
         if str(column_mark.column.id) == name:
-            return column_cell(column_mark)
+            return column_value_cell(column_mark)
     (mark,) = (
         mark for assignment, mark in zip(gradebook.assignments, row.marks, strict=True) if str(assignment.id) == name
     )
-    return mark_cell(mark)
+    return assignment_value_cell(mark)
 
 
 @dataclass(frozen=True)
-class MoodleFile:
+class MoodleTable:
     """A table that Moodle imports; `left_out`: the names of students who cannot be in it."""
 
     header: tuple[str, ...]
     rows: tuple[tuple[Cell, ...], ...]
     left_out: tuple[str, ...]
 
-    def lines(self) -> Iterator[bytes]:
-        return plain_csv(self.header, self.rows)
+    def iter_csv_lines(self) -> Iterator[bytes]:
+        return write_plain_csv(self.header, self.rows)
 
 
 COLUMNS = {MoodleIdentifier.email: "Email address", MoodleIdentifier.id: "ID number"}
@@ -233,16 +245,18 @@ COLUMNS = {MoodleIdentifier.email: "Email address", MoodleIdentifier.id: "ID num
 REMARKS = "Remarques"
 
 
-def moodle_file(gradebook: Gradebook, identifier: MoodleIdentifier) -> MoodleFile:
+def build_moodle_table(gradebook: Gradebook, identifier: MoodleIdentifier) -> MoodleTable:
     """Return the final marks; an empty cell leaves Moodle's mark as it is, and a last column says its state in words.
 
     Tests that are not released are left out, as Moodle would show them, and so are columns that are not published;
     students without an identifier of their own are too.
     """
-    titles = unique_titles(gradebook.assignments)
-    shown = [n for n, assignment in enumerate(gradebook.assignments) if not is_withheld(assignment, gradebook.at)]
+    titles = numbered_assignment_titles(gradebook.assignments)
+    shown = [n for n, assignment in enumerate(gradebook.assignments) if not is_test_withheld(assignment, gradebook.at)]
     published = [n for n, column in enumerate(gradebook.columns) if column.is_published]
-    items = _unique([*(titles[n] for n in shown), *(gradebook.columns[n].full_title for n in published)])
+    items = _number_duplicate_titles(
+        [*(titles[n] for n in shown), *(gradebook.columns[n].full_title for n in published)]
+    )
     uses = Counter(_moodle_identity(row.member, identifier) for row in gradebook.rows)
     rows: list[tuple[Cell, ...]] = []
     left_out = []
@@ -252,20 +266,20 @@ def moodle_file(gradebook: Gradebook, identifier: MoodleIdentifier) -> MoodleFil
             left_out.append(row.member.name)
             continue
         marks, columns = [row.marks[n] for n in shown], [row.columns[n] for n in published]
-        points = (*map(_final_points, marks), *(mark.typed.points for mark in columns))
+        points = (*map(_final_points_or_none, marks), *(mark.typed.points for mark in columns))
         states = [*(mark.state for mark in marks), *(mark.state for mark in columns)]
-        remarks = [f"{title} : {state_words(state)}" for title, state in zip(items, states, strict=True)
+        remarks = [f"{title} : {french_state_words(state)}" for title, state in zip(items, states, strict=True)
                    if state in {*UNMARKED_STATES, MarkState.excused}]  # fmt: skip
         rows.append((identity, *points, " ; ".join(remarks)))
     header = (COLUMNS[identifier], *items, REMARKS)
     if not any(row[-1] for row in rows):
         header, rows = header[:-1], [row[:-1] for row in rows]
-    return MoodleFile(header, tuple(rows), tuple(left_out))
+    return MoodleTable(header, tuple(rows), tuple(left_out))
 
 
 def _moodle_identity(student: StudentRecord, identifier: MoodleIdentifier) -> str:
     return student.email.strip().casefold() if identifier is MoodleIdentifier.email else student.login
 
 
-def _final_points(mark: AssignmentMark) -> float | None:
+def _final_points_or_none(mark: AssignmentMark) -> float | None:
     return round_or_none(mark.points) if mark.state is MarkState.done else None

@@ -56,9 +56,9 @@ class GradebookInputs:
     revisions: Revisions
 
     @cached_property
-    def markers(self) -> Sequence[AssignmentMarker]:
+    def assignment_markers(self) -> Sequence[AssignmentMarker]:
         return [
-            AssignmentMarker.for_assignment(assignment, self.assigned, self.students)
+            AssignmentMarker.build_for_assignment(assignment, self.assigned, self.students)
             for assignment in self.assigned.assignments
         ]
 
@@ -77,13 +77,18 @@ class GradebookInputs:
             tuple(self.columns),
             frozenset(self.typed.items()),
             frozenset(self.revisions.items()),
-            self._stage,
+            self._past_instant_counts,
         )
 
     @property
-    def _stage(self) -> tuple[int, int]:
+    def _past_instant_counts(self) -> tuple[int, int]:
         """How many of the instants at which marks change by themselves are over, and how many of them begin now."""
-        instants = {instant for marker in self.markers for instant in marker.instants() if instant is not None}
+        instants = {
+            instant
+            for marker in self.assignment_markers
+            for instant in marker.iter_change_instants()
+            if instant is not None
+        }
         ordered = sorted(instants)
         return bisect_left(ordered, self.now), bisect_right(ordered, self.now)
 
@@ -101,17 +106,17 @@ def load_inputs(
     """Load the inputs in eight queries, one more for tests, and for teams, whatever the class."""
     students = classes.load_student_records(db, school_class.id, only)
     assigned = load_class_assignments(db, school_class.id, only)
-    columns, typed = columns_repository.load_columns(db, school_class.id, only)
+    columns, typed = columns_repository.load_columns_and_marks(db, school_class.id, only)
     senders = {*(student.id for student in students), *assigned.find_partners([student.id for student in students])}
     return GradebookInputs(
         course=course,
         school_class=school_class,
         now=now,
         students=students,
-        assigned=assigned if assigned.assignments else _module_as_assignment(course, school_class),
-        overrides=repository.load_overrides(db, school_class.id, only),
-        decisions=repository.load_decisions(db, school_class.id, only),
-        marking=repository.load_marking(db, school_class.id),
+        assigned=assigned if assigned.assignments else _module_as_single_assignment(course, school_class),
+        overrides=repository.load_active_overrides(db, school_class.id, only),
+        decisions=repository.load_active_decisions(db, school_class.id, only),
+        marking=repository.load_marking_rules(db, school_class.id),
         columns=columns,
         typed=typed,
         revisions=load_revisions(db, senders),
@@ -129,7 +134,10 @@ def build_gradebook(db: Session, inputs: GradebookInputs) -> Gradebook:
     rows = (
         StudentMarks(
             student,
-            tuple(marker.mark(student.id, attempts.by_account, choices, inputs.now) for marker in inputs.markers),
+            tuple(
+                marker.mark_student(student.id, attempts.by_account, choices, inputs.now)
+                for marker in inputs.assignment_markers
+            ),
             weights,
             tuple(
                 ColumnMark(column, inputs.typed.get((column.id, student.id), NEVER_TYPED), marking)
@@ -152,7 +160,7 @@ def build_gradebook(db: Session, inputs: GradebookInputs) -> Gradebook:
     )
 
 
-def _module_as_assignment(course: Course, school_class: SchoolClass) -> ClassAssignments:
+def _module_as_single_assignment(course: Course, school_class: SchoolClass) -> ClassAssignments:
     """Return the exercises of the module as one assignment without dates, for a class without assignments."""
     module = course.modules.get(school_class.module)
     names = [] if module is None else [exercise.id for exercise in module.exercises]
@@ -177,6 +185,8 @@ def _undated_assignment(school_class: SchoolClass) -> Assignment:
 def load_unassigned_mark(db: Session, school_class: SchoolClass, student: UUID, exercise: str) -> ExerciseMark:
     """Load a student's mark at an exercise that no assignment of the class asks: the best of all attempts."""
     attempts = load_attempts(db, load_revisions(db, [student]), [exercise], school_class.archived_at)
-    override = repository.load_overrides(db, school_class.id, [student], [exercise]).get((student, exercise, None))
+    override = repository.load_active_overrides(db, school_class.id, [student], [exercise]).get(
+        (student, exercise, None)
+    )
     rules = rules_in_force(_undated_assignment(school_class), (), student, ())
     return mark_exercise(exercise, 1.0, attempts.get((student, exercise), ()), rules, AttemptSelection.best, override)

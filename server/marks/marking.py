@@ -60,7 +60,7 @@ class AssignmentMarker:
     teams: Sequence[TeamPlace] = ()
 
     @classmethod
-    def for_assignment(
+    def build_for_assignment(
         cls, assignment: Assignment, assigned: ClassAssignments, students: Sequence[StudentRecord]
     ) -> AssignmentMarker:
         exemptions, teams = assigned.exemptions.get(assignment.id, ()), assigned.teams.get(assignment.id, ())
@@ -75,15 +75,16 @@ class AssignmentMarker:
         exercises = tuple(assigned.exercises.get(assignment.id, ()))
         return cls(assignment, exercises, assigned.sittings.get(assignment.id, {}), rules, teams)
 
-    def instants(self) -> Iterator[datetime | None]:
-        """Yield every time at which a mark may change by itself: all that `mark` and `is_withheld` compare with now."""
+    def iter_change_instants(self) -> Iterator[datetime | None]:
+        """Yield every time at which a mark may change by itself: all that `mark_student` and `is_test_withheld` compare
+        with now."""
         yield self.assignment.released_at
         for student, rules in self.rules.items():
             yield from (rules.opens_at, rules.due_at, rules.closes_at)
             if sitting := self.sittings.get(student):
                 yield rules.latest_sitting_end(sitting.began_at)
 
-    def mark(
+    def mark_student(
         self,
         student: UUID,
         attempts: Mapping[UUID, Mapping[str, Attempts]],
@@ -100,7 +101,7 @@ class AssignmentMarker:
         if shares:
             own = {name: add_team_attempts(own.get(name, ()), name, attempts, shares) for name, _ in self.exercises}
         if is_test:
-            own = {name: _sent_in(windows, own.get(name, ())) for name, _ in self.exercises}
+            own = {name: _attempts_in_sitting(windows, own.get(name, ())) for name, _ in self.exercises}
         overrides = choices.overrides_by_student.get(student, NO_OVERRIDES)
         marks = mark_exercises(own, self.assignment.id, self.exercises, windows, counts, overrides)
         # A test ends for a student who has handed in, whose time is over, or once its results are out.
@@ -110,14 +111,16 @@ class AssignmentMarker:
         elif decision is not None:
             state = DECIDED[decision.state]
         else:
-            state = mark_state(rules, marks, now, has_begun_test=sitting is not None, ended=ended)
-        return _put_together(own, self.assignment.id, rules, state, marks, ended, choices.marking, decision, partners)
+            state = compute_mark_state(rules, marks, now, has_begun_test=sitting is not None, ended=ended)
+        return _cached_assignment_mark(
+            own, self.assignment.id, rules, state, marks, ended, choices.marking, decision, partners
+        )
 
 
 NO_ATTEMPTS: Mapping[str, Attempts] = {}
 
 
-def _sent_in(windows: SendingWindow, attempts: Attempts) -> Attempts:
+def _attempts_in_sitting(windows: SendingWindow, attempts: Attempts) -> Attempts:
     """Return what a student sent in the sitting of a test."""
     return [attempt for attempt in attempts if windows.judge_timing(attempt.sent_at) is not OUTSIDE]
 
@@ -140,7 +143,7 @@ def mark_exercises(
 
 
 @cached_per_history
-def _put_together(
+def _cached_assignment_mark(
     own: Mapping[str, Attempts],
     assignment: UUID,
     rules: Rules,
@@ -194,7 +197,7 @@ def mark_exercise(
     )
 
 
-def mark_state(
+def compute_mark_state(
     rules: Rules,
     marks: Sequence[ExerciseMark],
     now: datetime,
@@ -209,7 +212,7 @@ def mark_state(
     """
     if rules.excused or (marks and all(mark.excused for mark in marks)):
         return MarkState.excused
-    over = _state_once_over(marks, has_begun_test=has_begun_test)
+    over = _state_after_end(marks, has_begun_test=has_begun_test)
     if ended:
         return over
     if now < rules.opens_at and not has_begun_test:
@@ -221,7 +224,7 @@ def mark_state(
     return over
 
 
-def _state_once_over(marks: Sequence[ExerciseMark], *, has_begun_test: bool) -> MarkState:
+def _state_after_end(marks: Sequence[ExerciseMark], *, has_begun_test: bool) -> MarkState:
     if has_begun_test or any(mark.points is not None for mark in marks):
         return MarkState.done
-    return MarkState.late_refused if any(mark.refused for mark in marks) else MarkState.not_handed_in
+    return MarkState.late_refused if any(mark.is_refused_as_late for mark in marks) else MarkState.not_handed_in

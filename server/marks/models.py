@@ -166,7 +166,7 @@ class Rubric(Base):
 
 
 class RubricMarking(Base):
-    """A copy that is being marked by a rubric: points and remarks by item (`rubric_items.CopyMarks`).
+    """A copy that is being marked by a rubric: points and remarks by item (`rubric_items.RubricScores`).
 
     Without `finished_at` it is a draft. Its sum becomes a mark of the column when that is published.
     """

@@ -8,12 +8,12 @@ from dataclasses import dataclass, field, replace
 from server.assignments.models import Assignment
 from server.assignments.rules import Rules
 from server.marks.means import format_number, format_points
-from server.marks.schemas import AssignmentMark, ColumnMark, ExerciseMark, Gradebook, StudentMarks, is_withheld
+from server.marks.schemas import AssignmentMark, ColumnMark, ExerciseMark, Gradebook, StudentMarks, is_test_withheld
 from server.marks.states import STATE_WORDS, MarkState
 
 
 @dataclass(frozen=True)
-class OwnMark:
+class VisibleMark:
     """A mark as its student sees it: None while a test withholds it, or one of its exercises.
 
     `exercises`: the marks of exercises that are shown all the same.
@@ -26,27 +26,27 @@ class OwnMark:
 
 
 @dataclass(frozen=True)
-class OwnMarks:
+class VisibleMarks:
     """A student's own marks, in the order of the assignments, the average of those that are shown, and its terms."""
 
-    marks: tuple[OwnMark, ...] = ()
+    marks: tuple[VisibleMark, ...] = ()
     average: float | None = None
     titles: Mapping[str, str] = field(default_factory=dict)
     columns: tuple[ColumnMark, ...] = ()
     terms: tuple[AverageTerm, ...] = ()
 
     @staticmethod
-    def from_gradebook(gradebook: Gradebook, withheld_exercises: Collection[str]) -> OwnMarks:
+    def from_gradebook(gradebook: Gradebook, withheld_exercises: Collection[str]) -> VisibleMarks:
         """Return the marks of the only student of a gradebook, none where it has no row.
 
         `withheld_exercises`: those of which a test withholds attempts from this student.
         """
         if not gradebook.rows:
-            return OwnMarks()
-        gradebook = _without_others(gradebook)
+            return VisibleMarks()
+        gradebook = _keep_concerned_assignments(gradebook)
         (row,) = gradebook.rows
         visible = [
-            not is_withheld(assignment, gradebook.at)
+            not is_test_withheld(assignment, gradebook.at)
             and not any(
                 exercise.exercise in withheld_exercises for exercise in gradebook.exercises.get(assignment.id, ())
             )
@@ -61,18 +61,20 @@ class OwnMarks:
         )
         marks = []
         for assignment, mark, is_visible in zip(gradebook.assignments, row.marks, visible, strict=True):
-            visible_marks = () if is_withheld(assignment, gradebook.at) else mark.exercises
+            visible_marks = () if is_test_withheld(assignment, gradebook.at) else mark.exercises
             exercises = {own.exercise: own for own in visible_marks if own.exercise not in withheld_exercises}
-            marks.append(OwnMark(assignment, mark.rules, mark if is_visible else None, exercises))
+            marks.append(VisibleMark(assignment, mark.rules, mark if is_visible else None, exercises))
         titles = [
             assignment.title
             for assignment, is_visible in zip(gradebook.assignments, visible, strict=True)
             if is_visible
         ]
-        return OwnMarks(tuple(marks), visible_row.average, gradebook.titles, published, list_terms(visible_row, titles))
+        return VisibleMarks(
+            tuple(marks), visible_row.average, gradebook.titles, published, list_average_terms(visible_row, titles)
+        )
 
 
-def _without_others(gradebook: Gradebook) -> Gradebook:
+def _keep_concerned_assignments(gradebook: Gradebook) -> Gradebook:
     """Return the gradebook of one student without the assignments of other groups."""
     (row,) = gradebook.rows
     own = [n for n, mark in enumerate(row.marks) if mark.state is not MarkState.not_concerned]
@@ -94,20 +96,22 @@ class AverageTerm:
     bonus: bool = False
 
 
-def list_terms(row: StudentMarks, titles: Sequence[str]) -> tuple[AverageTerm, ...]:
+def list_average_terms(row: StudentMarks, titles: Sequence[str]) -> tuple[AverageTerm, ...]:
     """Explain a student's average. `titles`: those of the assignments, in the order of the marks."""
     assignments = [
-        AverageTerm(title, mark_text(mark), weight, mark.in_average)
+        AverageTerm(title, describe_assignment_mark(mark), weight, mark.points_in_average)
         for title, mark, weight in zip(titles, row.marks, row.weights, strict=True)
     ]
     columns = [
-        AverageTerm(mark.column.title, column_mark_text(mark), mark.column.weight, mark.in_average, mark.column.bonus)
+        AverageTerm(
+            mark.column.title, describe_column_mark(mark), mark.column.weight, mark.points_in_average, mark.column.bonus
+        )
         for mark in row.columns
     ]
     return (*assignments, *columns)
 
 
-def mark_text(mark: AssignmentMark) -> str:
+def describe_assignment_mark(mark: AssignmentMark) -> str:
     """Return what a mark is, in words: « 12,5 / 20 », « non rendu », « 8 / 20, en cours »."""
     if mark.state in {MarkState.open, MarkState.upcoming} and mark.points is not None:
         return f"{format_points(mark.points)} / 20, en cours"
@@ -116,7 +120,7 @@ def mark_text(mark: AssignmentMark) -> str:
     return STATE_WORDS[mark.state]
 
 
-def column_mark_text(mark: ColumnMark) -> str:
+def describe_column_mark(mark: ColumnMark) -> str:
     """Return the same of a mark in a column: « 7 / 10 », « absent »."""
     if mark.typed.points is None:
         return STATE_WORDS[mark.state]

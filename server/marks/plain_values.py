@@ -13,8 +13,8 @@ from server.marks.schemas import (
     ColumnMark,
     ExerciseMark,
     Gradebook,
-    MarkSummary,
-    is_withheld,
+    MarkStatistics,
+    is_test_withheld,
 )
 from server.marks.states import MarkState
 
@@ -28,7 +28,7 @@ def gradebook_json(gradebook: Gradebook) -> dict[str, Any]:
         "marking": asdict(gradebook.marking),
         "assignments": [_assignment_json(gradebook, index) for index in range(len(gradebook.assignments))],
         "columns": [
-            {**asdict(column), **_summary_json(gradebook.summary_of_column(index))}
+            {**asdict(column), **_summary_json(gradebook.column_statistics(index))}
             for index, column in enumerate(gradebook.columns)
         ],
         "students": [
@@ -49,7 +49,7 @@ def gradebook_json(gradebook: Gradebook) -> dict[str, Any]:
 
 
 def _assignment_json(gradebook: Gradebook, index: int) -> dict[str, Any]:
-    assignment, summary = gradebook.assignments[index], gradebook.summary_of(index)
+    assignment, summary = gradebook.assignments[index], gradebook.assignment_statistics(index)
     return {
         "id": assignment.id,
         "title": assignment.title,
@@ -58,7 +58,7 @@ def _assignment_json(gradebook: Gradebook, index: int) -> dict[str, Any]:
         "opens_at": assignment.opens_at,
         "due_at": assignment.due_at,
         "closes_at": assignment.closes_at,
-        "held_back": is_withheld(assignment, gradebook.at),
+        "held_back": is_test_withheld(assignment, gradebook.at),
         "exercises": [
             {"exercise": exercise, "weight": weight} for exercise, weight in gradebook.exercises[assignment.id]
         ],
@@ -68,7 +68,7 @@ def _assignment_json(gradebook: Gradebook, index: int) -> dict[str, Any]:
     }
 
 
-def _summary_json(summary: MarkSummary) -> dict[str, Any]:
+def _summary_json(summary: MarkStatistics) -> dict[str, Any]:
     rounded = (None if value is None else round(value, 2) for value in (summary.mean, summary.median))
     return dict(zip(("copies", "mean", "median"), (summary.count, *rounded), strict=True))
 
@@ -79,7 +79,7 @@ def column_mark_json(mark: ColumnMark) -> dict[str, Any]:
         "column": mark.column.id,
         "state": mark.state,
         "points": mark.typed.points,
-        "counted": mark.in_average,
+        "counted": mark.points_in_average,
         "comment": mark.typed.comment,
         "version": mark.typed.version,
     }
@@ -90,7 +90,7 @@ def _assignment_mark_json(assignment: Assignment, mark: AssignmentMark) -> dict[
         "assignment": assignment.id,
         "state": mark.state,
         "points": round_or_none(mark.points),
-        "counted": round_or_none(mark.in_average),
+        "counted": round_or_none(mark.points_in_average),
         "days_late": mark.days_late,
         "exercises": [exercise_mark_json(exercise, mark.state) for exercise in mark.exercises],
         "decision": None if mark.decision is None else decision_json(mark.decision),
@@ -106,7 +106,7 @@ def exercise_mark_json(mark: ExerciseMark, assignment_state: MarkState | None = 
     override = mark.override
     return {
         "exercise": mark.exercise,
-        "state": None if assignment_state is None else mark.state_in(assignment_state),
+        "state": None if assignment_state is None else mark.state_within(assignment_state),
         "points": round_or_none(mark.points),
         "automatic": round_or_none(mark.effective.automatic),
         "excused": mark.excused,

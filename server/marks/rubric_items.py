@@ -11,7 +11,7 @@ from uuid import uuid4
 from server.base.errors import Invalid, InvalidFields
 from server.marks.means import format_number
 from server.marks.models import COLUMN_TITLE_LENGTH
-from server.marks.typed import NO_WEIGHT, check_points, parse_mark
+from server.marks.typed import NO_WEIGHT, parse_typed_mark, require_points_on_scale
 from server.text.lines import character_problem, require_line, tidy_line, tidy_lines
 
 MAX_ITEMS, MAX_LEVELS = 30, 10
@@ -70,22 +70,22 @@ class RubricInput:
 
 
 @dataclass(frozen=True)
-class CopyMarks:
+class RubricScores:
     """What a teacher has given for a copy: points and remarks by item, the remark on the whole under `OVERALL`."""
 
     points: Mapping[str, float] = field(default_factory=dict)
     remarks: Mapping[str, str] = field(default_factory=dict)
 
-    def total(self, items: Sequence[RubricItem]) -> float:
+    def total_over(self, items: Sequence[RubricItem]) -> float:
         """Return the sum of the points of these items."""
         return round(sum(self.points.get(item.id, 0.0) for item in items), 2)
 
-    def missing(self, items: Sequence[RubricItem]) -> Sequence[str]:
+    def titles_without_points(self, items: Sequence[RubricItem]) -> Sequence[str]:
         """Return the titles of the items without points."""
         return [item.title for item in items if item.id not in self.points]
 
 
-def total_points(items: Sequence[RubricItem]) -> float:
+def sum_item_points(items: Sequence[RubricItem]) -> float:
     return round(sum(item.points for item in items), 2)
 
 
@@ -94,16 +94,16 @@ def format_levels(levels: Sequence[RubricLevel]) -> str:
     return "\n".join(f"{format_number(level.points)} : {level.text}" for level in levels)
 
 
-def parse_item(item_id: str, title: str, points: str, words: str) -> RubricItem:
+def parse_rubric_item(item_id: str, title: str, points: str, words: str) -> RubricItem:
     """Parse an item as it is typed; without `item_id` it is a new one. Raise Invalid."""
     name = require_line(title, ITEM_LENGTH, NO_ITEM_TITLE)
-    most = parse_mark(points, MAX_ITEM_POINTS).points if points.strip() else None
+    most = parse_typed_mark(points, MAX_ITEM_POINTS).points if points.strip() else None
     if most is None or most < 0.25:
         raise Invalid(NO_ITEM_POINTS.format(title=name))
     lines = [line for line in tidy_lines(words).splitlines() if line]
     if len(lines) > MAX_LEVELS:
         raise Invalid(TOO_MANY_LEVELS.format(title=name))
-    levels = tuple(_parse_level(name, most, line) for line in lines)
+    levels = tuple(_parse_rubric_level(name, most, line) for line in lines)
     points_of_levels = [level.points for level in levels]
     for level in levels:
         if points_of_levels.count(level.points) > 1:
@@ -111,7 +111,7 @@ def parse_item(item_id: str, title: str, points: str, words: str) -> RubricItem:
     return RubricItem(item_id or uuid4().hex[:8], name, most, levels)
 
 
-def _parse_level(title: str, most: float, line: str) -> RubricLevel:
+def _parse_rubric_level(title: str, most: float, line: str) -> RubricLevel:
     short = line[:60]
     written = LEVEL.fullmatch(line)
     if written is None:
@@ -139,7 +139,9 @@ def validate_rubric(fields: RubricInput) -> RubricInput:
     return RubricInput(title, fields.weight, fields.anonymous, fields.items)
 
 
-def parse_copy_marks(items: Sequence[RubricItem], points: Mapping[str, str], remarks: Mapping[str, str]) -> CopyMarks:
+def parse_rubric_scores(
+    items: Sequence[RubricItem], points: Mapping[str, str], remarks: Mapping[str, str]
+) -> RubricScores:
     """Parse the points and remarks of a copy as they are typed; an empty text gives none. Raise InvalidFields, by item.
 
     Texts of items that the rubric has not are left out.
@@ -150,7 +152,7 @@ def parse_copy_marks(items: Sequence[RubricItem], points: Mapping[str, str], rem
         text = points.get(item.id, "").strip()
         try:
             if text:
-                given[item.id] = check_points(_read_number(text), item.points, text)
+                given[item.id] = require_points_on_scale(_parse_points(text), item.points, text)
         except Invalid as refused:
             problems[item.id] = refused.detail
     said = {}
@@ -163,10 +165,10 @@ def parse_copy_marks(items: Sequence[RubricItem], points: Mapping[str, str], rem
             said[key] = remark
     if problems:
         raise InvalidFields(problems)
-    return CopyMarks(given, said)
+    return RubricScores(given, said)
 
 
-def _read_number(text: str) -> float:
+def _parse_points(text: str) -> float:
     try:
         return float(text.replace(",", ".")[:20])
     except ValueError:

@@ -27,10 +27,10 @@ from server.marks.columns import MarkEntry
 from server.marks.models import ManualColumn, Rubric, RubricMarking
 from server.marks.rubric_items import (
     MISSING_POINTS,
-    CopyMarks,
     RubricInput,
     RubricItem,
-    total_points,
+    RubricScores,
+    sum_item_points,
     validate_rubric,
 )
 from server.marks.schemas import TypedMark
@@ -45,7 +45,7 @@ MARKED_MEANWHILE = "Cette copie a été notée ailleurs depuis que cette page es
 KEY_DIGITS = 12
 
 
-def copy_key(rubric: Rubric, student: UUID) -> str:
+def anonymous_copy_key(rubric: Rubric, student: UUID) -> str:
     """Return the name of a copy in addresses, which tells nobody's name; copies whose names are hidden stand by it."""
     return sha256(rubric.column_id.bytes + student.bytes).hexdigest()[:KEY_DIGITS]
 
@@ -63,7 +63,7 @@ def save_rubric(
 ) -> Rubric:
     """Make or change the rubric of an assignment, with its column. Raise Conflict, Invalid or InvalidFields."""
     fields = validate_rubric(fields)
-    column_fields = ColumnInput(fields.title, total_points(fields.items), weight=fields.weight)
+    column_fields = ColumnInput(fields.title, sum_item_points(fields.items), weight=fields.weight)
     items = [item.to_json() for item in fields.items]
     row = repository.find_rubric(db, assignment.id)
     if row is None:
@@ -75,8 +75,8 @@ def save_rubric(
     else:
         rubric, column = row
         columns.lock_column(db, school_class, column.id)
-        _require_items_in_use(db, rubric, fields.items)
-        kept = columns.column_input(column)
+        _require_used_items_remain(db, rubric, fields.items)
+        kept = columns.editable_column_fields(column)
         fitted = ColumnInput(fields.title, column_fields.out_of, kept.taken_on, fields.weight, kept.bonus)
         columns.change_column(db, school_class, by, column.id, fitted)
         if (rubric.items, rubric.anonymous) != (items, fields.anonymous):
@@ -85,22 +85,22 @@ def save_rubric(
     return rubric
 
 
-def _require_items_in_use(db: Session, rubric: Rubric, wanted: Sequence[RubricItem]) -> None:
-    scales = {item.id: item.points for item in wanted}
-    markings = repository.load_markings(db, rubric.column_id).values()
-    for item in repository.items_of(rubric):
+def _require_used_items_remain(db: Session, rubric: Rubric, new_items: Sequence[RubricItem]) -> None:
+    scales = {item.id: item.points for item in new_items}
+    markings = repository.load_rubric_markings(db, rubric.column_id).values()
+    for item in repository.read_rubric_items(rubric):
         given = [marking.points[item.id] for marking in markings if item.id in marking.points]
         if given and max(given) > scales.get(item.id, -1.0):
             raise Invalid(ITEM_IN_USE.format(title=item.title, count=len(given), most=f"{max(given):g}"))
 
 
-def save_marking(
+def save_rubric_marking(
     db: Session,
     school_class: SchoolClass,
     by: Account,
     assignment: Assignment,
     student: UUID,
-    marks: CopyMarks,
+    marks: RubricScores,
     *,
     finish: bool,
     version: int | None = None,
@@ -113,23 +113,23 @@ def save_marking(
     rubric, column = require_rubric(db, assignment)
     columns.lock_column(db, school_class, column.id)
     columns.require_student(db, school_class, student)
-    items = repository.items_of(rubric)
-    marking = repository.find_marking(db, rubric.column_id, student)
+    items = repository.read_rubric_items(rubric)
+    marking = repository.find_rubric_marking(db, rubric.column_id, student)
     if marking is not None:
         db.refresh(marking)
     current = 0 if marking is None else marking.version
-    if marking is not None and repository.marks_of(marking) == marks and (not finish or marking.finished_at):
+    if marking is not None and repository.read_rubric_scores(marking) == marks and (not finish or marking.finished_at):
         return marking
     if version is not None and version != current:
         raise Conflict(MARKED_MEANWHILE)
     finish = finish or (marking is not None and marking.finished_at is not None)
-    missing = marks.missing(items)
+    missing = marks.titles_without_points(items)
     if finish and missing:
         raise Invalid(MISSING_POINTS.format(titles=", ".join(missing)))
     marking = marking or RubricMarking(column_id=rubric.column_id, account_id=student)
-    members = [student, *_load_partners(db, school_class, assignment, student)]
+    members = [student, *_load_teammates(db, school_class, assignment, student)]
     for member in members:
-        own = marking if member == student else repository.find_marking(db, rubric.column_id, member)
+        own = marking if member == student else repository.find_rubric_marking(db, rubric.column_id, member)
         own = own or RubricMarking(column_id=rubric.column_id, account_id=member)
         own.points, own.remarks = dict(marks.points), dict(marks.remarks)
         own.by, own.at, own.version = by.id, utc_now(), (own.version or 0) + 1
@@ -138,12 +138,12 @@ def save_marking(
         db.add(own)
     db.flush()
     if finish and column.published_at is not None:
-        entries = [MarkEntry(member, TypedMark(points=marks.total(items))) for member in members]
-        columns.set_marks(db, school_class, by, column.id, entries)
+        entries = [MarkEntry(member, TypedMark(points=marks.total_over(items))) for member in members]
+        columns.store_column_marks(db, school_class, by, column.id, entries)
     return marking
 
 
-def _load_partners(db: Session, school_class: SchoolClass, assignment: Assignment, student: UUID) -> Sequence[UUID]:
+def _load_teammates(db: Session, school_class: SchoolClass, assignment: Assignment, student: UUID) -> Sequence[UUID]:
     """Return the active students who hand in with this one."""
     places = load_places_of_team_assignments(db, [assignment]).get(assignment.id, ())
     partners = [partner.account_id for partner in list_current_partners(places, student)]

@@ -11,7 +11,7 @@ from sqlalchemy.orm import Session
 
 from server.classes.models import SchoolClass
 from server.marks.models import ManualColumn, Rubric, RubricMarking
-from server.marks.rubric_items import CopyMarks, RubricItem
+from server.marks.rubric_items import RubricItem, RubricScores
 
 
 def find_rubric(db: Session, assignment_id: UUID) -> tuple[Rubric, ManualColumn] | None:
@@ -40,21 +40,21 @@ def load_rubric_titles(db: Session, assignments: Collection[UUID]) -> Mapping[UU
     return {assignment: (title, published is not None) for assignment, title, published in db.execute(query)}
 
 
-def items_of(rubric: Rubric) -> tuple[RubricItem, ...]:
+def read_rubric_items(rubric: Rubric) -> tuple[RubricItem, ...]:
     return tuple(RubricItem.from_json(row) for row in rubric.items)
 
 
-def marks_of(marking: RubricMarking) -> CopyMarks:
-    return CopyMarks(dict(marking.points), dict(marking.remarks))
+def read_rubric_scores(marking: RubricMarking) -> RubricScores:
+    return RubricScores(dict(marking.points), dict(marking.remarks))
 
 
-def load_markings(db: Session, column_id: UUID) -> Mapping[UUID, RubricMarking]:
+def load_rubric_markings(db: Session, column_id: UUID) -> Mapping[UUID, RubricMarking]:
     """Load the copies of a rubric that are marked or begun, by student."""
     rows = db.execute(select(RubricMarking).where(RubricMarking.column_id == column_id)).scalars()
     return {row.account_id: row for row in rows}
 
 
-def find_marking(db: Session, column_id: UUID, student: UUID) -> RubricMarking | None:
+def find_rubric_marking(db: Session, column_id: UUID, student: UUID) -> RubricMarking | None:
     return db.get(RubricMarking, (column_id, student))
 
 
@@ -67,7 +67,7 @@ class AccountMarking(NamedTuple):
     class_name: str
 
 
-def list_all_markings_of(db: Session, account_id: UUID) -> Sequence[AccountMarking]:
+def load_account_markings(db: Session, account_id: UUID) -> Sequence[AccountMarking]:
     """Return every copy of an account that is marked or begun."""
     query = (
         select(RubricMarking, Rubric, ManualColumn, SchoolClass.name)
@@ -80,7 +80,7 @@ def list_all_markings_of(db: Session, account_id: UUID) -> Sequence[AccountMarki
     return [AccountMarking(*row) for row in rows]
 
 
-def move_markings(db: Session, old: UUID, new: UUID) -> None:
+def move_rubric_markings(db: Session, old: UUID, new: UUID) -> None:
     """Move markings from a guest to an account, which keeps its own where both have one."""
     own = select(RubricMarking.column_id).where(RubricMarking.account_id == new)
     of_guest = RubricMarking.account_id == old

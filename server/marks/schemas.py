@@ -112,7 +112,7 @@ class ExerciseMark:
         return self.override is not None and self.effective.excused
 
     @property
-    def refused(self) -> bool:
+    def is_refused_as_late(self) -> bool:
         """Whether there are attempts, and all came too late to count."""
         return self.sent > 0 and self.counted is None
 
@@ -126,7 +126,7 @@ class ExerciseMark:
         """Days that the counting attempt is late; 0 where an override is in force."""
         return 0 if self.counted is None or self.override is not None else self.counted.days_late
 
-    def state_in(self, assignment_state: MarkState) -> MarkState:
+    def state_within(self, assignment_state: MarkState) -> MarkState:
         """Return the state of this exercise in an assignment of that state."""
         if assignment_state in WHOLE_STATES:
             return assignment_state
@@ -136,7 +136,7 @@ class ExerciseMark:
             return assignment_state
         if self.points is not None:
             return MarkState.done
-        return MarkState.late_refused if self.refused else MarkState.not_handed_in
+        return MarkState.late_refused if self.is_refused_as_late else MarkState.not_handed_in
 
 
 @dataclass(frozen=True)
@@ -162,10 +162,10 @@ class AssignmentMark:
         if self.decision is not None and self.decision.state is DecidedState.zero:
             return 0.0
         if self.state in UNMARKED_STATES:
-            return self.marking.points_of(self.state)
+            return self.marking.points_without_mark(self.state)
         if self.state in LEFT_OUT:
             return None
-        over = self.state is MarkState.done and not self.endless
+        over = self.state is MarkState.done and not self.has_no_end
         blanks_count = over and self.marking.unanswered is Counting.zero
         counted = [
             exercise
@@ -178,12 +178,12 @@ class AssignmentMark:
         return 0.0 if points is None and over else points
 
     @property
-    def endless(self) -> bool:
+    def has_no_end(self) -> bool:
         """Whether it has neither a due or closing date nor another end."""
         return not self.ended and self.rules.latest_counting_time is None and self.rules.due_at is None
 
     @property
-    def in_average(self) -> float | None:
+    def points_in_average(self) -> float | None:
         """The points that count in the student's average: None while it is not over, or by the class's rules."""
         return None if self.state in {MarkState.open, MarkState.upcoming} else self.points
 
@@ -192,7 +192,7 @@ class AssignmentMark:
         return max((exercise.days_late for exercise in self.exercises), default=0)
 
     @cached_property
-    def overridden(self) -> bool:
+    def has_override_or_decision(self) -> bool:
         return self.decision is not None or any(exercise.override is not None for exercise in self.exercises)
 
     @cached_property
@@ -255,10 +255,10 @@ class ColumnMark:
         return MarkState.upcoming if self.typed.points is None else MarkState.done
 
     @property
-    def in_average(self) -> float | None:
+    def points_in_average(self) -> float | None:
         """The points that count, out of 20, of a bonus as they are; None where nothing counts."""
         if self.typed.points is None:
-            return self.marking.points_of(self.state)
+            return self.marking.points_without_mark(self.state)
         return self.typed.points if self.column.bonus else self.typed.points * FULL_POINTS / self.column.out_of
 
 
@@ -274,13 +274,15 @@ class StudentMarks:
     @cached_property
     def average(self) -> float | None:
         """The mean of what counts: the assignments that are over and the columns, by their weights, and bonuses."""
-        assignments = [MeanTerm(mark.in_average, weight) for mark, weight in zip(self.marks, self.weights, strict=True)]
-        columns = [MeanTerm(mark.in_average, mark.column.weight, mark.column.bonus) for mark in self.columns]
+        assignments = [
+            MeanTerm(mark.points_in_average, weight) for mark, weight in zip(self.marks, self.weights, strict=True)
+        ]
+        columns = [MeanTerm(mark.points_in_average, mark.column.weight, mark.column.bonus) for mark in self.columns]
         return mean_of_terms([*assignments, *columns])
 
 
 @dataclass(frozen=True)
-class MarkSummary:
+class MarkStatistics:
     """Number, mean and median of the marks of those who sent something."""
 
     count: int
@@ -288,8 +290,8 @@ class MarkSummary:
     median: float | None
 
 
-def summarise(points: Sequence[float]) -> MarkSummary:
-    return MarkSummary(len(points), mean(points), median(points))
+def compute_statistics(points: Sequence[float]) -> MarkStatistics:
+    return MarkStatistics(len(points), mean(points), median(points))
 
 
 @dataclass(frozen=True)
@@ -305,27 +307,27 @@ class Gradebook:
     columns: tuple[ColumnRecord, ...] = ()
     marking: MarkingRules = DEFAULT_RULES
 
-    def title_of(self, exercise: str) -> str:
+    def exercise_title(self, exercise: str) -> str:
         """Return the title of an exercise, or its id once it has left the course."""
         return self.titles.get(exercise, exercise)
 
-    def summary_of(self, index: int) -> MarkSummary:
+    def assignment_statistics(self, index: int) -> MarkStatistics:
         """Summarise the marks at one assignment that have points of their own: neither states nor rules count."""
         marks = [row.marks[index] for row in self.rows]
         points_sent = [mark.points for mark in marks if mark.state in {MarkState.done, MarkState.open}]
-        return summarise([points for points in points_sent if points is not None])
+        return compute_statistics([points for points in points_sent if points is not None])
 
-    def summary_of_column(self, index: int) -> MarkSummary:
+    def column_statistics(self, index: int) -> MarkStatistics:
         """Summarise the points typed in one column, out of its own scale."""
         typed = [row.columns[index].typed.points for row in self.rows]
-        return summarise([points for points in typed if points is not None])
+        return compute_statistics([points for points in typed if points is not None])
 
     @cached_property
-    def averages(self) -> MarkSummary:
-        return summarise([row.average for row in self.rows if row.average is not None])
+    def average_statistics(self) -> MarkStatistics:
+        return compute_statistics([row.average for row in self.rows if row.average is not None])
 
 
-def is_withheld(assignment: Assignment, now: datetime) -> bool:
+def is_test_withheld(assignment: Assignment, now: datetime) -> bool:
     """Whether it is a test whose results are not released yet."""
     released = assignment.released_at
     return assignment.mode == Mode.test and (released is None or released > now)

@@ -29,7 +29,7 @@ from server.marks import columns_repository, repository, rubrics_repository
 from server.marks.loading import load_gradebook, load_unassigned_mark
 from server.marks.means import FULL_POINTS
 from server.marks.models import REASON_LENGTH, Override
-from server.marks.own import OwnMarks
+from server.marks.own import VisibleMarks
 from server.marks.schemas import ExerciseMark
 from server.text.lines import character_problem, tidy_lines
 
@@ -49,22 +49,22 @@ NEEDS_REASON = "Indiquez le motif : l’élève le lit, et le journal de la clas
 LONG_REASON = f"Le motif compte {REASON_LENGTH} caractères au plus."
 
 
-def parse_points(text: str) -> float:
+def parse_override_points(text: str) -> float:
     """Parse points as a teacher writes them: « 12,5 ». Raise Invalid."""
     try:
         points = float(text.strip().replace(",", "."))
     except ValueError:
         raise Invalid(NOT_A_NUMBER.format(text=text.strip()[:20])) from None
-    return _check_points(points)
+    return _require_points_in_range(points)
 
 
-def _check_points(points: float) -> float:
+def _require_points_in_range(points: float) -> float:
     if not (math.isfinite(points) and 0 <= points <= FULL_POINTS):
         raise Invalid(OUT_OF_RANGE)
     return points + 0.0  # turns a negative zero into a zero
 
 
-def parse_reason(text: str) -> str:
+def parse_override_reason(text: str) -> str:
     """Return a reason without blanks around its lines. Raise Invalid for one that is empty, long or unreadable."""
     reason = tidy_lines(text)
     if not reason:
@@ -97,7 +97,7 @@ def set_override(
     """
     if (points is None) is not excused:
         raise Invalid(ONE_OF)
-    points, reason = None if points is None else _check_points(points), parse_reason(reason)
+    points, reason = None if points is None else _require_points_in_range(points), parse_override_reason(reason)
     earlier, scope = _lock_override(db, course, school_class, student, exercise, assignment_id)
     marks = load_exercise_marks(db, course, school_class, student, exercise, assignment_id)
     now = utc_now()
@@ -124,7 +124,7 @@ def set_override(
         AuditAction.mark_overridden,
         student=student,
         about=f"{exercise_title(course, exercise)}, {scope}",
-        before=_automatic_values(marks) if earlier is None else _override_values(earlier),
+        before=_best_automatic_values(marks) if earlier is None else _override_values(earlier),
         after=_override_values(override),
         reason=reason,
     )
@@ -159,8 +159,8 @@ def withdraw_override(
         student=student,
         about=f"{exercise_title(course, exercise)}, {scope}",
         before=_override_values(override),
-        after=_automatic_values(marks),
-        reason=parse_reason(reason) if reason.strip() else "",
+        after=_best_automatic_values(marks),
+        reason=parse_override_reason(reason) if reason.strip() else "",
     )
     db.flush()
 
@@ -169,7 +169,7 @@ def _lock_override(
     db: Session, course: Course, school_class: SchoolClass, student: UUID, exercise: str, assignment_id: UUID | None
 ) -> tuple[Override | None, str]:
     """Return the override in force of this scope, and the scope in words; lock those of the class until the commit."""
-    membership = lock_student(db, school_class, student)
+    membership = lock_student_marks(db, school_class, student)
     if assignment_id is None:
         if not _belongs_to_class(db, course, school_class, exercise):
             raise NotFound(NO_SUCH_EXERCISE)
@@ -181,18 +181,18 @@ def _lock_override(
             raise NotFound(NO_SUCH_ASSIGNMENT)
         if all(row.exercise != exercise for row in assigned.exercises[assignment_id]):
             raise NotFound(NOT_IN_ASSIGNMENT)
-        require_concerned(db, assignment, membership)
+        require_assignment_concerns(db, assignment, membership)
         scope = IN_ASSIGNMENT.format(title=assignment.title)
-    return repository.find_override(db, school_class.id, student, exercise, assignment_id), scope
+    return repository.find_active_override(db, school_class.id, student, exercise, assignment_id), scope
 
 
-def require_concerned(db: Session, assignment: Assignment, membership: Membership) -> None:
+def require_assignment_concerns(db: Session, assignment: Assignment, membership: Membership) -> None:
     """Raise Invalid for a student whom an assignment does not concern, and who has not sat it."""
     if not is_assigned_to(assignment, membership.groups) and not load_sitting(db, assignment.id, membership.account_id):
         raise Invalid(NOT_CONCERNED.format(groups=" ou ".join(f"« {label} »" for label in assignment.groups)))
 
 
-def lock_student(db: Session, school_class: SchoolClass, student: UUID) -> Membership:
+def lock_student_marks(db: Session, school_class: SchoolClass, student: UUID) -> Membership:
     """Lock what teachers decide in an open class until the commit, and return the membership.
 
     Raise NotFound for anyone but an active student.
@@ -239,7 +239,7 @@ def _override_values(override: Override) -> dict[str, object]:
     return {"points": override.points, "excused": override.excused}
 
 
-def _automatic_values(marks: list[ExerciseMark]) -> dict[str, object]:
+def _best_automatic_values(marks: list[ExerciseMark]) -> dict[str, object]:
     """Return the best of the automatic marks of several assignments."""
     points = [mark.counted.points for mark in marks if mark.counted is not None]
     return {"points": max(points, default=None), "excused": False}
@@ -250,28 +250,30 @@ def exercise_title(course: Course, exercise: str) -> str:
     return exercise if known is None else f"{known.title} ({exercise})"
 
 
-def load_own_marks(db: Session, course: Course, school_class: SchoolClass, student: UUID, now: datetime) -> OwnMarks:
+def load_visible_marks(
+    db: Session, course: Course, school_class: SchoolClass, student: UUID, now: datetime
+) -> VisibleMarks:
     """Load a student's marks as they may see them, without those that a test withholds; none for other members.
 
     The reason of an override, and who set it, are in `exercises[…].override`.
     """
     gradebook = load_gradebook(db, course, school_class, now, only=[student])
     withheld = set(load_withholding_times(db, student))
-    for partner in _load_partners(db, gradebook.assignments, student):
+    for partner in _load_partner_ids(db, gradebook.assignments, student):
         withheld |= load_withholding_times(db, partner).keys()
-    return OwnMarks.from_gradebook(gradebook, withheld)
+    return VisibleMarks.from_gradebook(gradebook, withheld)
 
 
-def _load_partners(db: Session, assignments: Collection[Assignment], student: UUID) -> frozenset[UUID]:
+def _load_partner_ids(db: Session, assignments: Collection[Assignment], student: UUID) -> frozenset[UUID]:
     """Load those whose attempts count for a student in some assignment."""
     teams = load_places_of_team_assignments(db, assignments).values()
     return frozenset(share.partner.account_id for places in teams for share in list_partnerships(places, student))
 
 
-def adopt_marks(db: Session, guest_id: UUID, account_id: UUID) -> None:
+def move_guest_marks(db: Session, guest_id: UUID, account_id: UUID) -> None:
     """Move what teachers set for a guest to the account that the same person has opened."""
     now = utc_now()
     repository.move_overrides(db, guest_id, account_id, now)
     repository.move_decisions(db, guest_id, account_id, now)
-    columns_repository.move_marks(db, guest_id, account_id)
-    rubrics_repository.move_markings(db, guest_id, account_id)
+    columns_repository.move_column_marks(db, guest_id, account_id)
+    rubrics_repository.move_rubric_markings(db, guest_id, account_id)

@@ -76,7 +76,7 @@ class MarkingRules:
     absent: Counting = Counting.ignore
     unanswered: Counting = Counting.zero
 
-    def points_of(self, state: MarkState) -> float | None:
+    def points_without_mark(self, state: MarkState) -> float | None:
         """Return what a state without points counts: 0, or None where it does not."""
         if state not in UNMARKED_STATES:
             return None

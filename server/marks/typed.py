@@ -22,7 +22,7 @@ HUNDREDTH_NOISE = 1e-6
 NUMBER = r"[0-9]{1,9}(?:\.[0-9]{0,9})?"
 WRITTEN_MARK = re.compile(rf"(?P<points>-?{NUMBER})(?:\s*/\s*(?P<scale>{NUMBER}))?")
 MAX_TYPED = 40  # characters of a cell
-#: The words that stand for a state, folded by `_fold`.
+#: The words that stand for a state, folded by `_fold_state_word`.
 TYPED_WORDS: Mapping[str, TypedState] = {
     "abs": TypedState.absent,
     "absent": TypedState.absent,
@@ -56,7 +56,7 @@ class ColumnInput:
     bonus: bool = False
 
 
-def validate_column(fields: ColumnInput) -> ColumnInput:
+def validate_column_fields(fields: ColumnInput) -> ColumnInput:
     """Return the input with its title tidied. Raise InvalidFields with every problem at once."""
     problems = {}
     title = fields.title
@@ -79,48 +79,48 @@ def _has_two_decimals(value: float) -> bool:
     return math.isfinite(value) and abs(100 * value - round(100 * value)) <= HUNDREDTH_NOISE
 
 
-def parse_mark(text: str, out_of: float) -> TypedMark:
+def parse_typed_mark(text: str, out_of: float) -> TypedMark:
     """Parse a cell: « 12,5 », « 12,5/20 » where the scale is that of the column, a state, or nothing. Raise Invalid."""
-    folded = _fold(text)
+    folded = _fold_state_word(text)
     if not folded:
         return TypedMark()
     if folded in TYPED_WORDS:
         return TypedMark(state=TYPED_WORDS[folded])
     written = WRITTEN_MARK.fullmatch(text.replace(",", ".").strip())
     if written is None:
-        raise _refuse_mark(NO_MARK, text, out_of)
+        raise _refuse_typed_mark(NO_MARK, text, out_of)
     if written["scale"] is not None and float(written["scale"]) != out_of:
-        raise _refuse_mark(OTHER_SCALE, text, out_of)
-    return TypedMark(points=check_points(float(written["points"]), out_of, text))
+        raise _refuse_typed_mark(OTHER_SCALE, text, out_of)
+    return TypedMark(points=require_points_on_scale(float(written["points"]), out_of, text))
 
 
-def check_points(points: float, out_of: float, text: str = "") -> float:
+def require_points_on_scale(points: float, out_of: float, text: str = "") -> float:
     """Return points that the scale allows. Raise Invalid."""
     text = text or format_number(points)
     if not math.isfinite(points):
-        raise _refuse_mark(NO_MARK, text, out_of)
+        raise _refuse_typed_mark(NO_MARK, text, out_of)
     if points < 0 or points > out_of:
-        raise _refuse_mark(NEGATIVE_POINTS if points < 0 else TOO_MANY_POINTS, text, out_of)
+        raise _refuse_typed_mark(NEGATIVE_POINTS if points < 0 else TOO_MANY_POINTS, text, out_of)
     if not _has_two_decimals(points):
-        raise _refuse_mark(TOO_PRECISE, text, out_of)
+        raise _refuse_typed_mark(TOO_PRECISE, text, out_of)
     return points + 0.0  # turns a negative zero into a zero
 
 
-def _refuse_mark(sentence: str, text: str, out_of: float) -> Invalid:
+def _refuse_typed_mark(sentence: str, text: str, out_of: float) -> Invalid:
     return Invalid(sentence.format(text=tidy_line(text)[:MAX_TYPED], most=format_number(out_of)))
 
 
-def _fold(text: str) -> str:
+def _fold_state_word(text: str) -> str:
     return re.sub(r"[\s.()]", "", tidy_line(text).casefold().replace("é", "e"))
 
 
-def format_mark(mark: TypedMark) -> str:
-    """Return the text of a cell, which `parse_mark` reads again."""
+def format_typed_mark(mark: TypedMark) -> str:
+    """Return the text of a cell, which `parse_typed_mark` reads again."""
     if mark.points is not None:
         return format_number(mark.points)
     return "" if mark.state is None else STATE_WORDS[MarkState(mark.state.value)]
 
 
-def parse_comment(text: str) -> str:
+def parse_mark_comment(text: str) -> str:
     """Return a comment in one line. Raise Invalid for one that is too long or cannot be written."""
     return require_line(text, COMMENT_LENGTH, LONG_COMMENT) if tidy_line(text) else ""

@@ -46,7 +46,7 @@ def adopt_guest_data(db: Session, guest_id: UUID, account_id: UUID) -> None:
     classes.move_guest_memberships(db, guest_id, account_id)
     exemption_service.move_guest_exemptions(db, guest_id, account_id)
     team_repository.move_team_places(db, guest_id, account_id)
-    marks.adopt_marks(db, guest_id, account_id)
+    marks.move_guest_marks(db, guest_id, account_id)
     polls.move_answers(db, guest_id, account_id)
     recall.move(db, guest_id, account_id)
     lessons.move_visits(db, guest_id, account_id)

@@ -20,7 +20,7 @@ from server.marks import columns_repository, rubrics_repository
 from server.marks import repository as marks
 from server.marks.models import ManualColumn, ManualMark, Override, Rubric, RubricMarking, StateDecision
 from server.marks.rubric_items import OVERALL
-from server.marks.schemas import is_withheld
+from server.marks.schemas import is_test_withheld
 
 #: Their reason is for the staff alone: who may read it is asked of the school.
 PRIVATE = frozenset({AuditAction.exemption_made, AuditAction.exemption_revoked})
@@ -51,25 +51,27 @@ def marks_data(db: Session, account_id: UUID) -> dict[str, Any]:
     return {
         "overrides": [
             _override(override, name)
-            for override, name in marks.list_overrides_on(db, account_id)
+            for override, name in marks.load_overrides_on_account(db, account_id)
             if override.exercise not in held or override.at < held[override.exercise]
         ],
         "decisions": [
             _decision(decision, assignment, name)
-            for decision, assignment, name in marks.list_decisions_on(db, account_id)
-            if not is_withheld(assignment, utc_now())
+            for decision, assignment, name in marks.load_decisions_about_account(db, account_id)
+            if not is_test_withheld(assignment, utc_now())
         ],
         "columns": [
             _column_mark(mark, column, name)
-            for mark, column, name in columns_repository.list_marks_of(db, account_id)
+            for mark, column, name in columns_repository.load_account_marks(db, account_id)
             if column.published_at is not None and column.deleted_at is None
         ],
         "copies_marked_by_hand": [
             _marking(marking, rubric, column, name)
-            for marking, rubric, column, name in rubrics_repository.list_all_markings_of(db, account_id)
+            for marking, rubric, column, name in rubrics_repository.load_account_markings(db, account_id)
             if column.published_at is not None and column.deleted_at is None and marking.finished_at is not None
         ],
-        "overrides_you_set": [_override(override, name) for override, name in marks.list_overrides_by(db, account_id)],
+        "overrides_you_set": [
+            _override(override, name) for override, name in marks.load_overrides_by_author(db, account_id)
+        ],
         "changes_about_you": about,
         "changes_you_made": by,
     }
@@ -132,7 +134,7 @@ def _column_mark(mark: ManualMark, column: ManualColumn, name: str) -> dict[str,
 
 
 def _marking(marking: RubricMarking, rubric: Rubric, column: ManualColumn, name: str) -> dict[str, Any]:
-    given = rubrics_repository.marks_of(marking)
+    given = rubrics_repository.read_rubric_scores(marking)
     return {
         "class": name,
         "column": column.title,
@@ -143,7 +145,7 @@ def _marking(marking: RubricMarking, rubric: Rubric, column: ManualColumn, name:
                 "points": given.points.get(item.id),
                 "remark": given.remarks.get(item.id, ""),
             }
-            for item in rubrics_repository.items_of(rubric)
+            for item in rubrics_repository.read_rubric_items(rubric)
         ],
         "remark": given.remarks.get(OVERALL, ""),
         "at": format_time(marking.at),

@@ -23,7 +23,7 @@ from server.base.version import VERSION
 from server.course import Course, Module
 from server.identity.models import Account
 from server.marks import means
-from server.marks.own import column_mark_text
+from server.marks.own import describe_column_mark
 from server.text.plain import show_invisible_characters
 from server.text.python_colours import colour_block
 from server.text.said import message_html
@@ -59,7 +59,7 @@ def jinja_environment() -> Environment:
     )  # fmt: skip
     jinja.globals.update(
         static=assets.static_url, has_katex=assets.is_built, plural=words.plural, time_zone=school_time.time_zone,
-        mean_formula=means.FORMULA, column_mark_text=column_mark_text, version=VERSION,
+        mean_formula=means.FORMULA, column_mark_text=describe_column_mark, version=VERSION,
     )  # fmt: skip
     return jinja
 

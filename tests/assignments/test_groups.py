@@ -27,7 +27,7 @@ from server.course import Course
 from server.database import Database, utc_now
 from server.identity.models import Account
 from server.marks.loading import load_gradebook
-from server.marks.service import load_own_marks
+from server.marks.service import load_visible_marks
 from server.marks.states import MarkState
 from tests.support.marks import AFTER, DAY, DUE, ODOMETRY, OPENS, POSES, Term
 
@@ -74,8 +74,8 @@ def test_the_mark_of_others_is_not_concerned_and_counts_nowhere(database: Databa
         }  # fmt: skip
         averages = {row.member.name: row.average for row in book.rows}
         assert averages == {"Ada Lovelace": 15.0, "Alan Turing": 10.0, "Inès Roy": None}, "never a 0"
-        assert book.summary_of([one.title for one in book.assignments].index(part.title)).count == 1
-        own = load_own_marks(db, course, term.made, alan.id, AFTER)
+        assert book.assignment_statistics([one.title for one in book.assignments].index(part.title)).count == 1
+        own = load_visible_marks(db, course, term.made, alan.id, AFTER)
         assert [mark.assignment.title for mark in own.marks] == [whole.title], "and alan is not told of it"
         assert [line.title for line in own.terms] == [whole.title]
         assert own.average == 10.0

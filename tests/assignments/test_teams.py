@@ -27,8 +27,8 @@ from server.gradebook.service import find_attempt
 from server.identity.models import Account
 from server.marks import rubrics
 from server.marks.loading import load_gradebook
-from server.marks.rubric_items import CopyMarks, RubricInput, RubricItem
-from server.marks.service import load_own_marks
+from server.marks.rubric_items import RubricInput, RubricItem, RubricScores
+from server.marks.service import load_visible_marks
 from server.personal.team_copies import hand_over_team_attempts
 from server.rights.service import ClassAccess, build_class_access
 from tests.support.marks import AFTER, CLOSES, DAY, DUE, ODOMETRY, OPENS, POSES, Term
@@ -204,7 +204,7 @@ def test_a_partners_test_withholds_the_mark_and_the_attempt(term: Term, course: 
     with term.database.read() as db, pytest.raises(NotFound):
         find_attempt(db, blaise, sent)
     with term.database.read() as db:
-        own = load_own_marks(db, course, term.made, blaise.id, AFTER)
+        own = load_visible_marks(db, course, term.made, blaise.id, AFTER)
     assert all(mark.mark is None for mark in own.marks if mark.assignment.id == work.id)
 
 
@@ -221,9 +221,9 @@ def test_a_pair_is_one_copy_marked_by_hand(term: Term) -> None:
         assert sorted(row.name for row in rows)[-1] == "Chloé Cros"
         assert len(rows) == 2
         assert rows[0].sent, "a partner has sent something"
-        both = CopyMarks({"a": 3.0}, {"a": "bien"})
-        rubrics.save_marking(db, term.made, term.teacher, work, rows[0].student, both, finish=True)
-        markings = rubrics.repository.load_markings(db, rubric.column_id)
+        both = RubricScores({"a": 3.0}, {"a": "bien"})
+        rubrics.save_rubric_marking(db, term.made, term.teacher, work, rows[0].student, both, finish=True)
+        markings = rubrics.repository.load_rubric_markings(db, rubric.column_id)
         assert {(student, row.points["a"]) for student, row in markings.items()} == {(ada.id, 3.0), (blaise.id, 3.0)}
     assert chloe.id not in markings
 

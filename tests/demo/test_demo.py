@@ -98,7 +98,7 @@ def test_what_is_written_is_a_class_whose_standings_are_right(
         book = load_gradebook(db, course, made, utc_now())
         (tested,) = [place for place, one in enumerate(book.assignments) if one.released_at is not None]
         assert [row.marks[tested].state for row in book.rows if row.marks[tested].points], "a test with its marks"
-        assert sum(mark.overridden for row in book.rows for mark in row.marks) >= 1
+        assert sum(mark.has_override_or_decision for row in book.rows for mark in row.marks) >= 1
         assert {one.label is None for one in db.query(Exemption)} == {True, False}
         asked = comments.load_thread_page(db, made, None, 1)
         assert asked.counts[ThreadState.open] >= 1

@@ -13,7 +13,7 @@ from server.base.errors import Invalid
 from server.classes.models import SchoolClass
 from server.identity.models import Role
 from server.marks import rubrics, rubrics_repository
-from server.marks.rubric_items import parse_item
+from server.marks.rubric_items import parse_rubric_item
 from tests.support.classes import Person, assign, new_class, person, seat
 from tests.support.service import EXERCISE, Site
 
@@ -46,7 +46,7 @@ class Desk:
         assert self.teacher.browser(site).post(f"{self.home}/bareme", data=FORM | rubric).status_code == 303
         with site.database.read() as db:
             self.rubric, self.column = rubrics.require_rubric(db, self.td)
-            self.items = [item.id for item in rubrics_repository.items_of(self.rubric)]
+            self.items = [item.id for item in rubrics_repository.read_rubric_items(self.rubric)]
 
     def page(self, path: str = "", who: Person | None = None) -> str:
         answer = (who or self.teacher).browser(self.site).get(f"{self.home}/noter{path}")
@@ -54,7 +54,7 @@ class Desk:
         return plain(answer.text)
 
     def copy(self, name: str) -> str:
-        return f"/{rubrics.copy_key(self.rubric, self.students[name].id)}"
+        return f"/{rubrics.anonymous_copy_key(self.rubric, self.students[name].id)}"
 
     def send(self, path: str, **fields: str) -> Any:
         return self.teacher.browser(self.site).post(f"{self.home}/noter{path}", data=fields)
@@ -161,7 +161,7 @@ def test_a_criterion_in_use_keeps_the_points_that_were_given(site: Site) -> None
 )
 def test_a_wrong_criterion_is_told_with_its_line(points: str, words: str, problem: str) -> None:
     with pytest.raises(Invalid, match=problem):
-        parse_item("", "Clarté", points, words)
+        parse_rubric_item("", "Clarté", points, words)
 
 
 def test_a_rubric_needs_a_criterion_and_says_so(site: Site) -> None:

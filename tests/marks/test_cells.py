@@ -10,7 +10,7 @@ import python_calamine
 from hypothesis import given
 from hypothesis import strategies as st
 
-from server.marks.cells import Sheet, ascii_slug, escape_formula, french_csv, plain_csv, xlsx
+from server.marks.cells import WorkbookSheet, ascii_slug, build_xlsx, escape_formula, write_french_csv, write_plain_csv
 from server.marks.means import format_number
 
 DANGEROUS = "=+-@\t\r"
@@ -30,7 +30,7 @@ def test_no_cell_begins_as_a_formula(text: str) -> None:
 
 @given(rows)
 def test_a_french_csv_is_read_again(lines: list[tuple[str | float | None, ...]]) -> None:
-    content = b"".join(french_csv(("Nom", "=x", "é"), lines))
+    content = b"".join(write_french_csv(("Nom", "=x", "é"), lines))
     text = content.decode("utf-8-sig")
     assert content.startswith(b"\xef\xbb\xbf")
     header, *found = csv.reader(io.StringIO(text, newline=""), delimiter=";")
@@ -47,7 +47,7 @@ def _read(cell: str | float | None, sign: str) -> str:
 
 def test_plain_csv_has_decimal_points_and_no_bom() -> None:
     assert (
-        b"".join(plain_csv(("a", "b"), [("é", 12.5), ("-1", None)]))
+        b"".join(write_plain_csv(("a", "b"), [("é", 12.5), ("-1", None)]))
         == '"a","b"\r\n"é","12.5"\r\n"\'-1",""\r\n'.encode()
     )
 
@@ -55,10 +55,10 @@ def test_plain_csv_has_decimal_points_and_no_bom() -> None:
 def test_workbook_cells_have_their_types() -> None:
     evil = ["=1+1", "@x", "-1", "https://example.org", "12,5", "{=1}", " =1", "é\n2"]
     sheets = [
-        Sheet("Notes", ("Nom", "Points"), [(text, 12.25) for text in evil] + [("", None)], 1),
-        Sheet("Vide", ("a",), []),
+        WorkbookSheet("Notes", ("Nom", "Points"), [(text, 12.25) for text in evil] + [("", None)], 1),
+        WorkbookSheet("Vide", ("a",), []),
     ]
-    book = python_calamine.CalamineWorkbook.from_filelike(io.BytesIO(xlsx(sheets)))
+    book = python_calamine.CalamineWorkbook.from_filelike(io.BytesIO(build_xlsx(sheets)))
     assert book.sheet_names == ["Notes", "Vide"]
     found = book.get_sheet_by_name("Notes").to_python(skip_empty_area=False)
     assert found[: len(evil) + 1] == [["Nom", "Points"], *([text, 12.25] for text in evil)]

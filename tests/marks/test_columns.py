@@ -18,12 +18,18 @@ from server.course import Course
 from server.database import Database
 from server.marks import columns, decisions, service
 from server.marks.columns import MarkEntry
-from server.marks.files import MoodleIdentifier, marks_sheet, moodle_file
+from server.marks.files import MoodleIdentifier, build_marks_sheet, build_moodle_table
 from server.marks.loading import load_gradebook
 from server.marks.models import ManualColumn, ManualMark, StateDecision
 from server.marks.schemas import Gradebook, TypedMark
 from server.marks.states import TypedState
-from server.marks.typed import ColumnInput, format_mark, parse_comment, parse_mark, validate_column
+from server.marks.typed import (
+    ColumnInput,
+    format_typed_mark,
+    parse_mark_comment,
+    parse_typed_mark,
+    validate_column_fields,
+)
 from server.personal.marks_data import marks_data
 from tests.support.marks import AFTER, POSES, Term
 
@@ -43,14 +49,14 @@ def gradebook(term: Term, course: Course) -> Gradebook:
 def create(term: Term, fields: ColumnInput = ORAL, *, published: bool = False) -> UUID:
     with term.database.write() as db:
         column = columns.create_column(db, term.made, term.teacher, fields)
-        columns.publish_column(db, term.made, term.teacher, column.id, published=published)
+        columns.set_column_published(db, term.made, term.teacher, column.id, published=published)
         return column.id
 
 
 def type_marks(term: Term, column: UUID, typed: dict[Any, str], out_of: float = 10.0, **values: Any) -> None:
-    entries = [MarkEntry(student.id, parse_mark(text, out_of), **values) for student, text in typed.items()]
+    entries = [MarkEntry(student.id, parse_typed_mark(text, out_of), **values) for student, text in typed.items()]
     with term.database.write() as db:
-        columns.set_marks(db, term.made, term.teacher, column, entries)
+        columns.store_column_marks(db, term.made, term.teacher, column, entries)
 
 
 def test_columns_count_by_their_weight_and_a_bonus_on_top(term: Term, course: Course) -> None:
@@ -77,14 +83,18 @@ def test_students_see_what_is_published(term: Term, course: Course) -> None:
     type_marks(term, hidden, {ada: "2"}, comment="à revoir")
     type_marks(term, shown, {ada: "8"}, comment="bien")
     with term.database.read() as db:
-        own = service.load_own_marks(db, course, term.made, ada.id, AFTER)
+        own = service.load_visible_marks(db, course, term.made, ada.id, AFTER)
     assert [(mark.column.title, mark.typed.comment) for mark in own.columns] == [("Papier", "bien")]
     assert own.average == 16.0
     assert [term_.title for term_ in own.terms if term_.counted is not None] == ["Papier"]
     made = gradebook(term, course)
     assert made.rows[0].average == 10.0, "teachers count all they have typed"
-    assert marks_sheet(made).header[-3:] == ("Oral /10", "Papier /10", "Moyenne")
-    assert moodle_file(made, MoodleIdentifier.email).header == ("Email address", "Exercices du module", "Papier /10")
+    assert build_marks_sheet(made).header[-3:] == ("Oral /10", "Papier /10", "Moyenne")
+    assert build_moodle_table(made, MoodleIdentifier.email).header == (
+        "Email address",
+        "Exercices du module",
+        "Papier /10",
+    )
 
 
 def test_a_deleted_column_comes_back_with_its_marks(term: Term, course: Course) -> None:
@@ -148,7 +158,7 @@ def test_what_cannot_be_a_column_is_refused(term: Term) -> None:
     )
     for values, fields in refused:
         with pytest.raises(InvalidFields) as told:
-            validate_column(replace(ORAL, **values))
+            validate_column_fields(replace(ORAL, **values))
         assert told.value.problems.keys() == fields
     ada = term.student("Ada", "Lovelace")
     column = create(term)
@@ -193,13 +203,13 @@ def test_the_number_of_columns_is_bounded(term: Term, monkeypatch: pytest.Monkey
     ],
 )  # fmt: skip
 def test_a_cell_is_read_as_it_is_typed(text: str, expected: TypedMark) -> None:
-    assert parse_mark(text, 20.0) == expected
+    assert parse_typed_mark(text, 20.0) == expected
 
 
 @pytest.mark.parametrize("text", ["quinze", "20,01", "-1", "12,345", "8/10", "nan", "inf", "1e1", "1_0", "٣", "12 13"])
 def test_a_cell_that_is_no_mark_is_refused_in_words(text: str) -> None:
     with pytest.raises(Invalid, match=re.escape(f"« {text} »")):
-        parse_mark(text, 20.0)
+        parse_typed_mark(text, 20.0)
 
 
 @pytest.mark.parametrize(
@@ -214,16 +224,16 @@ def test_a_cell_that_is_no_mark_is_refused_in_words(text: str) -> None:
 )
 def test_a_refused_cell_says_in_one_line_what_is_wrong_with_it(text: str, said: str) -> None:
     with pytest.raises(Invalid) as refused:
-        parse_mark(text, 20.0)
+        parse_typed_mark(text, 20.0)
     assert said in refused.value.detail
     assert len(refused.value.detail) < 80  # beside a field of a phone
 
 
 def test_comments_fit_in_a_line() -> None:
-    assert parse_comment("  bon\u00a0travail\n ") == "bon travail"
+    assert parse_mark_comment("  bon\u00a0travail\n ") == "bon travail"
     for text in ("x" * 501, "a\x00"):
         with pytest.raises(Invalid):
-            parse_comment(text)
+            parse_mark_comment(text)
 
 
 hundredths = st.integers(0, 100_000).map(lambda number: number / 100)
@@ -231,7 +241,7 @@ hundredths = st.integers(0, 100_000).map(lambda number: number / 100)
 
 @given(st.one_of(hundredths.map(TypedMark), st.sampled_from(TypedState).map(lambda state: TypedMark(state=state))))
 def test_what_a_cell_shows_is_read_again(mark: TypedMark) -> None:
-    assert parse_mark(format_mark(mark), 1000.0) == mark
+    assert parse_typed_mark(format_typed_mark(mark), 1000.0) == mark
 
 
 def test_a_guest_s_marks_follow_to_the_account(term: Term) -> None:
@@ -241,8 +251,8 @@ def test_a_guest_s_marks_follow_to_the_account(term: Term) -> None:
     type_marks(term, shared, {guest: "3", account: "8"})
     type_marks(term, own, {guest: "5"})
     with term.database.write() as db:
-        decisions.decide_state(db, term.made, term.teacher, guest.id, given.id, "absent", "")
-        service.adopt_marks(db, guest.id, account.id)
+        decisions.set_state_decision(db, term.made, term.teacher, guest.id, given.id, "absent", "")
+        service.move_guest_marks(db, guest.id, account.id)
         stored = {(mark.column_id, mark.account_id): mark.points for mark in db.query(ManualMark)}
         assert stored == {(shared, account.id): 8.0, (own, account.id): 5.0}, "one's own is kept where both have one"
         assert [decision.account_id for decision in db.query(StateDecision)] == [account.id]
@@ -254,7 +264,7 @@ def test_personal_data_have_what_is_published(term: Term) -> None:
     for column, text in ((hidden, "2"), (shown, "abs")):
         type_marks(term, column, {ada: text}, comment=f"remarque {text}")
     with term.database.write() as db:
-        decisions.decide_state(db, term.made, term.teacher, ada.id, given.id, "zero", "copie blanche")
+        decisions.set_state_decision(db, term.made, term.teacher, ada.id, given.id, "zero", "copie blanche")
     with term.database.read() as db:
         told = marks_data(db, ada.id)
         hers = marks_data(db, term.teacher.id)

@@ -36,7 +36,7 @@ from server.gradebook.models import Grading
 from server.identity.models import Account
 from server.marks.loading import GradebookInputs, build_gradebook, load_inputs
 from server.marks.models import ManualColumn, ManualMark, MarkingPolicy, Override, StateDecision
-from server.marks.schemas import Gradebook, is_withheld
+from server.marks.schemas import Gradebook, is_test_withheld
 from server.personal.guest_adoption import adopt_guest_data
 from server.submissions.models import Submission
 from tests.support.caches import clear_caches
@@ -73,7 +73,7 @@ def inside(db: Session, term: Term, course: Course, now: datetime = AFTER) -> li
 def contents(gradebook: Gradebook) -> list[object]:
     columns = Assignment.__table__.columns.keys()
     assignments = [[getattr(assignment, name) for name in columns] for assignment in gradebook.assignments]
-    withheld = [is_withheld(assignment, gradebook.at) for assignment in gradebook.assignments]
+    withheld = [is_test_withheld(assignment, gradebook.at) for assignment in gradebook.assignments]
     return [assignments, withheld, gradebook.rows, gradebook.titles, gradebook.exercises, gradebook.columns]
 
 

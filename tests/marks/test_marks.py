@@ -16,7 +16,7 @@ from server.course import Course
 from server.database import Database
 from server.identity.models import Account
 from server.marks import service
-from server.marks.files import MoodleIdentifier, column_text, moodle_file
+from server.marks.files import MoodleIdentifier, build_moodle_table, marks_as_lines
 from server.marks.loading import load_gradebook
 from server.marks.models import Override
 from server.marks.schemas import AssignmentMark, Gradebook
@@ -57,7 +57,7 @@ def test_missing_exercises_count_zero_once_the_assignment_is_over(term: Term, co
     assert only(term, course, OPENS - DAY).state is MarkState.upcoming
     assert (only(term, course, OPENS).state, only(term, course, OPENS).points) == (MarkState.open, None)
     term.send(ada, POSES, 13)
-    assert (only(term, course, DUE).points, only(term, course, DUE).in_average) == (13, None)
+    assert (only(term, course, DUE).points, only(term, course, DUE).points_in_average) == (13, None)
     assert only(term, course).points == float(Fraction(13, 4))
     assert made(term, course).rows[0].average == 3.25
     term.send(ada, ODOMETRY, 20, CLOSES + DAY)
@@ -102,7 +102,7 @@ def test_override_stands_beside_the_automatic_mark_and_becomes_stale(term: Term,
     sent = term.send(ada, POSES, 4)
     change(term, course, ada, points=12.0)
     mark = only(term, course)
-    assert (mark.points, mark.overridden, mark.stale) == (6, True, False)
+    assert (mark.points, mark.has_override_or_decision, mark.stale) == (6, True, False)
     assert (mark.exercises[0].points, mark.exercises[0].effective.automatic) == (12, 4)
     assert mark.exercises[0].override is not None
     assert (mark.exercises[0].override.by, mark.exercises[0].override.reason) == ("Mme Martin", "à l’oral")
@@ -195,8 +195,8 @@ def test_own_marks_leave_out_withheld_tests(term: Term, course: Course) -> None:
     term.send(ada, POSES, 10)
     term.send(ada, ODOMETRY, 2)
     with term.database.read() as db:
-        told = service.load_own_marks(db, course, term.made, ada.id, AFTER)
-        nobody = service.load_own_marks(db, course, term.made, uuid4(), AFTER)
+        told = service.load_visible_marks(db, course, term.made, ada.id, AFTER)
+        nobody = service.load_visible_marks(db, course, term.made, uuid4(), AFTER)
     assert {one.assignment.title: one.mark.points if one.mark else None for one in told.marks} == {
         "DM": 10,
         "DS": None,
@@ -221,7 +221,8 @@ def test_column_text_and_moodle_file(term: Term, course: Course) -> None:
     change(term, course, hopper, excused=True)
     found = made(term, course)
     assert (
-        column_text(found, str(found.assignments[0].id)) == "non rendu\nnon rendu\ndispensé\nnon rendu\nnon rendu\n12,5"
+        marks_as_lines(found, str(found.assignments[0].id))
+        == "non rendu\nnon rendu\ndispensé\nnon rendu\nnon rendu\n12,5"
     )
     assert [row.member.family_name for row in found.rows] == [
         "Deux",
@@ -231,8 +232,8 @@ def test_column_text_and_moodle_file(term: Term, course: Course) -> None:
         "Un",
         "Zola",
     ]
-    moodle = moodle_file(found, MoodleIdentifier.email)
-    assert b"".join(moodle.lines()).decode() == (
+    moodle = build_moodle_table(found, MoodleIdentifier.email)
+    assert b"".join(moodle.iter_csv_lines()).decode() == (
         '"Email address","DM","Remarques"\r\n"eluard@example.org","","DM : non rendu"\r\n'
         '"hopper@example.org","","DM : dispensé"\r\n"zola@example.org","12.5",""\r\n'
     )

@@ -68,7 +68,7 @@ def test_a_mark_pulls_the_mean_towards_it(listed: list[MeanTerm], value: float, 
 
 @given(rules, st.sampled_from(MarkState))
 def test_excused_and_not_due_never_count(chosen: MarkingRules, state: MarkState) -> None:
-    counted = chosen.points_of(state)
+    counted = chosen.points_without_mark(state)
     assert counted in {None, 0.0}
     if state not in UNMARKED_STATES:
         assert counted is None
@@ -83,9 +83,9 @@ def test_a_column_counts_on_its_scale_or_by_its_state(
     column = ColumnRecord(id=None, title="Oral", out_of=out_of, taken_on=None, weight=1.0, bonus=bonus,  # type: ignore[arg-type]
                           published_at=None, version=1)  # fmt: skip
     value = share * out_of
-    counted = ColumnMark(column, TypedMark(value), chosen).in_average
+    counted = ColumnMark(column, TypedMark(value), chosen).points_in_average
     assert counted is not None
     assert math.isclose(counted, value if bonus else 20 * share, abs_tol=1e-9)
-    by_state = ColumnMark(column, TypedMark(state=state), chosen).in_average
-    assert by_state == chosen.points_of(MarkState(state.value))
-    assert ColumnMark(column, TypedMark(), chosen).in_average is None
+    by_state = ColumnMark(column, TypedMark(state=state), chosen).points_in_average
+    assert by_state == chosen.points_without_mark(MarkState(state.value))
+    assert ColumnMark(column, TypedMark(), chosen).points_in_average is None

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from server.assignments.counting import AttemptMark
 from server.assignments.models import Assignment, LatePolicy, Mode
 from server.assignments.rules import rules_in_force
-from server.marks.marking import mark_state
+from server.marks.marking import compute_mark_state
 from server.marks.schemas import ActiveOverride, AssignmentMark, ExerciseMark
 from server.marks.states import UNMARKED_STATES, Counting, MarkingRules, MarkState
 
@@ -47,7 +47,7 @@ def exercise_marks(draw: st.DrawFn) -> ExerciseMark:
     st.builds(MarkingRules, *[st.sampled_from(Counting)] * 4),
 )
 def test_a_state_is_what_its_word_says(marks: list[ExerciseMark], now: datetime, chosen: MarkingRules) -> None:
-    state = mark_state(RULES, marks, now)
+    state = compute_mark_state(RULES, marks, now)
     mark = AssignmentMark(RULES, state, tuple(marks), marking=chosen)
     has_points = any(one.points is not None for one in marks)
     assert (state is MarkState.excused) == all(one.excused for one in marks)
@@ -55,19 +55,21 @@ def test_a_state_is_what_its_word_says(marks: list[ExerciseMark], now: datetime,
         assert (state is MarkState.upcoming) == (now < OPENS)
         assert (state is MarkState.open) == (OPENS <= now <= DUE)
         assert (state is MarkState.done) == (now > DUE and has_points)
-        assert (state is MarkState.late_refused) == (now > DUE and not has_points and any(one.refused for one in marks))
+        assert (state is MarkState.late_refused) == (
+            now > DUE and not has_points and any(one.is_refused_as_late for one in marks)
+        )
     if now <= DUE or state is MarkState.excused:
-        assert mark.in_average is None, "neither excused nor not due yet counts"
+        assert mark.points_in_average is None, "neither excused nor not due yet counts"
     elif state in UNMARKED_STATES:
-        assert mark.in_average == (0.0 if getattr(chosen, state.value) is Counting.zero else None)
+        assert mark.points_in_average == (0.0 if getattr(chosen, state.value) is Counting.zero else None)
     else:
         asked = [one for one in marks if not one.excused]
         if chosen.unanswered is Counting.ignore:
             asked = [one for one in asked if one.points is not None]
         total = sum(Fraction(one.weight) for one in asked)
         exact = sum(Fraction(one.points or 0.0) * Fraction(one.weight) for one in asked) / total
-        assert mark.in_average is not None
-        assert abs(mark.in_average - exact) < 1e-9
+        assert mark.points_in_average is not None
+        assert abs(mark.points_in_average - exact) < 1e-9
 
 
 @given(st.lists(exercise_marks(), min_size=1, max_size=4), st.floats(0, 20))
@@ -78,7 +80,7 @@ def test_an_excused_exercise_changes_no_points(marks: list[ExerciseMark], points
     )  # fmt: skip
     late = DUE + timedelta(days=1)
     before, after = ([*marks, *more] for more in ((), (excused,)))
-    states = [mark_state(RULES, listed, late) for listed in (before, after)]
+    states = [compute_mark_state(RULES, listed, late) for listed in (before, after)]
     assert states[0] == states[1]
     shown = [
         AssignmentMark(RULES, state, tuple(listed)).points

@@ -15,10 +15,10 @@ from server.course import Course
 from server.database import Database
 from server.identity.models import Account
 from server.marks import decisions, service
-from server.marks.files import mark_cell, mark_notes
+from server.marks.files import assignment_value_cell, explain_marking_rules
 from server.marks.loading import load_gradebook
 from server.marks.models import MarkingPolicy, StateDecision
-from server.marks.repository import load_marking, load_prevailing_overrides
+from server.marks.repository import load_marking_rules, load_prevailing_overrides
 from server.marks.schemas import AssignmentMark, Gradebook
 from server.marks.states import STATE_WORDS, Counting, DecidedState, MarkingRules, MarkState
 from tests.support.marks import AFTER, CLOSES, DAY, DUE, ODOMETRY, OPENS, POSES, Term
@@ -44,12 +44,12 @@ def only(term: Term, course: Course, now: datetime = AFTER) -> AssignmentMark:
 
 def choose(term: Term, rules: MarkingRules, version: int | None = None) -> None:
     with term.database.write() as db:
-        decisions.choose_rules(db, term.made, term.teacher, rules, version)
+        decisions.set_marking_rules(db, term.made, term.teacher, rules, version)
 
 
 def decide(term: Term, student: Account, state: str, assignment_id: object, reason: str = "") -> None:
     with term.database.write() as db:
-        decisions.decide_state(db, term.made, term.teacher, student.id, assignment_id, state, reason)  # type: ignore[arg-type]
+        decisions.set_state_decision(db, term.made, term.teacher, student.id, assignment_id, state, reason)  # type: ignore[arg-type]
 
 
 def test_six_states_are_six_words(term: Term, course: Course) -> None:
@@ -61,12 +61,12 @@ def test_six_states_are_six_words(term: Term, course: Course) -> None:
     term.send(students["tard"], POSES, 20, DUE + DAY)
     decide(term, students["absent"], "absent", dm.id)
     decide(term, students["dispensé"], "excused", dm.id)
-    cells = {row.member.given_name: mark_cell(row.marks[0]) for row in made(term, course).rows}
+    cells = {row.member.given_name: assignment_value_cell(row.marks[0]) for row in made(term, course).rows}
     assert cells == {
         "zéro": 0.0, "rien": "non rendu", "tard": "refusé (retard)", "absent": "absent", "dispensé": "dispensé",
         "douze": 12.0,
     }  # fmt: skip
-    assert {mark_cell(row.marks[0]) for row in made(term, course, OPENS - 3 * DAY).rows} >= {"à venir"}
+    assert {assignment_value_cell(row.marks[0]) for row in made(term, course, OPENS - 3 * DAY).rows} >= {"à venir"}
     averages = {row.member.given_name: row.average for row in made(term, course).rows}
     assert averages == {**dict.fromkeys(names), "zéro": 0.0, "douze": 12.0}
     choose(term, ZEROES)
@@ -93,7 +93,7 @@ def test_a_blank_of_a_copy_counts_zero_unless_the_class_says_otherwise(term: Ter
     assert only(term, course).points == 3
     term.send(ada, ODOMETRY, 20, CLOSES)
     assert only(term, course).points == 3, "refused as late is worth no more than a blank"
-    assert [one.state_in(only(term, course).state) for one in only(term, course).exercises] == [
+    assert [one.state_within(only(term, course).state) for one in only(term, course).exercises] == [
         MarkState.done, MarkState.late_refused,
     ]  # fmt: skip
     choose(term, MarkingRules(unanswered=Counting.ignore))
@@ -119,10 +119,10 @@ def test_a_decision_holds_until_it_is_withdrawn(term: Term, course: Course) -> N
     ):  # fmt: skip
         decide(term, ada, state, dm.id, "vu le 3 mars")
         mark = only(term, course)
-        assert (mark.state, mark.points, mark.overridden, mark.stale) == (expected, points, True, False)
+        assert (mark.state, mark.points, mark.has_override_or_decision, mark.stale) == (expected, points, True, False)
     with term.database.write() as db:
-        decisions.withdraw_decision(db, term.made, term.teacher, ada.id, dm.id)
-        decisions.withdraw_decision(db, term.made, term.teacher, ada.id, dm.id)
+        decisions.withdraw_state_decision(db, term.made, term.teacher, ada.id, dm.id)
+        decisions.withdraw_state_decision(db, term.made, term.teacher, ada.id, dm.id)
     assert (only(term, course).state, only(term, course).points) == (MarkState.done, 12)
     with term.database.read() as db:
         assert len(db.query(StateDecision).all()) == 3, "nothing is lost"
@@ -159,12 +159,12 @@ def test_refused_decisions_change_nothing(term: Term) -> None:
 
 def test_rules_seen_by_another_teacher_are_not_overwritten(term: Term) -> None:
     with term.database.read() as db:
-        assert load_marking(db, term.made.id).is_chosen, "a new class has the default"
+        assert load_marking_rules(db, term.made.id).is_chosen, "a new class has the default"
     choose(term, ZEROES, 0)
     with pytest.raises(Conflict):
         choose(term, MarkingRules(), 0)
     with term.database.read() as db:
-        kept = load_marking(db, term.made.id)
+        kept = load_marking_rules(db, term.made.id)
     assert (kept.rules, kept.version) == (ZEROES, 1)
     choose(term, MarkingRules(), 1)
 
@@ -175,12 +175,12 @@ def test_a_copied_class_has_the_rules_that_were_chosen(term: Term) -> None:
         values = dict.fromkeys(("not_handed_in", "late_refused", "absent", "unanswered"), "zero")
         db.add(MarkingPolicy(class_id=term.made.id, **values))
     with term.database.write() as db:
-        decisions.copy_rules(db, term.made, other)
-        assert load_marking(db, other.id).rules == MarkingRules(), "nobody has chosen them"
+        decisions.copy_marking_rules(db, term.made, other)
+        assert load_marking_rules(db, other.id).rules == MarkingRules(), "nobody has chosen them"
     choose(term, ZEROES)
     with term.database.write() as db:
-        decisions.copy_rules(db, term.made, third)
-        assert (load_marking(db, third.id).rules, load_marking(db, third.id).is_chosen) == (ZEROES, True)
+        decisions.copy_marking_rules(db, term.made, third)
+        assert (load_marking_rules(db, third.id).rules, load_marking_rules(db, third.id).is_chosen) == (ZEROES, True)
 
 
 def test_an_override_holds_in_one_assignment_or_everywhere(term: Term, course: Course) -> None:
@@ -259,6 +259,6 @@ def test_words_are_the_same_wherever_they_stand() -> None:
         assert word == ("0" if state is DecidedState.zero else STATE_WORDS[MarkState(state.value)])
     for rule in ("not_handed_in", "late_refused", "absent"):
         assert FIELDS[rule] == STATE_WORDS[MarkState(rule)]
-    notes = " ".join(mark_notes(MarkingRules(absent=Counting.zero)))
+    notes = " ".join(explain_marking_rules(MarkingRules(absent=Counting.zero)))
     assert all(f"« {word} »" in notes for word in STATE_WORDS.values())
     assert "un enseignant l’a dit ; la note compte 0" in notes

@@ -65,9 +65,9 @@ from server.hunts.service import MAX_TYPED_CHARACTERS
 from server.identity.schemas import validate_new_account, validate_new_password, validate_token_label
 from server.identity.secrets import normalize_token, sha256_hex
 from server.mails.service import parse_address
-from server.marks.cells import ascii_slug, french_csv, plain_csv
-from server.marks.rubric_items import RubricItem, parse_item
-from server.marks.typed import parse_comment, parse_mark
+from server.marks.cells import ascii_slug, write_french_csv, write_plain_csv
+from server.marks.rubric_items import RubricItem, parse_rubric_item
+from server.marks.typed import parse_mark_comment, parse_typed_mark
 from server.reading import search
 from server.routers import ROUTERS
 from server.sandbox.foreign_characters import describe_odd_letters, find_foreign_characters, latin_spelling
@@ -264,8 +264,8 @@ READERS: tuple[Reader, ...] = (
     Reader("the form of an address", _matched, HEAD, TEXTS, "raw:server.base.routing.FilteringRouter.matches"),
     Reader("a next address", local_path, BODY, TEXTS, "query:suite form:suite form:retour"),
     Reader("a form that comes back", decode_fields, BODY, {**TEXTS, **JSON}, "form:reprise"),
-    Reader("a mark", lambda text: parse_mark(text, 20.0), BODY, TEXTS, "form:points form:sur form:coefficient"),
-    Reader("a comment on a mark", parse_comment, BODY, TEXTS, "body:TypedMarkIn.comment"),
+    Reader("a mark", lambda text: parse_typed_mark(text, 20.0), BODY, TEXTS, "form:points form:sur form:coefficient"),
+    Reader("a comment on a mark", parse_mark_comment, BODY, TEXTS, "body:TypedMarkIn.comment"),
     Reader("a moment", lambda text: parse_field(text, "la date"), BODY, TEXTS, "form:date form:rentree"),
     Reader(
         "an assignment's form",
@@ -286,7 +286,7 @@ READERS: tuple[Reader, ...] = (
         TEXTS,
         "raw:server.desk.rubrics.forms.read_form raw:server.desk.rubrics.routes.save_rubric",
     ),
-    Reader("a rubric's words", lambda text: parse_item("", "a", "4", text), BODY, TEXTS),
+    Reader("a rubric's words", lambda text: parse_rubric_item("", "a", "4", text), BODY, TEXTS),
     Reader(
         "a copy's form",
         _form("p-a r-a remarque", lambda form: parse_copy(CRITERIA, read_copy(form, CRITERIA))),
@@ -440,7 +440,7 @@ READERS: tuple[Reader, ...] = (
     Reader("a name to file by", lambda text: (unaccented(text), ascii_slug(text, "x")), SENTENCE, TEXTS),
     Reader(
         "a cell of an export",
-        lambda text: (*french_csv([text], [[text]]), *plain_csv([text], [[text]])),
+        lambda text: (*write_french_csv([text], [[text]]), *write_plain_csv([text], [[text]])),
         SENTENCE,
         TEXTS,
     ),
@@ -460,7 +460,7 @@ READERS: tuple[Reader, ...] = (
     ),
     Reader(
         "a column's form",
-        lambda text: (parse_mark(text, 20.0), parse_comment(text)),
+        lambda text: (parse_typed_mark(text, 20.0), parse_mark_comment(text)),
         BODY,
         TEXTS,
         "raw:server.desk.marks.column_routes._save_column raw:server.desk.marks.column_routes._save_marks "

@@ -40,7 +40,7 @@ from server.desk.assignments.exemption_schemas import (
 )
 from server.desk.assignments.late_line import draw_late_line
 from server.desk.assignments.views import TAB, assignment_href, format_date, may_manage
-from server.marks.cells import french_csv
+from server.marks.cells import write_french_csv
 from server.rights.models import Right
 from server.rights.service import ClassAccess
 from server.text.plain import show_invisible_characters
@@ -146,7 +146,7 @@ def exemptions_csv(db: Session, access: ClassAccess, assignment: Assignment, ord
         who = ["", row.who] if row.is_group else [row.who, ""]
         effects_of = [told.get(name, "") for name in names]
         rows.append([*who, *effects_of, row.reason, row.by, row.made.text, row.revoked.text])
-    return b"".join(french_csv(header, rows))
+    return b"".join(write_french_csv(header, rows))
 
 
 def build_rules_explanation_page(

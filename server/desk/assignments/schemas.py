@@ -9,7 +9,7 @@ from server.assignments.models import Assignment
 from server.classes.schemas import Member
 from server.desk.assignments.late_line import LateLine
 from server.desk.schemas import ClassHead, OwnMembership, ReleaseView
-from server.marks.own import OwnMarks
+from server.marks.own import VisibleMarks
 from server.marks.schemas import ActiveDecision
 
 
@@ -296,7 +296,7 @@ class OwnClassPage:
     past: tuple[OwnAssignment, ...]
     next: NextStep | None
     average: str
-    marks: OwnMarks | None
+    marks: VisibleMarks | None
     zone: str
     lesson: OwnLesson | None = None
     warm_up: OwnWarmUp | None = None

@@ -33,7 +33,7 @@ from server.desk.views import class_head
 from server.gradebook import service as gradebook
 from server.identity.dependencies import SignedIn
 from server.identity.models import Account
-from server.marks.service import load_own_marks
+from server.marks.service import load_visible_marks
 from server.rights import service as rights
 from server.rights.models import Right
 from server.rights.service import ClassAccess
@@ -257,7 +257,7 @@ def _load_shared_attempts(
     reader: Reader, account: Account, access: ClassAccess, assignment: Assignment, places: Sequence[TeamPlace]
 ) -> tuple[SharedAttempt, ...]:
     """Return the attempts of partners that make the student's mark today."""
-    own = load_own_marks(reader.db, reader.course, access.school_class, account.id, utc_now())
+    own = load_visible_marks(reader.db, reader.course, access.school_class, account.id, utc_now())
     names = {place.account_id: place.name for place in places}
     counted = (
         mark.counted.attempt

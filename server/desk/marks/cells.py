@@ -7,9 +7,9 @@ from datetime import datetime
 from server.assignments.models import Assignment
 from server.desk.marks.schemas import MarkCell
 from server.marks.cells import Cell
-from server.marks.files import column_cell, exercise_cell, mark_cell
+from server.marks.files import assignment_value_cell, column_value_cell, exercise_value_cell
 from server.marks.means import format_number, format_points
-from server.marks.schemas import AssignmentMark, ColumnMark, ColumnRecord, ExerciseMark, is_withheld
+from server.marks.schemas import AssignmentMark, ColumnMark, ColumnRecord, ExerciseMark, is_test_withheld
 from server.marks.states import UNMARKED_STATES, WHOLE_STATES, Counting, MarkState
 from server.web.words import list_names, short_moment
 
@@ -27,7 +27,7 @@ def assignment_notes(assignment: Assignment, now: datetime) -> tuple[str, ...]:
         notes.append(f"pour {list_names(assignment.groups)}")
     if assignment.due_at is not None:
         notes.append(f"pour le {short_moment(assignment.due_at).partition(' ')[0]}")
-    if is_withheld(assignment, now):
+    if is_test_withheld(assignment, now):
         notes.append("contrôle, pas encore publié")
     return tuple(notes)
 
@@ -49,10 +49,10 @@ def cell_text(cell: Cell) -> str:
 def assignment_cell(mark: AssignmentMark, href: str) -> MarkCell:
     pending = mark.state in {MarkState.open, MarkState.upcoming} and mark.points is not None
     return MarkCell(
-        text=cell_text(mark_cell(mark)),
+        text=cell_text(assignment_value_cell(mark)),
         href=href,
         late=0 if mark.state in WHOLE_STATES else mark.days_late,
-        changed=mark.overridden,
+        changed=mark.has_override_or_decision,
         stale=mark.stale,
         pending=pending,
         state=mark.state,
@@ -61,19 +61,19 @@ def assignment_cell(mark: AssignmentMark, href: str) -> MarkCell:
 
 
 def exercise_mark_cell(exercise: ExerciseMark, mark: AssignmentMark, href: str) -> MarkCell:
-    state = exercise.state_in(mark.state)
+    state = exercise.state_within(mark.state)
     late = 0 if state in WHOLE_STATES else exercise.days_late
-    text = cell_text(exercise_cell(exercise, mark))
+    text = cell_text(exercise_value_cell(exercise, mark))
     counts = COUNTS_ZERO if counts_as_blank(exercise, mark) else ""
     return MarkCell(text, href, late, exercise.override is not None, exercise.stale, state=state, counts=counts)
 
 
 def counts_as_blank(exercise: ExerciseMark, mark: AssignmentMark) -> bool:
     """Whether an exercise without points counts 0 in an assignment that was handed in."""
-    is_blank = mark.state is MarkState.done and exercise.state_in(mark.state) in UNMARKED_STATES
-    return is_blank and not mark.endless and mark.marking.unanswered is Counting.zero
+    is_blank = mark.state is MarkState.done and exercise.state_within(mark.state) in UNMARKED_STATES
+    return is_blank and not mark.has_no_end and mark.marking.unanswered is Counting.zero
 
 
 def column_mark_cell(mark: ColumnMark, href: str) -> MarkCell:
-    counts = COUNTS_ZERO if mark.state in UNMARKED_STATES and mark.in_average is not None else ""
-    return MarkCell(cell_text(column_cell(mark)), href, state=mark.state, counts=counts)
+    counts = COUNTS_ZERO if mark.state in UNMARKED_STATES and mark.points_in_average is not None else ""
+    return MarkCell(cell_text(column_value_cell(mark)), href, state=mark.state, counts=counts)

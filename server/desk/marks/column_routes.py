@@ -127,7 +127,7 @@ def change_column(
     if action == "regler":
         return _save_column(request, account, db, course, access, name, fields)
     if action in {"publier", "cacher"}:
-        columns.publish_column(db, school_class, account, name, published=action == "publier")
+        columns.set_column_published(db, school_class, account, name, published=action == "publier")
     elif action in {"avant", "apres"}:
         place = [column.id for column in column_views.list_active(db, access)].index(
             columns.lock_column(db, school_class, name).id
@@ -177,5 +177,5 @@ def _save_marks(
         view = column_views.build_column_page(db, course, access, name, entered=entered)
         status = 422 if entered.problems else 200
         return render_page(request, "classes/column.html", account, status=status, page=view, saved=False)
-    columns.set_marks(db, access.school_class, account, name, entered.entries)
+    columns.store_column_marks(db, access.school_class, account, name, entered.entries)
     return redirect(f"{request.url.path}?fait=1")

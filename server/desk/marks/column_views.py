@@ -19,7 +19,7 @@ from server.marks.columns import MarkEntry
 from server.marks.means import format_number
 from server.marks.models import ManualColumn
 from server.marks.schemas import NEVER_TYPED, ColumnRecord, TypedMark
-from server.marks.typed import format_mark, parse_comment, parse_mark
+from server.marks.typed import format_typed_mark, parse_mark_comment, parse_typed_mark
 from server.rights.models import Right
 from server.rights.service import ClassAccess
 from server.web.form_version import version_of
@@ -134,8 +134,8 @@ def build_columns_page(db: Session, course: Course, access: ClassAccess, form: C
     active, deleted = (columns_repository.list_columns(db, class_id, deleted=deleted) for deleted in (False, True))
     return ColumnsPage(
         head=class_head(course, access, "/carnet"),
-        columns=[columns_repository.column_record(column) for column in active],
-        deleted=[columns_repository.column_record(column) for column in deleted],
+        columns=[columns_repository.build_column_record(column) for column in active],
+        deleted=[columns_repository.build_column_record(column) for column in deleted],
         form=form or ColumnForm(),
         may_change=_may_change(access),
     )
@@ -164,7 +164,7 @@ def build_column_page(
     return ColumnPage(
         head=class_head(course, access, "/carnet"),
         column=column,
-        record=columns_repository.column_record(column),
+        record=columns_repository.build_column_record(column),
         marks=entered or read_marks(db, access, column, FormData()),
         form=form or stored,
         version=version_of(stored.texts),
@@ -177,21 +177,21 @@ def read_marks(db: Session, access: ClassAccess, column: ManualColumn, fields: F
 
     A mark that was not touched since it was drawn is not stored again, whatever somebody else typed meanwhile.
     """
-    stored = columns_repository.load_marks(db, column.id)
+    stored = columns_repository.load_column_marks(db, column.id)
     rows, entries, conflicts, texts = [], [], [], {}
     for student in classes.load_student_records(db, access.school_class.id):
         mark = stored.get(student.id)
-        current = NEVER_TYPED if mark is None else columns_repository.typed_mark(mark)
-        current_text = _cell_text(format_mark(current), current.comment)
+        current = NEVER_TYPED if mark is None else columns_repository.build_typed_mark(mark)
+        current_text = _cell_text(format_typed_mark(current), current.comment)
         texts[str(student.id)] = current_text
-        text = str(fields.get(f"n-{student.id}", format_mark(current)))
+        text = str(fields.get(f"n-{student.id}", format_typed_mark(current)))
         comment = str(fields.get(f"r-{student.id}", current.comment))
         drawn = str(fields.get(f"a-{student.id}", current_text))
         problem = ""
         if _cell_text(text, comment) != drawn:
             problem = _problem(text, comment, column.out_of)
             if not problem:
-                typed, tidied = parse_mark(text, column.out_of), parse_comment(comment)
+                typed, tidied = parse_typed_mark(text, column.out_of), parse_mark_comment(comment)
                 entries.append(MarkEntry(student.id, typed, tidied))
                 if drawn != current_text and not _is_same(typed, tidied, current):
                     conflicts.append((student.name, current_text.strip(SEPARATOR), f"{text} {comment}".strip()))
@@ -209,8 +209,8 @@ def _is_same(typed: TypedMark, comment: str, current: TypedMark) -> bool:
 
 def _problem(text: str, comment: str, out_of: float) -> str:
     try:
-        parse_mark(text, out_of)
-        parse_comment(comment)
+        parse_typed_mark(text, out_of)
+        parse_mark_comment(comment)
     except Invalid as refused:
         return refused.detail
     return ""

@@ -24,7 +24,7 @@ from server.database.dependencies import DatabaseOf, Db
 from server.desk.marks.schemas import GradebookOption, LogEntryView, LogPage
 from server.desk.views import class_head, class_href
 from server.identity.dependencies import SignedIn
-from server.marks.cells import Cell, ascii_slug, french_csv
+from server.marks.cells import Cell, ascii_slug, write_french_csv
 from server.rights import service as rights
 from server.rights.models import Right
 from server.rights.service import ClassAccess
@@ -118,7 +118,7 @@ def download(
     headers = {"Content-Disposition": f'attachment; filename="{name}"', "Cache-Control": "private, no-store"}
     if extension == "json":
         return OneAtATimeStream(_json_lines(entries), media_type="application/json", headers=headers)
-    lines = french_csv(HEADER, (_csv_line(entry) for entry in entries))
+    lines = write_french_csv(HEADER, (_csv_line(entry) for entry in entries))
     return OneAtATimeStream(lines, media_type="text/csv; charset=utf-8", headers=headers)
 
 

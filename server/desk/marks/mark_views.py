@@ -10,9 +10,9 @@ from server.desk.marks.cells import COUNTS_ZERO, assignment_cell, cell_text, cou
 from server.desk.marks.schemas import AveragePage, ExerciseView, MarkForm, MarkPage
 from server.desk.marks.views import UNKNOWN
 from server.desk.views import class_head
-from server.marks.files import exercise_cell, unique_titles
+from server.marks.files import exercise_value_cell, numbered_assignment_titles
 from server.marks.means import format_number
-from server.marks.own import list_terms
+from server.marks.own import list_average_terms
 from server.marks.schemas import ActiveDecision, ActiveOverride, AssignmentMark, Gradebook
 from server.marks.states import DecidedState, MarkState
 from server.rights.models import Right
@@ -45,7 +45,7 @@ def mark_page(course: Course, access: ClassAccess, gradebook: Gradebook, assignm
         raise NotFound(UNKNOWN)
     index = ids.index(assignment_id)
     (row,) = gradebook.rows
-    mark, titles = row.marks[index], unique_titles(gradebook.assignments)
+    mark, titles = row.marks[index], numbered_assignment_titles(gradebook.assignments)
     is_open = access.school_class.archived_at is None and mark.state is not MarkState.not_concerned
     may_change = access.has(Right.change_marks) and is_open
     is_assignment = gradebook.assignments[index].id != access.school_class.id
@@ -63,8 +63,8 @@ def mark_page(course: Course, access: ClassAccess, gradebook: Gradebook, assignm
         notes=_notes(mark),
         exercises=tuple(
             ExerciseView(
-                title=gradebook.title_of(exercise.exercise),
-                points=cell_text(exercise_cell(exercise, mark)),
+                title=gradebook.exercise_title(exercise.exercise),
+                points=cell_text(exercise_value_cell(exercise, mark)),
                 counts=COUNTS_ZERO if counts_as_blank(exercise, mark) else "",
                 mark=exercise,
                 others=tuple(asking.get(exercise.exercise, ())),
@@ -125,5 +125,5 @@ def average_page(course: Course, access: ClassAccess, gradebook: Gradebook) -> A
         head=class_head(course, access, "/carnet"),
         student=row.member.name,
         average=points_text(row.average),
-        terms=list_terms(row, unique_titles(gradebook.assignments)),
+        terms=list_average_terms(row, numbered_assignment_titles(gradebook.assignments)),
     )

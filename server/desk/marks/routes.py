@@ -20,9 +20,9 @@ from server.desk.requests import GroupQuery
 from server.identity.dependencies import SignedIn
 from server.identity.models import Account
 from server.marks import decisions, repository, service
-from server.marks.copies import archive_files, list_copies
+from server.marks.copies import iter_archive_files, list_counting_attempt_files
 from server.marks.downloads import GradebookFormat, render_download
-from server.marks.files import MoodleIdentifier, file_name
+from server.marks.files import MoodleIdentifier, gradebook_file_name
 from server.marks.loading import load_gradebook, load_inputs
 from server.personal.zip_stream import stream_zip
 from server.rights import service as rights
@@ -81,13 +81,13 @@ def download_copies(
         access = rights.require_right(db, account, Right.read_marks, class_id)
         gradebook = load_gradebook(db, course, access.school_class, utc_now())
     only = parse_uuid(devoir, UNKNOWN) if devoir else None
-    copies = list_copies(gradebook, course, names=noms, only=only, format_time=short_moment)
+    copies = list_counting_attempt_files(gradebook, course, names=noms, only=only, format_time=short_moment)
     headers = {
-        "Content-Disposition": f'attachment; filename="{file_name(gradebook, "copies", "zip")}"',
+        "Content-Disposition": f'attachment; filename="{gradebook_file_name(gradebook, "copies", "zip")}"',
         "Content-Encoding": "identity",
         "Cache-Control": "private, no-store",
     }
-    files = archive_files(database, copies)
+    files = iter_archive_files(database, copies)
     return OneAtATimeStream(stream_zip(files, gradebook.at), media_type="application/zip", headers=headers)
 
 
@@ -132,14 +132,14 @@ def change_mark(
     school_class = access.school_class
     form = MarkForm(exercice, points, motif, portee == EVERYWHERE)
     target = parse_uuid(student, UNKNOWN), parse_uuid(assignment_id, UNKNOWN)
-    service.lock_student(db, school_class, target[0])
+    service.lock_student_marks(db, school_class, target[0])
     stored = stored_texts(load_gradebook(db, course, school_class, utc_now(), target[:1]), assignment_id)
     require_version(fields, account, version_of(stored), SET_MEANWHILE, SAVE_MINE, changed_texts(stored, etat, form))
     try:
         if action == "decider":
-            decisions.decide_state(db, school_class, account, *target, etat, motif)
+            decisions.set_state_decision(db, school_class, account, *target, etat, motif)
         elif action == "annuler":
-            decisions.withdraw_decision(db, school_class, account, *target)
+            decisions.withdraw_state_decision(db, school_class, account, *target)
         else:
             _change_override(db, course, access, account, *target, action, form)
     except Invalid as refused:
@@ -162,12 +162,12 @@ def _change_override(
         )
     points, excused, reason = None, action == "dispenser", form.reason
     if action == "garder":
-        override = repository.find_override(db, school_class.id, student, form.exercise, scope)
+        override = repository.find_active_override(db, school_class.id, student, form.exercise, scope)
         if override is None:
             raise NotFound(service.NOTHING_SET)
         points, excused, reason = override.points, override.excused, override.reason
     elif action == "noter":
-        points = service.parse_points(form.points)
+        points = service.parse_override_points(form.points)
     elif not excused:
         raise NotFound(UNKNOWN_ACTION)
     return service.set_override(

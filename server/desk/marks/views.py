@@ -35,19 +35,19 @@ from server.desk.marks.schemas import (
 from server.desk.views import class_head, class_href, count_students_by_label, regrade_href
 from server.marks.files import (
     MoodleIdentifier,
-    column_text,
-    mark_notes,
-    moodle_file,
-    unique_titles,
+    build_moodle_table,
+    explain_marking_rules,
+    marks_as_lines,
+    numbered_assignment_titles,
 )
 from server.marks.loading import GradebookInputs, build_gradebook
 from server.marks.means import format_number
 from server.marks.schemas import (
     ColumnRecord,
     Gradebook,
-    MarkSummary,
+    MarkStatistics,
     StudentMarks,
-    summarise,
+    compute_statistics,
 )
 from server.rights.models import Right
 from server.rights.service import ClassAccess
@@ -94,7 +94,8 @@ def gradebook_page(db: Session, access: ClassAccess, inputs: GradebookInputs, qu
     """Build the page, whose body is rendered only where it is not cached. Raise NotFound for an unknown assignment."""
     assignments = inputs.assigned.assignments
     titles = {
-        str(assignment.id): title for assignment, title in zip(assignments, unique_titles(assignments), strict=True)
+        str(assignment.id): title
+        for assignment, title in zip(assignments, numbered_assignment_titles(assignments), strict=True)
     }
     if query.assignment and query.assignment not in titles:
         raise NotFound(UNKNOWN)
@@ -187,12 +188,14 @@ class _BodyBuilder:
             pages=self._pages(),
             assignments=tuple(GradebookOption(name, title, name == query.assignment) for name, title in titles.items()),
             columns=tuple(GradebookOption(name, title, name == copied) for name, title in columns.items()),
-            column=column_text(self._gradebook, None if copied == AVERAGE else copied) if copied in columns else None,
+            column=marks_as_lines(self._gradebook, None if copied == AVERAGE else copied)
+            if copied in columns
+            else None,
             moodle=tuple(
-                (identifier.value, label, moodle_file(self._everyone, identifier).left_out)
+                (identifier.value, label, build_moodle_table(self._everyone, identifier).left_out)
                 for identifier, label in IDENTIFIED_BY.items()
             ),
-            notes=mark_notes(self._gradebook.marking),
+            notes=explain_marking_rules(self._gradebook.marking),
         )
 
     def _href(self, **changes: str) -> str:
@@ -211,7 +214,7 @@ class _BodyBuilder:
             self._column(
                 name,
                 title,
-                gradebook.summary_of(index),
+                gradebook.assignment_statistics(index),
                 href=self._href(devoir=name, tri=""),
                 notes=assignment_notes(assignment, gradebook.at),
                 about=_assignment_link(assignment, self._place),
@@ -222,11 +225,11 @@ class _BodyBuilder:
         ]
         scores = {name: _assignment_score(index) for name, index in self._index_of.items()}
         for index, column in enumerate(gradebook.columns):
-            name, summary = str(column.id), gradebook.summary_of_column(index)
+            name, summary = str(column.id), gradebook.column_statistics(index)
             href, notes = self._column_href(column), column_notes(column)
             columns.append(self._column(name, column.full_title, summary, notes=notes, about=("saisir, régler", href)))
             scores[name] = _column_score(index)
-        columns.append(self._column(AVERAGE, "Moyenne", gradebook.averages))
+        columns.append(self._column(AVERAGE, "Moyenne", gradebook.average_statistics))
         rows = self._sorted_rows({**scores, AVERAGE: lambda row: row.average})
         return self._table("Notes des devoirs", columns, [(row, self._assignment_cells(row)) for row in rows])
 
@@ -251,8 +254,8 @@ class _BodyBuilder:
         columns = [
             self._column(
                 exercise,
-                gradebook.title_of(exercise),
-                summarise(
+                gradebook.exercise_title(exercise),
+                compute_statistics(
                     [points for row in gradebook.rows if (points := row.marks[index].exercises[n].points) is not None]
                 ),
                 notes=(f"coefficient {format_number(weight)}",),
@@ -260,7 +263,7 @@ class _BodyBuilder:
             )
             for n, (exercise, weight) in enumerate(exercises)
         ]
-        columns.append(self._column(AVERAGE, "Note du devoir", gradebook.summary_of(index)))
+        columns.append(self._column(AVERAGE, "Note du devoir", gradebook.assignment_statistics(index)))
         scores = {exercise: _exercise_score(index, n) for n, (exercise, _) in enumerate(exercises)}
         rows = self._sorted_rows({**scores, AVERAGE: _assignment_score(index)})
         cells = []
@@ -281,7 +284,7 @@ class _BodyBuilder:
         self,
         sort_key: str,
         title: str,
-        summary: MarkSummary,
+        summary: MarkStatistics,
         *,
         href: str = "",
         notes: tuple[str, ...] = (),

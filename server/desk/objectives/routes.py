@@ -22,7 +22,7 @@ from server.desk.objectives.council import build_council_page
 from server.desk.requests import ShortQuery
 from server.desk.talk.work_views import find_student_work
 from server.identity.dependencies import SignedIn
-from server.marks.cells import ascii_slug, french_csv, xlsx
+from server.marks.cells import ascii_slug, build_xlsx, write_french_csv
 from server.marks.downloads import CSV, GradebookDownload, GradebookFormat
 from server.rights import service as rights
 from server.rights.models import Right
@@ -119,9 +119,9 @@ def download_mistakes(
     students = classes.load_student_records(db, access.school_class.id)
     if format is MistakeFormat.csv:
         sheet = mistakes_sheet(loaded, students, short_moment)
-        content, media_type = b"".join(french_csv(sheet.header, sheet.rows)), CSV
+        content, media_type = b"".join(write_french_csv(sheet.header, sheet.rows)), CSV
     else:
-        content = xlsx(mistake_sheets(loaded, students, short_moment))
+        content = build_xlsx(mistake_sheets(loaded, students, short_moment))
         media_type = GradebookFormat.xlsx.media_type
     slug = ascii_slug(access.school_class.name, "classe")
     name = f"balise-{slug}-erreurs-{loaded.progress.now:%Y-%m-%d}.{format.value}"

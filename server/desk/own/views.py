@@ -40,7 +40,7 @@ from server.gradebook import service as gradebook
 from server.identity.models import Account
 from server.marks import service as marks
 from server.marks.means import format_points
-from server.marks.own import OwnMark, OwnMarks, mark_text
+from server.marks.own import VisibleMark, VisibleMarks, describe_assignment_mark
 from server.marks.rubrics_repository import load_rubric_titles
 from server.marks.schemas import ActiveDecision, ActiveOverride, ExerciseMark
 from server.marks.states import STATE_WORDS, UNMARKED_STATES, MarkState
@@ -61,7 +61,7 @@ WITHHELD_STANDING = ("sent", "•", "retenu le temps d’un contrôle")
 class _StudentWork:
     """What there is to say of a student's work: marks and sittings by assignment; what was sent of what is held."""
 
-    marks: Mapping[UUID, OwnMark]
+    marks: Mapping[UUID, VisibleMark]
     sittings: Mapping[UUID, Sitting]
     sent: Mapping[str, int]
     rubrics: Mapping[UUID, tuple[str, bool]]
@@ -101,7 +101,7 @@ def _build_page(
         if may_see
         else ()
     )
-    own_marks = marks.load_own_marks(db, course, access.school_class, seat.account_id, now) if may_see else None
+    own_marks = marks.load_visible_marks(db, course, access.school_class, seat.account_id, now) if may_see else None
     known = (
         _load_student_work(db, seat.account_id, found, own_marks, now, watched=watched is not None)
         if own_marks is not None and found
@@ -135,7 +135,7 @@ def _load_student_work(
     db: Session,
     account_id: UUID,
     found: Sequence[StudentAssignment],
-    own: OwnMarks,
+    own: VisibleMarks,
     now: datetime,
     *,
     watched: bool,
@@ -215,18 +215,18 @@ def _own_team(assigned: StudentAssignment, href: str) -> OwnTeam | None:
     return OwnTeam(team_word(assignment.team_size), partners, assignment.teams_by_students, href)
 
 
-def _final_mark_text(found: OwnMark | None, *, over: bool) -> str:
+def _final_mark_text(found: VisibleMark | None, *, over: bool) -> str:
     """Return the mark of an assignment that is over, or decided, in words; empty where there is none to tell."""
     mark = None if found is None else found.mark
     if mark is None or not (over or mark.decision is not None):
         return ""
-    text = mark_text(mark)
+    text = describe_assignment_mark(mark)
     if mark.state not in UNMARKED_STATES:
         return text
-    return f"{text} ({'compte 0' if mark.in_average is not None else 'ne compte pas'} dans la moyenne)"
+    return f"{text} ({'compte 0' if mark.points_in_average is not None else 'ne compte pas'} dans la moyenne)"
 
 
-def _decision(found: OwnMark | None) -> ActiveDecision | None:
+def _decision(found: VisibleMark | None) -> ActiveDecision | None:
     return None if found is None or found.mark is None else found.mark.decision
 
 
@@ -274,7 +274,7 @@ def withheld_standing(sent: int, *, over: bool) -> tuple[str, str, str]:
 def exercise_standing(found: ExerciseMark, *, over: bool) -> tuple[str, str, str]:
     """A name for the style, a sign, words."""
     if not found.attempts:
-        if found.refused:
+        if found.is_refused_as_late:
             return "refused", "✗", STATE_WORDS[MarkState.late_refused]
         return "new", "○", STATE_WORDS[MarkState.not_handed_in] if over else "à faire"
     counted = found.counted

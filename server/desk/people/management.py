@@ -236,7 +236,7 @@ def choose_marking(
     except ValueError:
         raise Invalid(CHOOSE_ALL) from None
     try:
-        decisions.choose_rules(db, access.school_class, account, MarkingRules(*chosen), seen)
+        decisions.set_marking_rules(db, access.school_class, account, MarkingRules(*chosen), seen)
     except Conflict as refused:
         return _render_settings(request, account, db, course, access, refused)
     return redirect(f"{views.class_href(access.school_class)}/reglages#moyenne")
@@ -313,7 +313,7 @@ def copy_class(
             partial(editions.exercise_in_edition, course, module=module),
         )
         assignments.copy_assignments(db, access.school_class, made, account.id, moved, there)
-        decisions.copy_rules(db, access.school_class, made)
+        decisions.copy_marking_rules(db, access.school_class, made)
     except Invalid as refused:
         typed = {"name": name, "semaines": semaines, "rentree": rentree}
         return _render_settings(request, account, db, course, access, refused, typed)

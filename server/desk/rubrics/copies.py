@@ -20,15 +20,15 @@ from server.gradebook.figures import describe_figures
 from server.gradebook.schemas import Attempt
 from server.identity.models import Account
 from server.marks import rubrics_repository
-from server.marks.columns_repository import load_marks, typed_mark
+from server.marks.columns_repository import build_typed_mark, load_column_marks
 from server.marks.loading import load_gradebook
 from server.marks.means import format_number, format_points
-from server.marks.own import mark_text
+from server.marks.own import describe_assignment_mark
 from server.marks.rubric_items import OVERALL, RubricItem
 from server.marks.schemas import AssignmentMark, ExerciseMark
-from server.marks.service import load_own_marks
+from server.marks.service import load_visible_marks
 from server.marks.states import STATE_WORDS
-from server.marks.typed import format_mark
+from server.marks.typed import format_typed_mark
 from server.rights.service import ClassAccess
 from server.web.code_lines import CodeView, code_view
 from server.web.schemas import VerdictView
@@ -96,7 +96,7 @@ def build_copy(
     parts = tuple(_part(reader, reader.account, student, own_mark, mark, with_threads) for own_mark in exercises)
     return CopyView(
         name=name,
-        mark="" if mark is None else mark_text(mark),
+        mark="" if mark is None else describe_assignment_mark(mark),
         parts=parts,
         rubric=load_marked_rubric(reader.db, assignment, student),
     )
@@ -116,7 +116,7 @@ def _load_mark(
 def _load_own_mark(
     reader: Reader, access: ClassAccess, assignment: Assignment, student: UUID
 ) -> tuple[AssignmentMark | None, tuple[ExerciseMark, ...]]:
-    own = load_own_marks(reader.db, reader.course, access.school_class, student, utc_now())
+    own = load_visible_marks(reader.db, reader.course, access.school_class, student, utc_now())
     for each in own.marks:
         if each.assignment.id == assignment.id:
             return each.mark, tuple(each.exercises.values())
@@ -135,7 +135,7 @@ def _part(
     if mark.points is not None:
         points = f"{format_points(mark.points)} / 20"
     else:
-        points = "" if whole is None else STATE_WORDS[mark.state_in(whole.state)]
+        points = "" if whole is None else STATE_WORDS[mark.state_within(whole.state)]
     exercise = reader.course.exercises.get(mark.exercise)
     if mark.counted is None or exercise is None:
         return CopyPart(title, points)
@@ -185,17 +185,17 @@ def load_marked_rubric(db: Session, assignment: Assignment, student: UUID) -> Ma
     if row is None or row[1].published_at is None:
         return None
     rubric, column = row
-    marking = rubrics_repository.find_marking(db, rubric.column_id, student)
-    typed = load_marks(db, column.id).get(student)
-    if typed is None or typed_mark(typed).points is None:
+    marking = rubrics_repository.find_rubric_marking(db, rubric.column_id, student)
+    typed = load_column_marks(db, column.id).get(student)
+    if typed is None or build_typed_mark(typed).points is None:
         return None
-    mark = f"{format_mark(typed_mark(typed))} / {format_number(column.out_of)}"
+    mark = f"{format_typed_mark(build_typed_mark(typed))} / {format_number(column.out_of)}"
     if marking is None or marking.finished_at is None:
         return MarkedRubric(column.title, mark, (), "")
-    given = rubrics_repository.marks_of(marking)
+    given = rubrics_repository.read_rubric_scores(marking)
     items = tuple(
         _marked_item(item, given.points.get(item.id), given.remarks.get(item.id, ""))
-        for item in rubrics_repository.items_of(rubric)
+        for item in rubrics_repository.read_rubric_items(rubric)
     )
     return MarkedRubric(column.title, mark, items, given.remarks.get(OVERALL, ""))
 

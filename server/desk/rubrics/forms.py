@@ -15,12 +15,12 @@ from server.marks.models import ManualColumn, Rubric
 from server.marks.rubric_items import (
     MAX_ITEMS,
     OVERALL,
-    CopyMarks,
     RubricInput,
     RubricItem,
+    RubricScores,
     format_levels,
-    parse_copy_marks,
-    parse_item,
+    parse_rubric_item,
+    parse_rubric_scores,
 )
 
 EMPTY_ROWS = 3
@@ -70,7 +70,7 @@ def stored_form(assignment: Assignment, row: tuple[Rubric, ManualColumn] | None)
     rubric, column = row
     rows = tuple(
         ItemRow(item.id, item.title, format_number(item.points), format_levels(item.levels))
-        for item in rubrics_repository.items_of(rubric)
+        for item in rubrics_repository.read_rubric_items(rubric)
     )
     return RubricForm(column.title, format_number(column.weight), rubric.anonymous, rows)
 
@@ -90,7 +90,7 @@ def parse_form(form: RubricForm) -> tuple[RubricInput | None, RubricForm]:
     items, rows, problems = [], [], dict(form.problems)
     for row in form.rows:
         try:
-            items.append(parse_item(row.id, row.title, row.points, row.words))
+            items.append(parse_rubric_item(row.id, row.title, row.points, row.words))
             rows.append(row)
         except Invalid as refused:
             rows.append(replace(row, problem=refused.detail))
@@ -123,9 +123,9 @@ def read_copy(fields: FormData, items: Sequence[RubricItem]) -> TypedCopy:
     return TypedCopy(points, remarks | {OVERALL: str(fields.get("remarque", ""))})
 
 
-def parse_copy(items: Sequence[RubricItem], typed: TypedCopy) -> CopyMarks:
+def parse_copy(items: Sequence[RubricItem], typed: TypedCopy) -> RubricScores:
     """Return the marks of a copy. Raise InvalidFields."""
-    return parse_copy_marks(items, typed.points, typed.remarks)
+    return parse_rubric_scores(items, typed.points, typed.remarks)
 
 
 def with_refusal(typed: TypedCopy, refused: Invalid) -> TypedCopy:

@@ -96,7 +96,7 @@ def publish(class_id: str, aid: str, account: SignedIn, reader: CurrentReader, a
     if action not in {"publier", "cacher"}:
         raise NotFound(UNKNOWN_ACTION)
     _, column = rubrics.require_rubric(reader.db, assignment)
-    columns.publish_column(reader.db, access.school_class, account, column.id, published=action == "publier")
+    columns.set_column_published(reader.db, access.school_class, account, column.id, published=action == "publier")
     return redirect(f"/classes/{class_id}/devoirs/{aid}/noter")
 
 
@@ -134,13 +134,13 @@ def mark_copy(
     rubric, column = rubrics.require_rubric(reader.db, assignment)
     rows = views.list_copies(reader.db, access, assignment, rubric, column)
     row = views.find_copy(rows, copy)
-    items = rubrics_repository.items_of(rubric)
+    items = rubrics_repository.read_rubric_items(rubric)
     typed = forms.read_copy(fields, items)
     seen = str(fields.get("version", ""))
     by_script = "application/json" in request.headers.get("accept", "")
     try:
         marks = forms.parse_copy(items, typed)
-        marking = rubrics.save_marking(
+        marking = rubrics.save_rubric_marking(
             reader.db,
             access.school_class,
             account,

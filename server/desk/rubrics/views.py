@@ -126,9 +126,9 @@ def list_copies(
 ) -> tuple[CopyRow, ...]:
     """List the copies by name, those to which something was sent first; in an order that tells no name while names are
     hidden."""
-    markings = rubrics_repository.load_markings(db, rubric.column_id)
+    markings = rubrics_repository.load_rubric_markings(db, rubric.column_id)
     senders = desk.load_senders(db, access.school_class.id, assignment.id)
-    items = rubrics_repository.items_of(rubric)
+    items = rubrics_repository.read_rubric_items(rubric)
     everyone = classes.load_student_records(db, access.school_class.id)
     sittings = load_sittings(db, [assignment.id])
     places = load_places_of_team_assignments(db, [assignment]).get(assignment.id, ())
@@ -139,7 +139,7 @@ def list_copies(
     def order(members: tuple[StudentRecord, ...]) -> tuple[bool, int, str]:
         sent = not senders.isdisjoint(member.id for member in members)
         by_name = min(places_by_name[member.id] for member in members)
-        return not sent, 0 if hidden else by_name, rubrics.copy_key(rubric, members[0].id)
+        return not sent, 0 if hidden else by_name, rubrics.anonymous_copy_key(rubric, members[0].id)
 
     ordered = sorted(copies, key=order)
     return tuple(
@@ -163,7 +163,7 @@ def _copy_members(
     partners = (
         present[each.account_id] for each in list_current_partners(places, student.id) if each.account_id in present
     )
-    return tuple(sorted((student, *partners), key=lambda member: rubrics.copy_key(rubric, member.id)))
+    return tuple(sorted((student, *partners), key=lambda member: rubrics.anonymous_copy_key(rubric, member.id)))
 
 
 def _copy_row(
@@ -178,10 +178,10 @@ def _copy_row(
 ) -> CopyRow:
     total = ""
     if marking is not None:
-        total = format_number(rubrics_repository.marks_of(marking).total(items))
+        total = format_number(rubrics_repository.read_rubric_scores(marking).total_over(items))
     name = f"Copie {number}" if hidden else " et ".join(member.name for member in members)
     student = members[0]
-    return CopyRow(rubrics.copy_key(rubric, student.id), student.id, number, name, sent, marking, total)
+    return CopyRow(rubrics.anonymous_copy_key(rubric, student.id), student.id, number, name, sent, marking, total)
 
 
 def find_copy(rows: Sequence[CopyRow], key: str) -> CopyRow:
@@ -266,7 +266,7 @@ def build_marking_page(
     rubric, column = rubrics.require_rubric(reader.db, assignment)
     rows = list_copies(reader.db, access, assignment, rubric, column)
     row = find_copy(rows, key)
-    items = rubrics_repository.items_of(rubric)
+    items = rubrics_repository.read_rubric_items(rubric)
     shown = typed or _stored_copy(row.marking)
     keys = [each.key for each in rows if each.sent or each.key == key]
     place = keys.index(key)
@@ -296,7 +296,7 @@ def build_marking_page(
 def _stored_copy(marking: RubricMarking | None) -> TypedCopy:
     if marking is None:
         return TypedCopy({}, {})
-    marks = rubrics_repository.marks_of(marking)
+    marks = rubrics_repository.read_rubric_scores(marking)
     return TypedCopy({item: format_number(points) for item, points in marks.points.items()}, marks.remarks)
 
 

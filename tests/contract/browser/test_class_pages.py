@@ -30,7 +30,7 @@ from server.gradebook.models import Grading
 from server.identity.models import Account
 from server.lesson.models import LiveLesson
 from server.marks.models import ManualColumn, Rubric
-from server.marks.rubrics import copy_key
+from server.marks.rubrics import anonymous_copy_key
 from server.recall.retrievals import today
 from server.regrades.models import Regrade
 from server.submissions.models import Submission
@@ -253,7 +253,7 @@ def _found(server: Server, database: Database, class_id: UUID) -> Walk:
             "assignment_id": home.id,
             "test": test.id,
             "student": student.id,
-            "copy": copy_key(rubric, student.id),
+            "copy": anonymous_copy_key(rubric, student.id),
             "module": EXERCISE.split("/", maxsplit=1)[0],
             "slug": EXERCISE.split("/")[1],
             "mistake": MISTAKE,

@@ -20,7 +20,7 @@ from server.database.engine import writing_engine
 from server.database.migrate import upgrade
 from server.identity.models import Account
 from server.marks.models import Override
-from server.marks.repository import load_marking, load_overrides
+from server.marks.repository import load_active_overrides, load_marking_rules
 from server.marks.states import Counting, MarkingRules
 
 BEFORE = "0024"
@@ -63,14 +63,17 @@ def test_an_older_class_keeps_its_numbers_and_its_overrides(older: Database) -> 
         )  # fmt: skip
     upgrade(older.engine)
     with older.write() as db:
-        marking = load_marking(db, class_id)
+        marking = load_marking_rules(db, class_id)
         assert (marking.rules, marking.is_chosen) == (MarkingRules(*[Counting.zero] * 4), False)
         new = SchoolClass(name="PSI", module="l20")
         db.add(new)
         db.flush()
-        assert (load_marking(db, new.id).rules, load_marking(db, new.id).is_chosen) == (MarkingRules(), True)
+        assert (load_marking_rules(db, new.id).rules, load_marking_rules(db, new.id).is_chosen) == (
+            MarkingRules(),
+            True,
+        )
         assert db.execute(select(Override.id, Override.assignment_id)).all() == [(override_id, None)]
-        ((_, exercise, scope),) = load_overrides(db, class_id)
+        ((_, exercise, scope),) = load_active_overrides(db, class_id)
         assert (exercise, scope) == ("l20/poses", None)
         assert db.get(Account, account_id) is not None
 
