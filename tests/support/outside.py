@@ -27,5 +27,5 @@ def taken_in(place: Path) -> Iterator[None]:
         for name in set(sys.modules) - modules:
             if str(place) in str(getattr(sys.modules[name], "__file__", None)):
                 del sys.modules[name]
-        for cached in (local._home, local._kit, local.kit_source):
+        for cached in (local._owning_module_folder, local._import_kit_modules, local.kit_source):
             cached.cache_clear()

@@ -90,10 +90,10 @@ def make_advice(kind: AdviceKind, source: str, edited: str, sentence: str) -> Ad
     before, after = old[start : len(old) - tail], new[start : len(new) - tail]
     if not before:
         return None
-    return Advice(kind, start + 1, sentence, _dedent(before), _dedent(after), edited)
+    return Advice(kind, start + 1, sentence, _dedent_lines(before), _dedent_lines(after), edited)
 
 
-def _dedent(lines: Sequence[str]) -> str:
+def _dedent_lines(lines: Sequence[str]) -> str:
     return textwrap.dedent("\n".join(lines))
 
 
@@ -122,18 +122,18 @@ def stored_names(node: ast.AST) -> set[str]:
         if isinstance(part, ast.Name) and not isinstance(part.ctx, ast.Load):
             stored.add(part.id)
         elif isinstance(part, ast.Subscript | ast.Attribute) and not isinstance(part.ctx, ast.Load):
-            stored |= _root(part)
+            stored |= _root_name(part)
         elif isinstance(part, ast.Call) and isinstance(part.func, ast.Attribute):
-            stored |= _root(part.func) - {"np", "numpy", "math"}
-            stored |= _given_away(part)
+            stored |= _root_name(part.func) - {"np", "numpy", "math"}
+            stored |= _names_given_to_calls(part)
         elif isinstance(part, ast.Call):
-            stored |= _given_away(part)
+            stored |= _names_given_to_calls(part)
         elif isinstance(part, ast.AugAssign):
-            stored |= _root(part.target)
+            stored |= _root_name(part.target)
     return stored
 
 
-def _given_away(call: ast.Call) -> set[str]:
+def _names_given_to_calls(call: ast.Call) -> set[str]:
     """Return the names that a call gives to a function which may change what they name."""
     name = ast.unparse(call.func)
     if name.startswith(("np.", "math.")) or name in HARMLESS:
@@ -141,7 +141,7 @@ def _given_away(call: ast.Call) -> set[str]:
     return {arg.id for arg in call.args if isinstance(arg, ast.Name)}
 
 
-def _root(node: ast.expr) -> set[str]:
+def _root_name(node: ast.expr) -> set[str]:
     while isinstance(node, ast.Subscript | ast.Attribute | ast.Starred):
         node = node.value
     return {node.id} if isinstance(node, ast.Name) else set()

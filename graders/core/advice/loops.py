@@ -52,20 +52,20 @@ class Vectoriser(ast.NodeTransformer):
     def visit_Subscript(self, node: ast.Subscript) -> ast.expr:
         parts = list(node.slice.elts) if isinstance(node.slice, ast.Tuple) else [node.slice]
         if isinstance(node.value, ast.Name) and node.value.id in self.elements:
-            if any(not _is_steady(part, self) for part in parts):
+            if any(not _is_same_in_all_turns(part, self) for part in parts):
                 raise CannotVectorise
             array = copy.deepcopy(self.elements[node.value.id])
-            return _indexed(array, [ast.Slice(), *parts])
+            return _subscript(array, [ast.Slice(), *parts])
         is_index = [isinstance(part, ast.Name) and part.id == self.index for part in parts]
         if not isinstance(node.value, ast.Name) or is_index.count(True) != 1 or not is_index[0]:
-            if any(is_index) or not all(_is_steady(part, self) for part in (node.value, *parts)):
+            if any(is_index) or not all(_is_same_in_all_turns(part, self) for part in (node.value, *parts)):
                 raise CannotVectorise
             return node
-        if not all(_is_steady(part, self) for part in parts[1:]):
+        if not all(_is_same_in_all_turns(part, self) for part in parts[1:]):
             raise CannotVectorise
         if self.cut is None and len(parts) == 1:
             return node.value
-        return _indexed(node.value, [self.cut or ast.Slice(), *parts[1:]])
+        return _subscript(node.value, [self.cut or ast.Slice(), *parts[1:]])
 
     def visit_Call(self, node: ast.Call) -> ast.expr:
         name = numpy_call(node)
@@ -84,25 +84,25 @@ class Vectoriser(ast.NodeTransformer):
         return super().generic_visit(node)
 
 
-def _is_steady(node: ast.expr, loop: Vectoriser) -> bool:
+def _is_same_in_all_turns(node: ast.expr, loop: Vectoriser) -> bool:
     moving = {loop.index, *loop.elements, *loop.vectors}
     return not any(isinstance(part, ast.Name) and part.id in moving for part in ast.walk(node))
 
 
-def _indexed(array: ast.expr, parts: list[ast.expr]) -> ast.expr:
+def _subscript(array: ast.expr, parts: list[ast.expr]) -> ast.expr:
     index = parts[0] if len(parts) == 1 else ast.Tuple(parts, ast.Load())
     return ast.Subscript(array, index, ast.Load())
 
 
 def list_loop_advice(source: str, tree: ast.Module) -> Iterator[Advice]:
     """Yield the loops of a program that one line of numpy may do."""
-    for block in _blocks(tree):
+    for block in _iter_blocks(tree):
         for place, node in enumerate(block):
             if not isinstance(node, ast.For) or node.orelse:
                 continue
             before = block[place - 1] if place else None
             try:
-                sentence, first, others = _without_loop(node, before)
+                sentence, first, others = _rewrite_without_loop(node, before)
             except CannotVectorise:
                 continue
             advice = make_advice(AdviceKind.loop, source, replace_statement(source, first, others, node), sentence)
@@ -110,7 +110,7 @@ def list_loop_advice(source: str, tree: ast.Module) -> Iterator[Advice]:
                 yield advice
 
 
-def _blocks(tree: ast.Module) -> Iterator[list[ast.stmt]]:
+def _iter_blocks(tree: ast.Module) -> Iterator[list[ast.stmt]]:
     for function in functions_of(tree):
         for node in ast.walk(function):
             for name in ("body", "orelse"):
@@ -119,37 +119,39 @@ def _blocks(tree: ast.Module) -> Iterator[list[ast.stmt]]:
                     yield block
 
 
-def _without_loop(node: ast.For, before: ast.stmt | None) -> tuple[str, ast.stmt, list[ast.stmt]]:
+def _rewrite_without_loop(node: ast.For, before: ast.stmt | None) -> tuple[str, ast.stmt, list[ast.stmt]]:
     """Return why, the first statement that is replaced, and those that replace it. Raises CannotVectorise."""
     loop = _read_header(node)
     lines: list[ast.stmt] = []
     for statement in node.body[:-1]:
-        lines.append(_temporary(loop, statement))
+        lines.append(_vectorise_assignment(loop, statement))
     last = node.body[-1]
     match last:
         case ast.AugAssign(target=ast.Name(id=name), op=ast.Add(), value=value) if name not in loop.vectors:
             if any(isinstance(part, ast.Name) and part.id == name for part in ast.walk(value)):
                 raise CannotVectorise
-            total = ast.Call(ast.Attribute(ast.Name("np", ast.Load()), "sum", ast.Load()), [_whole(loop, value)], [])
+            total = ast.Call(
+                ast.Attribute(ast.Name("np", ast.Load()), "sum", ast.Load()), [_vectorise_expression(loop, value)], []
+            )
             return SUM, node, [*lines, ast.AugAssign(last.target, ast.Add(), total)]
         case ast.Assign(targets=[ast.Subscript(value=ast.Name(id=out)) as target], value=value):
             if any(isinstance(part, ast.Name) and part.id == out for part in ast.walk(value)):
                 raise CannotVectorise
             left = loop.visit(target)
             if isinstance(left, ast.Name):
-                left = _indexed(left, [ast.Slice()])
-            return FILL, node, [*lines, ast.Assign([left], _whole(loop, value), lineno=0)]
+                left = _subscript(left, [ast.Slice()])
+            return FILL, node, [*lines, ast.Assign([left], _vectorise_expression(loop, value), lineno=0)]
         case ast.Expr(ast.Call(func=ast.Attribute(value=ast.Name(id=out), attr="append"), args=[value], keywords=[])):
             match before:
                 case ast.Assign(targets=[ast.Name(id=name)], value=ast.List(elts=[])) if name == out:
-                    made = ast.Assign([ast.Name(out, ast.Store())], _whole(loop, value), lineno=0)
+                    made = ast.Assign([ast.Name(out, ast.Store())], _vectorise_expression(loop, value), lineno=0)
                     return LIST, before, [*lines, made]
     raise CannotVectorise
 
 
-def _whole(loop: Vectoriser, value: ast.expr) -> ast.expr:
+def _vectorise_expression(loop: Vectoriser, value: ast.expr) -> ast.expr:
     """Return an expression for all turns, which must depend on the turn. Raises CannotVectorise."""
-    if _is_steady(value, loop):
+    if _is_same_in_all_turns(value, loop):
         raise CannotVectorise
     if isinstance(value, ast.Call) and ast.unparse(value.func) == "np.array" and len(value.args) == 1:
         value = value.args[0]
@@ -178,19 +180,19 @@ def _read_header(node: ast.For) -> Vectoriser:
                 return Vectoriser("", None, {name.id: array for name, array in pairs if isinstance(name, ast.Name)})
         case ast.Tuple(elts=names), ast.Name() as array:
             if all(isinstance(part, ast.Name) for part in names):
-                columns = [_indexed(array, [ast.Slice(), ast.Constant(k)]) for k in range(len(names))]
+                columns = [_subscript(array, [ast.Slice(), ast.Constant(k)]) for k in range(len(names))]
                 pairs = zip(names, columns, strict=True)
                 return Vectoriser("", None, {name.id: column for name, column in pairs if isinstance(name, ast.Name)})
     raise CannotVectorise
 
 
-def _temporary(loop: Vectoriser, node: ast.stmt) -> ast.stmt:
+def _vectorise_assignment(loop: Vectoriser, node: ast.stmt) -> ast.stmt:
     """Return the assignment of a temporary name for all turns. Raises CannotVectorise."""
     match node:
         case ast.Assign(targets=[ast.Name(id=name) as target], value=value) if name not in loop.vectors:
             if any(isinstance(part, ast.Name) and part.id == name for part in ast.walk(value)):
                 raise CannotVectorise
-            made = ast.Assign([target], _whole(loop, value), lineno=0)
+            made = ast.Assign([target], _vectorise_expression(loop, value), lineno=0)
             loop.vectors.add(name)
             return made
     raise CannotVectorise
@@ -201,17 +203,17 @@ def list_repeated_work(source: str, tree: ast.Module) -> Iterator[Advice]:
     for function in functions_of(tree):
         for node in ast.walk(function):
             if isinstance(node, ast.For | ast.While):
-                advice = _hoisted(source, function, node)
+                advice = _hoist_calls_advice(source, function, node)
                 if advice is not None:
                     yield advice
 
 
-def _hoisted(source: str, function: ast.FunctionDef, node: ast.For | ast.While) -> Advice | None:
-    stored = stored_names(node) | _bound_inside(node)
+def _hoist_calls_advice(source: str, function: ast.FunctionDef, node: ast.For | ast.While) -> Advice | None:
+    stored = stored_names(node) | _names_bound_inside(node)
     calls: dict[str, ast.Call] = {}
     for statement in node.body:
         for part in ast.walk(statement):
-            if isinstance(part, ast.Call) and _is_pure(part) and not _names(part) & stored and _names(part):
+            if isinstance(part, ast.Call) and _is_pure(part) and not _names_read(part) & stored and _names_read(part):
                 calls.setdefault(ast.unparse(part), part)
     inner = {text for text, call in calls.items() for part in ast.walk(call) if part is not call
              and isinstance(part, ast.Call) and ast.unparse(part) in calls for text in [ast.unparse(part)]}  # fmt: skip
@@ -222,10 +224,14 @@ def _hoisted(source: str, function: ast.FunctionDef, node: ast.For | ast.While) 
     taken |= {arg.arg for arg in ast.walk(function) if isinstance(arg, ast.arg)}
     names: dict[str, str] = {}
     for text, call in wanted.items():
-        name = _name_for(call, taken)
+        name = _choose_variable_name(call, taken)
         names[text] = name
         taken.add(name)
-    outer = [call for call in _calls(node) if ast.unparse(call) in names and not _is_within(call, node, names)]
+    outer = [
+        call
+        for call in _iter_calls_in_body(node)
+        if ast.unparse(call) in names and not _is_within_named_call(call, node, names)
+    ]
     replaced = replace_expressions(source, [(call, names[ast.unparse(call)]) for call in outer])
     lines = replaced.splitlines(keepends=True)
     if not replaced or lines[node.lineno - 1].encode()[: node.col_offset].strip():
@@ -238,14 +244,14 @@ def _hoisted(source: str, function: ast.FunctionDef, node: ast.For | ast.While) 
     return make_advice(AdviceKind.repeated, source, edited, sentence)
 
 
-def _calls(node: ast.For | ast.While) -> Iterator[ast.Call]:
+def _iter_calls_in_body(node: ast.For | ast.While) -> Iterator[ast.Call]:
     """Yield the calls in the body of a loop."""
     return (part for statement in node.body for part in ast.walk(statement) if isinstance(part, ast.Call))
 
 
-def _is_within(call: ast.Call, node: ast.For | ast.While, names: Mapping[str, str]) -> bool:
+def _is_within_named_call(call: ast.Call, node: ast.For | ast.While, names: Mapping[str, str]) -> bool:
     """Whether a call stands within another one that gets a name."""
-    others = (other for other in _calls(node) if other is not call and ast.unparse(other) in names)
+    others = (other for other in _iter_calls_in_body(node) if other is not call and ast.unparse(other) in names)
     return any(part is call for other in others for part in ast.walk(other))
 
 
@@ -263,16 +269,16 @@ def _is_pure(call: ast.Call) -> bool:
     return all(isinstance(part, simple) and (not isinstance(part, ast.Call) or _is_pure(part)) for part in inside)
 
 
-def _names(node: ast.AST) -> set[str]:
+def _names_read(node: ast.AST) -> set[str]:
     return {part.id for part in ast.walk(node) if isinstance(part, ast.Name)} - {"np", "numpy", "math"}
 
 
-def _bound_inside(node: ast.AST) -> set[str]:
+def _names_bound_inside(node: ast.AST) -> set[str]:
     """Return the names that comprehensions, lambdas and functions inside a statement bind."""
     return {part.arg for part in ast.walk(node) if isinstance(part, ast.arg)}
 
 
-def _name_for(call: ast.Call, taken: set[str]) -> str:
+def _choose_variable_name(call: ast.Call, taken: set[str]) -> str:
     word = call.func.attr if isinstance(call.func, ast.Attribute) else "valeur"
     stem = {"inv": "inverse", "cos": "cosinus", "sin": "sinus", "exp": "exponentielle", "sqrt": "racine",
             "norm": "norme", "det": "determinant", "log": "logarithme"}.get(word, f"valeur_{word}")  # fmt: skip

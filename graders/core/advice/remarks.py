@@ -26,7 +26,7 @@ def list_advice(source: str, functions: Collection[str], reference: str) -> Iter
     if tree is None:
         return
     found = 0
-    for advice in _all(source, tree, functions, reference):
+    for advice in _iter_all_advice(source, tree, functions, reference):
         if found == MAX_CANDIDATES:
             return
         if _imports_numpy_where_needed(advice, tree):
@@ -34,7 +34,7 @@ def list_advice(source: str, functions: Collection[str], reference: str) -> Iter
             yield advice
 
 
-def _all(source: str, tree: ast.Module, functions: Collection[str], reference: str) -> Iterator[Advice]:
+def _iter_all_advice(source: str, tree: ast.Module, functions: Collection[str], reference: str) -> Iterator[Advice]:
     yield from list_loop_advice(source, tree)
     yield from list_repeated_work(source, tree)
     if "linalg.inv" not in reference:

@@ -33,7 +33,7 @@ def list_copies(source: str, tree: ast.Module) -> Iterator[Advice]:
                 inner = made
             case ast.Call(func=ast.Attribute(value=made, attr="copy"), args=[], keywords=[]):
                 inner = made
-        if isinstance(node, ast.Call) and isinstance(inner, ast.Call) and _is_fresh(inner):
+        if isinstance(node, ast.Call) and isinstance(inner, ast.Call) and _makes_new_array(inner):
             text = ast.get_source_segment(source, inner) or ""
             sentence = COPY.format(inner=ast.unparse(inner.func))
             advice = make_advice(AdviceKind.copy, source, replace_expressions(source, [(node, text)]), sentence)
@@ -41,7 +41,7 @@ def list_copies(source: str, tree: ast.Module) -> Iterator[Advice]:
                 yield advice
 
 
-def _is_fresh(call: ast.Call) -> bool:
+def _makes_new_array(call: ast.Call) -> bool:
     """Whether a call makes a new array; `copy=False` may not."""
     if any(keyword.arg == "copy" for keyword in call.keywords):
         return False

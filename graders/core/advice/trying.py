@@ -56,27 +56,27 @@ class Review:
 
 
 @dataclass(frozen=True)
-class _Measured:
+class _MeasuredRun:
     answers: Sequence[Answer]
     seconds: float
 
 
 def review_program(definition: CodeDefinition | CodeGrader, source: str, programs: Programs) -> Review:
     """Run a program that passes, its edits and the reference on the checks' cases. The caller chooses the walls."""
-    cases = _cases(definition)
+    cases = _cases_of_checks(definition)
     if not cases:
         return Review((), 0.0)
     kit = definition.kit(stream(SEED, "kit"))
-    own, reference = (_measure(programs, kit, text, cases) for text in (source, definition.solution))
+    own, reference = (_measure_run(programs, kit, text, cases) for text in (source, definition.solution))
     if own is None or reference is None:
         return Review((), 0.0)
     asked = {check.function for check, _ in cases}
     return Review(
-        _try_all(programs, kit, cases, own, source, asked, definition.solution), own.seconds / reference.seconds
+        _try_all_advice(programs, kit, cases, own, source, asked, definition.solution), own.seconds / reference.seconds
     )
 
 
-def _cases(definition: CodeDefinition | CodeGrader) -> Sequence[tuple[Cases, Sequence[Arguments]]]:
+def _cases_of_checks(definition: CodeDefinition | CodeGrader) -> Sequence[tuple[Cases, Sequence[Arguments]]]:
     if definition.long or definition.heavy:
         return ()
     checks = [check for check in definition.checks if isinstance(check, Cases) and len(check.functions) == 1]
@@ -86,11 +86,11 @@ def _cases(definition: CodeDefinition | CodeGrader) -> Sequence[tuple[Cases, Seq
     ]
 
 
-def _try_all(
+def _try_all_advice(
     programs: Programs,
     kit: KitSettings,
     cases: Sequence[tuple[Cases, Sequence[Arguments]]],
-    own: _Measured,
+    own: _MeasuredRun,
     source: str,
     asked: Collection[str],
     reference: str,
@@ -99,8 +99,8 @@ def _try_all(
     for advice in list_advice(source, asked, reference):
         if any(advice.line == other.advice.line for other in kept):
             continue
-        edited = _measure(programs, kit, advice.source, cases)
-        if edited is None or not _agree(cases, own.answers, edited.answers):
+        edited = _measure_run(programs, kit, advice.source, cases)
+        if edited is None or not _are_same_answers(cases, own.answers, edited.answers):
             continue
         gain = own.seconds / edited.seconds
         if gain >= MIN_GAIN or advice.kind not in TIMED:
@@ -110,9 +110,9 @@ def _try_all(
     return tuple(kept)
 
 
-def _measure(
+def _measure_run(
     programs: Programs, kit: KitSettings, source: str, cases: Sequence[tuple[Cases, Sequence[Arguments]]]
-) -> _Measured | None:
+) -> _MeasuredRun | None:
     """Return the answers of a program and the seconds that they take; None where a call fails."""
     names = dict.fromkeys(check.function for check, _ in cases)
     text = source.rstrip() + "\n" + "".join(HARNESS.format(function=name) for name in names)
@@ -135,10 +135,12 @@ def _measure(
         program.close()
     if any(isinstance(answer, StudentFault) for answer in answers):
         return None
-    return _Measured(answers, max(seconds, 1e-9))
+    return _MeasuredRun(answers, max(seconds, 1e-9))
 
 
-def _agree(cases: Sequence[tuple[Cases, Sequence[Arguments]]], own: Sequence[Answer], others: Sequence[Answer]) -> bool:
+def _are_same_answers(
+    cases: Sequence[tuple[Cases, Sequence[Arguments]]], own: Sequence[Answer], others: Sequence[Answer]
+) -> bool:
     checks = [check for check, inputs in cases for _ in inputs]
     return len(own) == len(others) == len(checks) and all(
         not isinstance(mine, StudentFault)

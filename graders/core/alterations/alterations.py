@@ -33,14 +33,14 @@ class Alteration:
     @cached_property
     def removed(self) -> tuple[str, ...]:
         """The removed lines, without indentation."""
-        return self._lines("-")
+        return self._diff_lines("-")
 
     @cached_property
     def added(self) -> tuple[str, ...]:
         """The added lines, without indentation."""
-        return self._lines("+")
+        return self._diff_lines("+")
 
-    def _lines(self, sign: str) -> tuple[str, ...]:
+    def _diff_lines(self, sign: str) -> tuple[str, ...]:
         return tuple(line[1:].strip() for line in self.diff(context=0) if line.startswith(sign))
 
     def diff(self, context: int = 1) -> Iterator[str]:
@@ -56,7 +56,7 @@ def find_alterations(source: str) -> list[Alteration]:
     """
     text = ProgramText(source)
     alterations_by_text: dict[str, Alteration] = {}
-    for alteration in map(partial(_apply, source, text, ast.dump(text.tree)), _find_changes(text)):
+    for alteration in map(partial(_apply_change, source, text, ast.dump(text.tree)), _find_changes(text)):
         if alteration is not None:
             alterations_by_text.setdefault(alteration.altered, alteration)
     return list(alterations_by_text.values())
@@ -72,7 +72,7 @@ def sample_alterations(source: str, most: int) -> list[Alteration]:
     same, chosen = ast.dump(text.tree), dict[str, Alteration]()
     step = max(1.0, len(changes) / most)
     for rank in range(min(most, len(changes))):
-        alteration = _apply(source, text, same, changes[int(rank * step)])
+        alteration = _apply_change(source, text, same, changes[int(rank * step)])
         if alteration is not None:
             chosen.setdefault(alteration.altered, alteration)
     return list(chosen.values())
@@ -85,17 +85,17 @@ def _find_changes(text: ProgramText) -> list[tuple[Change, str]]:
     return changes
 
 
-def _apply(source: str, text: ProgramText, same: str, entry: tuple[Change, str]) -> Alteration | None:
+def _apply_change(source: str, text: ProgramText, same: str, entry: tuple[Change, str]) -> Alteration | None:
     """Return the alteration of a source by a change; None where it does not compile, or leaves the tree `same`."""
     change, function = entry
     altered = text.apply(change)
-    if not _differs(altered, same):
+    if not _is_different_program(altered, same):
         return None
     line = text.raw.count(b"\n", 0, change.start) + 1
     return Alteration(source, altered, change.operator, change.is_course_mistake, line, function)
 
 
-def _differs(altered: str, same: str) -> bool:
+def _is_different_program(altered: str, same: str) -> bool:
     """Whether a source compiles and has another syntax tree."""
     try:
         with warnings.catch_warnings():

@@ -55,15 +55,15 @@ def calls(text: ProgramText, node: ast.AST) -> Iterator[Change]:
     """Another function, the call dropped, its arguments swapped, a named one dropped."""
     if not isinstance(node, ast.Call):
         return
-    yield from _taken_for(text, node)
-    yield from _dropped(text, node)
-    yield from _swapped(text, node)
-    yield from _keywords(text, node)
-    yield from _ranges(text, node)
-    yield from _where(text, node)
+    yield from _replace_by_confusable_function(text, node)
+    yield from _drop_call_to_argument(text, node)
+    yield from _swap_arguments(text, node)
+    yield from _drop_keyword_argument(text, node)
+    yield from _shift_range_bounds(text, node)
+    yield from _choose_where_branch(text, node)
 
 
-def _taken_for(text: ProgramText, node: ast.Call) -> Iterator[Change]:
+def _replace_by_confusable_function(text: ProgramText, node: ast.Call) -> Iterator[Change]:
     other = TAKEN_FOR.get(name_of(node))
     if other is not None and (isinstance(node.func, ast.Attribute) or other in ("min", "max", "any", "all")):
         end = text.span(node.func)[1]
@@ -74,7 +74,7 @@ def _taken_for(text: ProgramText, node: ast.Call) -> Iterator[Change]:
         yield text.replaced(node, f"{name}(({up}) / ({right}))", "fonction voisine")
 
 
-def _is_method(text: ProgramText, node: ast.Call) -> bool:
+def _is_method_call(text: ProgramText, node: ast.Call) -> bool:
     """Whether a call is a method of a value, rather than a function of a module."""
     root: ast.expr = node.func
     while isinstance(root, ast.Attribute):
@@ -82,31 +82,31 @@ def _is_method(text: ProgramText, node: ast.Call) -> bool:
     return isinstance(node.func, ast.Attribute) and not (isinstance(root, ast.Name) and root.id in text.import_names)
 
 
-def _dropped(text: ProgramText, node: ast.Call) -> Iterator[Change]:
+def _drop_call_to_argument(text: ProgramText, node: ast.Call) -> Iterator[Change]:
     if isinstance(text.parent(node), ast.Expr):
         return
-    if _is_method(text, node):
+    if _is_method_call(text, node):
         assert isinstance(node.func, ast.Attribute)
         if node.func.attr in METHODS or WRAP.search(node.func.attr):
-            yield from _drop_call(text, node, node.func.value)
+            yield from _replace_call_by_argument(text, node, node.func.value)
         elif len(node.args) == 1:
-            yield from _drop_own_function(text, node)
+            yield from _drop_call_of_own_function(text, node)
         return
     if name_of(node) == "array" and isinstance(node.args[0], ast.List | ast.Tuple | ast.ListComp):
         return
     if name_of(node) in DROPPED or WRAP.search(name_of(node)):
         for argument in node.args[: 2 if name_of(node) in SYMMETRIC else 1]:
-            yield from _drop_call(text, node, argument)
+            yield from _replace_call_by_argument(text, node, argument)
     elif len(node.args) == 1:
-        yield from _drop_own_function(text, node)
+        yield from _drop_call_of_own_function(text, node)
 
 
-def _drop_call(text: ProgramText, node: ast.Call, argument: ast.expr) -> Iterator[Change]:
+def _replace_call_by_argument(text: ProgramText, node: ast.Call, argument: ast.expr) -> Iterator[Change]:
     if isinstance(argument, ast.Starred | ast.GeneratorExp):
         return
     own = bool(WRAP.search(name_of(node)))
     remaining = (
-        _inner_angle(text, argument)
+        _wrapped_angle_source(text, argument)
         if name_of(node) in ("arctan2", "atan2", "angle", "phase")
         else text.source_of(argument)
     )
@@ -114,7 +114,7 @@ def _drop_call(text: ProgramText, node: ast.Call, argument: ast.expr) -> Iterato
         yield text.replaced(node, f"({remaining})", "normalisation oubliée" if own else "appel oublié", own=own)
 
 
-def _inner_angle(text: ProgramText, node: ast.expr) -> str | None:
+def _wrapped_angle_source(text: ProgramText, node: ast.expr) -> str | None:
     """Return x of arctan2(sin x, cos x) or angle(exp(1j x)); None for another argument."""
     if isinstance(node, ast.Call) and name_of(node) == "sin":
         return text.source_of(node.args[0])
@@ -123,14 +123,14 @@ def _inner_angle(text: ProgramText, node: ast.expr) -> str | None:
     return None
 
 
-def _drop_own_function(text: ProgramText, node: ast.Call) -> Iterator[Change]:
+def _drop_call_of_own_function(text: ProgramText, node: ast.Call) -> Iterator[Change]:
     """Replace a call of a function of the file by its only argument."""
     names = {function.name for function in ast.walk(text.tree) if isinstance(function, ast.FunctionDef)}
     if name_of(node) in names:
-        yield from _drop_call(text, node, node.args[0])
+        yield from _replace_call_by_argument(text, node, node.args[0])
 
 
-def _swapped(text: ProgramText, node: ast.Call) -> Iterator[Change]:
+def _swap_arguments(text: ProgramText, node: ast.Call) -> Iterator[Change]:
     if name_of(node) in SYMMETRIC or any(isinstance(arg, ast.Starred) for arg in node.args):
         return
     own = name_of(node) in COMPOSITION
@@ -139,7 +139,7 @@ def _swapped(text: ProgramText, node: ast.Call) -> Iterator[Change]:
             yield text.swapped(first, second, "ordre de la composition" if own else "arguments échangés", own=own)
 
 
-def _keywords(text: ProgramText, node: ast.Call) -> Iterator[Change]:
+def _drop_keyword_argument(text: ProgramText, node: ast.Call) -> Iterator[Change]:
     """A named argument left out; a type that is asked for is a precaution, and is not altered."""
     for keyword in node.keywords:
         if keyword.arg in (None, "dtype", "key"):
@@ -151,7 +151,7 @@ def _keywords(text: ProgramText, node: ast.Call) -> Iterator[Change]:
         yield Change(first, end, "", "axe" if keyword.arg == "axis" else "argument oublié", keyword.arg == "axis")
 
 
-def _ranges(text: ProgramText, node: ast.Call) -> Iterator[Change]:
+def _shift_range_bounds(text: ProgramText, node: ast.Call) -> Iterator[Change]:
     """A range that begins or ends one off; numbers alone are altered as constants."""
     if name_of(node) not in ("range", "arange"):
         return
@@ -164,7 +164,7 @@ def _ranges(text: ProgramText, node: ast.Call) -> Iterator[Change]:
         yield Change(start, start, "1, ", "intervalle décalé")
 
 
-def _where(text: ProgramText, node: ast.Call) -> Iterator[Change]:
+def _choose_where_branch(text: ProgramText, node: ast.Call) -> Iterator[Change]:
     if name_of(node) == "where" and len(node.args) == 3:
         for argument in node.args[1:]:
             yield text.replaced(node, f"({text.source_of(argument)})", "branche")
@@ -177,7 +177,7 @@ def transposed(text: ProgramText, node: ast.AST) -> Iterator[Change]:
     if isinstance(node, ast.Attribute) and node.attr == "T":
         yield text.replaced(
             node,
-            text.slice(text.span(node)[0], text.span(node.value)[1]) + _closing(text, node),
+            text.slice(text.span(node)[0], text.span(node.value)[1]) + _closing_parentheses(text, node),
             "transposée",
             own=True,
         )
@@ -187,7 +187,7 @@ def transposed(text: ProgramText, node: ast.AST) -> Iterator[Change]:
                 yield text.replaced(side, f"{side.id}.T", "transposée", own=True)
 
 
-def _closing(text: ProgramText, node: ast.Attribute) -> str:
+def _closing_parentheses(text: ProgramText, node: ast.Attribute) -> str:
     """Return the closing parentheses between a value and its attribute's dot."""
     return text.slice(text.span(node.value)[1], text.span(node)[1]).rsplit(".", 1)[0]
 

@@ -58,12 +58,12 @@ def read_equivalents(folder: Path) -> tuple[EquivalentMark, ...]:
     starts = [text[: header.start()].count("\n") + 1 for header in _HEADER.finditer(text)]
     if len(starts) != len(entries):
         raise MalformedExerciseError(path, "chaque marque commence par une ligne [[equivalent]]")
-    marks = tuple(_mark(path, entry, line) for entry, line in zip(entries, starts, strict=True))
-    _all_different(marks)
+    marks = tuple(_parse_mark(path, entry, line) for entry, line in zip(entries, starts, strict=True))
+    _reject_duplicates(marks)
     return marks
 
 
-def _mark(path: Path, entry: dict[str, object], line: int) -> EquivalentMark:
+def _parse_mark(path: Path, entry: dict[str, object], line: int) -> EquivalentMark:
     if odd := sorted(set(FIELDS) ^ entry.keys()):
         raise MalformedExerciseError(path, f"ces champs manquent, ou sont de trop : {', '.join(odd)}", line)
     texts = [entry[name] for name in FIELDS]
@@ -72,14 +72,14 @@ def _mark(path: Path, entry: dict[str, object], line: int) -> EquivalentMark:
     function, removed, added, reason = map(str, texts)
     if not reason.strip() or not removed.strip():
         raise MalformedExerciseError(path, "une marque dit de quelles lignes elle parle, et pourquoi", line)
-    return EquivalentMark(path, line, function, _lines(removed), _lines(added), reason.strip())
+    return EquivalentMark(path, line, function, _strip_lines(removed), _strip_lines(added), reason.strip())
 
 
-def _lines(text: str) -> tuple[str, ...]:
+def _strip_lines(text: str) -> tuple[str, ...]:
     return tuple(line.strip() for line in text.strip("\n").splitlines())
 
 
-def _all_different(marks: Sequence[EquivalentMark]) -> None:
+def _reject_duplicates(marks: Sequence[EquivalentMark]) -> None:
     seen: set[tuple[object, ...]] = set()
     for mark in marks:
         key = (mark.function, mark.removed, mark.added)

@@ -56,17 +56,17 @@ def numbers(text: ProgramText, node: ast.AST) -> Iterator[Change]:
         if not isinstance(text.parent(node), ast.UnaryOp):
             yield text.replaced(node, f"(-{text.source_of(node)})", "rotation transposée", own=True)
     elif isinstance(value, int | float):
-        own = _of_axes(text, node)
-        for other in dict.fromkeys(_others(text, node, value)):
+        own = _is_axis_number(text, node)
+        for other in dict.fromkeys(_iter_other_numbers(text, node, value)):
             written = f"({other!r})" if other < 0 and isinstance(text.parent(node), ast.BinOp) else repr(other)
             yield text.replaced(node, written, "axe" if own else "constante", own=own)
 
 
-def _others(text: ProgramText, node: ast.AST, value: float) -> Iterator[float]:
+def _iter_other_numbers(text: ProgramText, node: ast.AST, value: float) -> Iterator[float]:
     parent = text.parent(node)
     signed = isinstance(parent, ast.UnaryOp)
     term = isinstance(parent, ast.BinOp) and isinstance(parent.op, ast.Add | ast.Sub) and parent.right is node
-    if _of_axes(text, node) and not signed:
+    if _is_axis_number(text, node) and not signed:
         yield 1 - value if value in (0, 1) else 0
     elif _is_index(text, node):
         yield from (value + 1, value - 1) if not signed else (value + 1, *((value - 1,) if value > 1 else ()))
@@ -83,7 +83,7 @@ def _others(text: ProgramText, node: ast.AST, value: float) -> Iterator[float]:
         yield from (other for other in match if other != value and not (term and other == 0))
 
 
-def _of_axes(text: ProgramText, node: ast.AST) -> bool:
+def _is_axis_number(text: ProgramText, node: ast.AST) -> bool:
     """Is it the number of an axis: `axis=…`, or what `shape` is asked for?"""
     parent = text.parent(node)
     if isinstance(parent, ast.keyword):
@@ -102,7 +102,7 @@ def _is_index(text: ProgramText, node: ast.AST) -> bool:
 
 def binary(text: ProgramText, node: ast.AST) -> Iterator[Change]:
     """Another operator, an operand alone, the operands of a difference or of a product of matrices swapped."""
-    if not isinstance(node, ast.BinOp) or _has_text(node) or type(node.op) not in BINARY:
+    if not isinstance(node, ast.BinOp) or _has_text_operand(node) or type(node.op) not in BINARY:
         return
     spelled, others = BINARY[type(node.op)]
     start, end = text.token(node.left, node.right, spelled)
@@ -120,15 +120,21 @@ def binary(text: ProgramText, node: ast.AST) -> Iterator[Change]:
         own = isinstance(node.op, ast.MatMult)
         right, left = text.slice(end, last).strip(), text.slice(first, start).strip()
         words = "ordre du produit" if own else "opérandes échangés"
-        yield Change(first, last, f"{_grouped(node.right, right)} {spelled} {_grouped(node.left, left)}", words, own)
+        yield Change(
+            first,
+            last,
+            f"{_parenthesise_if_needed(node.right, right)} {spelled} {_parenthesise_if_needed(node.left, left)}",
+            words,
+            own,
+        )
 
 
-def _grouped(node: ast.expr, text: str) -> str:
+def _parenthesise_if_needed(node: ast.expr, text: str) -> str:
     """An operand in the place of another one: it stays one."""
     return f"({text})" if isinstance(node, ast.BinOp) and not text.startswith("(") else text
 
 
-def _has_text(node: ast.BinOp) -> bool:
+def _has_text_operand(node: ast.BinOp) -> bool:
     return any(isinstance(side, ast.Constant) and isinstance(side.value, str) for side in (node.left, node.right))
 
 
@@ -138,10 +144,10 @@ def is_normalisation(node: ast.BinOp) -> bool:
         return not isinstance(node.left, ast.Constant) and any(
             isinstance(part, ast.Call) and name_of(part) in ("sum", "norm", "hypot") for part in ast.walk(node.right)
         )
-    return isinstance(node.op, ast.Mod) and any(_is_a_turn(part) for part in ast.walk(node.right))
+    return isinstance(node.op, ast.Mod) and any(_is_pi_or_tau(part) for part in ast.walk(node.right))
 
 
-def _is_a_turn(node: ast.AST) -> bool:
+def _is_pi_or_tau(node: ast.AST) -> bool:
     return isinstance(node, ast.Attribute) and node.attr in ("pi", "tau")
 
 
@@ -203,15 +209,15 @@ def indices(text: ProgramText, node: ast.AST) -> Iterator[Change]:
         return
     parts = node.slice.elts if isinstance(node.slice, ast.Tuple) else [node.slice]
     for part in parts:
-        yield from _bounds(text, part) if isinstance(part, ast.Slice) else _off_by_one(text, part)
+        yield from _alter_slice_bounds(text, part) if isinstance(part, ast.Slice) else _shift_index_by_one(text, part)
     if len(parts) == 2 and text.source_of(parts[0]) != text.source_of(parts[1]):
         yield text.swapped(parts[0], parts[1], "ligne et colonne", own=True)
 
 
-def _bounds(text: ProgramText, part: ast.Slice) -> Iterator[Change]:
+def _alter_slice_bounds(text: ProgramText, part: ast.Slice) -> Iterator[Change]:
     for bound in (part.lower, part.upper):
         if bound is not None:
-            yield from _off_by_one(text, bound)
+            yield from _shift_index_by_one(text, bound)
     start, end = text.span(part)
     if part.lower is None and part.upper is not None:
         yield Change(start, start, "1", "indice décalé")
@@ -219,7 +225,7 @@ def _bounds(text: ProgramText, part: ast.Slice) -> Iterator[Change]:
         yield Change(end, end, "-1", "indice décalé")
 
 
-def _off_by_one(text: ProgramText, node: ast.expr) -> Iterator[Change]:
+def _shift_index_by_one(text: ProgramText, node: ast.expr) -> Iterator[Change]:
     """Numbers alone are altered as constants; masks and lists are no indices."""
     bare = node.operand if isinstance(node, ast.UnaryOp) else node
     if not isinstance(bare, ast.Constant | ast.Compare | ast.List | ast.BoolOp):

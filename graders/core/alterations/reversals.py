@@ -85,9 +85,9 @@ def orders(text: ProgramText, node: ast.AST) -> Iterator[Change]:
             if isinstance(first, _SIMPLE) and isinstance(second, _SIMPLE):
                 yield text.swapped(first, second, "ordre des lignes")
         if isinstance(node, ast.For | ast.While) and name == "body" and len(block) > 1:
-            yield from _dedented(text, node, block[-1])
+            yield from _move_last_line_out_of_loop(text, node, block[-1])
     if isinstance(node, ast.FunctionDef | ast.For | ast.While | ast.If):
-        yield from _indented(text, node)
+        yield from _move_next_line_into_loop(text, node)
 
 
 def rankings(text: ProgramText, node: ast.AST) -> Iterator[Change]:
@@ -99,7 +99,7 @@ def rankings(text: ProgramText, node: ast.AST) -> Iterator[Change]:
             yield text.replaced(value, f"sorted({text.source_of(value)})", "rangement")
 
 
-def _dedented(text: ProgramText, loop: ast.stmt, last: ast.stmt) -> Iterator[Change]:
+def _move_last_line_out_of_loop(text: ProgramText, loop: ast.stmt, last: ast.stmt) -> Iterator[Change]:
     """The last line of a loop's block, after the loop."""
     if isinstance(last, ast.Return | ast.Assign | ast.AugAssign | ast.Expr | ast.If) and not loop.orelse:  # type: ignore[attr-defined]
         start, end = text.span(last)
@@ -110,7 +110,7 @@ def _dedented(text: ProgramText, loop: ast.stmt, last: ast.stmt) -> Iterator[Cha
             yield Change(begin, end, "\n".join(line[shift:] for line in lines), "indentation")
 
 
-def _indented(text: ProgramText, node: ast.stmt) -> Iterator[Change]:
+def _move_next_line_into_loop(text: ProgramText, node: ast.stmt) -> Iterator[Change]:
     """The line after a loop, at the end of its block."""
     block = node.body  # type: ignore[attr-defined]
     for loop, after in itertools.pairwise(block):

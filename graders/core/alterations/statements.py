@@ -22,7 +22,7 @@ AUGMENTED = {
 
 def dropped(text: ProgramText, node: ast.AST) -> Iterator[Change]:
     """A statement left out, where the program still runs without it: not the first value that a name is given."""
-    if isinstance(node, ast.Assign) and all(_bound_before(text, node, target) for target in node.targets):
+    if isinstance(node, ast.Assign) and all(_is_assigned_before(text, node, target) for target in node.targets):
         value: ast.expr | None = node.value
     elif isinstance(node, ast.AugAssign | ast.Expr | ast.Assert):
         value = node.value if not isinstance(node, ast.Assert) else None
@@ -30,40 +30,40 @@ def dropped(text: ProgramText, node: ast.AST) -> Iterator[Change]:
         value = None
     else:
         return
-    own = (value is not None and _normalises(value)) or (
+    own = (value is not None and _holds_normalisation(value)) or (
         isinstance(node, ast.AugAssign) and is_normalisation(ast.BinOp(node.target, node.op, node.value))
     )
     yield text.replaced(node, "pass", "normalisation oubliée" if own else "instruction oubliée", own=own)
 
 
-def _bound_before(text: ProgramText, node: ast.Assign, target: ast.expr) -> bool:
+def _is_assigned_before(text: ProgramText, node: ast.Assign, target: ast.expr) -> bool:
     """Does a target have a value already: a place in something, an argument, a name given before or in a loop?"""
     if isinstance(target, ast.Tuple | ast.List):
-        return all(_is_discarded(bound) or _bound_before(text, node, bound) for bound in target.elts)
+        return all(_is_underscore(bound) or _is_assigned_before(text, node, bound) for bound in target.elts)
     if not isinstance(target, ast.Name):
         return isinstance(target, ast.Subscript | ast.Attribute)
     around: ast.AST = node
     while around is not text.tree and not isinstance(around, ast.FunctionDef):
         around = text.parent(around)
-    names = [bound for bound in ast.walk(around) if isinstance(bound, ast.Name | ast.arg) and _stores(bound)]
+    names = [bound for bound in ast.walk(around) if isinstance(bound, ast.Name | ast.arg) and _is_assigned_name(bound)]
     here = text.span(node)[0]
-    return any(text.span(bound)[0] < here and _name(bound) == target.id for bound in names)
+    return any(text.span(bound)[0] < here and _name_or_empty(bound) == target.id for bound in names)
 
 
-def _is_discarded(target: ast.expr) -> bool:
+def _is_underscore(target: ast.expr) -> bool:
     """Is this the name of what nobody reads, « _ » ?"""
     return isinstance(target, ast.Name) and target.id == "_"
 
 
-def _stores(node: ast.AST) -> bool:
+def _is_assigned_name(node: ast.AST) -> bool:
     return isinstance(node, ast.arg) or (isinstance(node, ast.Name) and isinstance(node.ctx, ast.Store))
 
 
-def _name(node: ast.AST) -> str:
+def _name_or_empty(node: ast.AST) -> str:
     return node.arg if isinstance(node, ast.arg) else node.id if isinstance(node, ast.Name) else ""
 
 
-def _normalises(value: ast.expr) -> bool:
+def _holds_normalisation(value: ast.expr) -> bool:
     return any(
         (isinstance(node, ast.BinOp) and is_normalisation(node))
         or (isinstance(node, ast.Call) and bool(WRAP.search(name_of(node))))

@@ -64,12 +64,12 @@ class ProgramText:
         return frozenset(names)
 
     @cached_property
-    def _parents(self) -> dict[ast.AST, ast.AST]:
+    def _parents_by_node(self) -> dict[ast.AST, ast.AST]:
         return {child: node for node in ast.walk(self.tree) for child in ast.iter_child_nodes(node)}
 
     def parent(self, node: ast.AST) -> ast.AST:
         """Return the parent of a node; the tree for itself."""
-        return self._parents.get(node, self.tree)
+        return self._parents_by_node.get(node, self.tree)
 
     def function(self, node: ast.AST) -> str:
         """Return the name of the innermost function around a node, "" at the top level."""
@@ -103,10 +103,10 @@ class ProgramText:
         waiting: list[ast.AST] = [self.tree]
         while waiting:
             node = waiting.pop()
-            if isinstance(node, _SKIPPED) or _is_text(node):
+            if isinstance(node, _SKIPPED) or _is_docstring_or_constant(node):
                 continue
             yield node
-            waiting += (child for name, child in _children(node) if name not in _NOT_RUN)
+            waiting += (child for name, child in _iter_fields_with_children(node) if name not in _NOT_RUN)
 
     def replaced(self, node: ast.AST, text: str, operator: str, *, own: bool = False) -> Change:
         return Change(*self.span(node), text, operator, own)
@@ -125,7 +125,7 @@ class ProgramText:
 _NOT_RUN = frozenset({"annotation", "returns", "decorator_list"})
 
 
-def _children(node: ast.AST) -> Iterator[tuple[str, ast.AST]]:
+def _iter_fields_with_children(node: ast.AST) -> Iterator[tuple[str, ast.AST]]:
     for name, value in ast.iter_fields(node):
         for child in value if isinstance(value, list) else [value]:
             if isinstance(child, ast.AST):
@@ -136,6 +136,6 @@ def _is_stored(node: ast.Name) -> bool:
     return isinstance(node.ctx, ast.Store)
 
 
-def _is_text(node: ast.AST) -> bool:
+def _is_docstring_or_constant(node: ast.AST) -> bool:
     """Whether a statement is a docstring or another constant."""
     return isinstance(node, ast.Expr) and isinstance(node.value, ast.Constant)

@@ -67,14 +67,14 @@ def choice(exercise: str, folder: Path, sheet: ChoiceSheet) -> ChoiceGrader:
     Raises MalformedSheetError, or MalformedExerciseError for the misconceptions.
     """
     for index, question in enumerate(sheet.questions):
-        _check(question, index)
+        _check_options(question, index)
     used = {option.misconception for question in sheet.questions for option in question.options}
     catalogue = read_mistakes(folder)
     check_same_mistakes(folder, catalogue, {name for name in used if name})
     return ChoiceGrader(exercise, folder, catalogue, sheet.questions)
 
 
-def _check(question: ChoiceQuestion, index: int) -> None:
+def _check_options(question: ChoiceQuestion, index: int) -> None:
     ids = [option.id for option in question.options]
     right = len(question.right)
     faults = {
@@ -102,30 +102,30 @@ class ChoiceGrader(AnswersGrader):
 
     def paper(self, seed: int) -> Paper:
         pairs = zip(self.questions, self.checks(), strict=True)
-        return Paper((), tuple(_question(question, check.points, seed) for question, check in pairs))
+        return Paper((), tuple(_make_paper_question(question, check.points, seed) for question, check in pairs))
 
     def right_answers(self, seed: int) -> Answers:
-        return {question.id: _written(question, question.right, seed) for question in self.questions}
+        return {question.id: _letters_of_options(question, question.right, seed) for question in self.questions}
 
     def judge(self, answers: Answers, seed: int) -> Sequence[Finding]:
         pairs = zip(self.questions, self.checks(), strict=True)
-        return [self._judged(q, check, answers.get(q.id), q.letters(seed)) for q, check in pairs]
+        return [self._judge_question(q, check, answers.get(q.id), q.letters(seed)) for q, check in pairs]
 
-    def _judged(self, question: ChoiceQuestion, check: AnswerCheck, raw: Any, letters: Letters) -> Finding:
+    def _judge_question(self, question: ChoiceQuestion, check: AnswerCheck, raw: Any, letters: Letters) -> Finding:
         if raw is None:
             return check.blank()
-        ticked = _read(question, raw, letters)
+        ticked = _read_ticked_options(question, raw, letters)
         if isinstance(ticked, str):
             return check.unreadable(ticked, raw)
         options = [question.option(name) for name in ticked]
         hits = [option for option in options if option.right]
         if set(ticked) == set(question.right):
-            return check.passed(_reasons(options))
-        false = _explained(options)
+            return check.passed(_join_reasons(options))
+        false = _choose_option_to_explain(options)
         slip = false.misconception if false else None
         share = max(0, 2 * len(hits) - len(options)) / len(question.right) if question.several else 0.0
         return check.failed(
-            "\n\n".join(self._explanations(question, options, false)),
+            "\n\n".join(self._iter_explanations(question, options, false)),
             inputs={},
             expected=ALL if question.several else "une autre réponse",
             got=", ".join(letters.by_name[name] for name in ticked),
@@ -133,11 +133,13 @@ class ChoiceGrader(AnswersGrader):
             slip=slip,
         )
 
-    def _explanations(self, question: ChoiceQuestion, ticked: Sequence[Option], false: Option | None) -> Iterator[str]:
+    def _iter_explanations(
+        self, question: ChoiceQuestion, ticked: Sequence[Option], false: Option | None
+    ) -> Iterator[str]:
         """Yield the message of a wrong answer, which reveals neither unticked options nor the number of right ones."""
         if false is None:
             yield LACKING
-            yield _reasons(ticked)
+            yield _join_reasons(ticked)
             return
         yield false.why.strip()
         if question.several and len(ticked) > 1:
@@ -145,7 +147,7 @@ class ChoiceGrader(AnswersGrader):
         if false.misconception:
             yield f"Erreur reconnue : {self.catalogue[false.misconception].brief}"
 
-    def _diagnosis(self, findings: Sequence[Finding]) -> Diagnosis | None:
+    def _choose_diagnosis(self, findings: Sequence[Finding]) -> Diagnosis | None:
         """Return the misconception common to all wrong answers, if any; each question reports its own."""
         slips = {finding.slip for finding in findings if finding.cause is Outcome.WRONG_ANSWER}
         slip = slips.pop() if len(slips) == 1 else None
@@ -156,31 +158,33 @@ class ChoiceGrader(AnswersGrader):
             for option in question.options:
                 if not option.right:
                     subject = f"{question.id} : {option.id}"
-                    yield subject, option.misconception, partial(self._with, question, [option.id])
+                    yield subject, option.misconception, partial(self._right_answers_except, question, [option.id])
             if question.several:
                 everything = [option.id for option in question.options]
-                yield f"{question.id} : tout", None, partial(self._with, question, everything)
+                yield f"{question.id} : tout", None, partial(self._right_answers_except, question, everything)
 
-    def _with(self, question: ChoiceQuestion, ticked: Sequence[str], seed: int) -> Answers:
-        return {**self.right_answers(seed), question.id: _written(question, ticked, seed)}
+    def _right_answers_except(self, question: ChoiceQuestion, ticked: Sequence[str], seed: int) -> Answers:
+        return {**self.right_answers(seed), question.id: _letters_of_options(question, ticked, seed)}
 
     def with_letters(self, answers: Answers, seed: int) -> Answers:
-        return self._mapped(answers, lambda question: question.letters(seed).by_name)
+        return self._replace_letters(answers, lambda question: question.letters(seed).by_name)
 
     def reletter(self, answers: Answers, old: int, new: int) -> Answers:
         def letters(question: ChoiceQuestion) -> Mapping[str, str]:
             names, fresh = question.letters(old).by_letter, question.letters(new).by_name
             return {letter: fresh[name] for letter, name in names.items()}
 
-        return self._mapped(answers, letters)
+        return self._replace_letters(answers, letters)
 
-    def _mapped(self, answers: Answers, letters: Callable[[ChoiceQuestion], Mapping[str, str]]) -> Answers:
+    def _replace_letters(self, answers: Answers, letters: Callable[[ChoiceQuestion], Mapping[str, str]]) -> Answers:
         maps = {question.id: letters(question) for question in self.questions}
-        return {name: _renamed(value, maps.get(name, {})) for name, value in answers.items()}
+        return {name: _rename_choice(value, maps.get(name, {})) for name, value in answers.items()}
 
     def transcribe(self, answers: Answers, seed: int) -> Sequence[AnswerTranscript]:
         return [
-            _transcript(question, answers.get(question.id), {piece.id: piece for piece in _pieces(question, seed)})
+            _make_transcript(
+                question, answers.get(question.id), {piece.id: piece for piece in _lettered_options(question, seed)}
+            )
             for question in self.questions
             if not is_blank(answers.get(question.id))
         ]
@@ -197,7 +201,7 @@ class ChoiceGrader(AnswersGrader):
         return "\n\n".join(parts)
 
 
-def _question(question: ChoiceQuestion, points: float, seed: int) -> Question:
+def _make_paper_question(question: ChoiceQuestion, points: float, seed: int) -> Question:
     form: Form = "several" if question.several else "one"
     return Question(
         question.id,
@@ -205,32 +209,32 @@ def _question(question: ChoiceQuestion, points: float, seed: int) -> Question:
         question.text,
         form,
         points,
-        pieces=_pieces(question, seed),
+        pieces=_lettered_options(question, seed),
         section=question.section,
     )
 
 
-def _pieces(question: ChoiceQuestion, seed: int) -> tuple[PaperPiece, ...]:
+def _lettered_options(question: ChoiceQuestion, seed: int) -> tuple[PaperPiece, ...]:
     names = question.letters(seed).by_letter
     return tuple(PaperPiece(letter, question.option(name).text) for letter, name in names.items())
 
 
-def _written(question: ChoiceQuestion, names: Sequence[str], seed: int) -> str | list[str]:
+def _letters_of_options(question: ChoiceQuestion, names: Sequence[str], seed: int) -> str | list[str]:
     letters = sorted(question.letters(seed).by_name[name] for name in names)
     return letters if question.several else letters[0]
 
 
-def _explained(ticked: Sequence[Option]) -> Option | None:
+def _choose_option_to_explain(ticked: Sequence[Option]) -> Option | None:
     """Return the one wrong option to explain, preferably with a misconception: ticking all must not explain all."""
     false = [option for option in ticked if not option.right]
     return next((option for option in false if option.misconception), next(iter(false), None))
 
 
-def _reasons(options: Sequence[Option]) -> str:
+def _join_reasons(options: Sequence[Option]) -> str:
     return "\n\n".join(option.why.strip() for option in options)
 
 
-def _read(question: ChoiceQuestion, raw: Any, letters: Letters) -> list[str] | str:
+def _read_ticked_options(question: ChoiceQuestion, raw: Any, letters: Letters) -> list[str] | str:
     """Return the names of the ticked options, or the reason why the answer cannot be read."""
     ticked = [raw] if isinstance(raw, str) else raw
     offered = ", ".join(letters.by_letter)
@@ -245,11 +249,11 @@ def _read(question: ChoiceQuestion, raw: Any, letters: Letters) -> list[str] | s
     return [letters.by_letter[letter] for letter in sorted(ticked)]
 
 
-def _renamed(value: Any, names: Mapping[str, str]) -> Any:
+def _rename_choice(value: Any, names: Mapping[str, str]) -> Any:
     return names.get(value, value) if isinstance(value, str) else rename_items(value, names)
 
 
-def _transcript(question: ChoiceQuestion, value: Any, pieces: Mapping[str, PaperPiece]) -> AnswerTranscript:
+def _make_transcript(question: ChoiceQuestion, value: Any, pieces: Mapping[str, PaperPiece]) -> AnswerTranscript:
     ids = [value] if isinstance(value, str) else value
     if isinstance(ids, list) and all(isinstance(letter, str) and letter in pieces for letter in ids):
         return AnswerTranscript(question.id, question.title, "", tuple(pieces[letter] for letter in ids))

@@ -117,12 +117,12 @@ class AnswersGrader(ABC):
     ) -> Judgement:
         """Return the judgement of a file of answers. `programs` and `while_naming` are not used: nothing runs."""
         started = time.perf_counter()
-        findings = self._findings(source, seed)
+        findings = self._judge_file(source, seed)
         took = round(1000.0 * (time.perf_counter() - started), 3)
-        diagnosis = self._diagnosis(findings)
+        diagnosis = self._choose_diagnosis(findings)
         return Judgement(make_verdict(self.exercise, version, seed, findings, diagnosis, timings={"total_ms": took}))
 
-    def _findings(self, source: bytes, seed: int) -> Sequence[Finding]:
+    def _judge_file(self, source: bytes, seed: int) -> Sequence[Finding]:
         try:
             answers = read_answers(source)
         except UnreadableAnswersError as error:
@@ -139,7 +139,7 @@ class AnswersGrader(ABC):
             ]
         return self.judge({name: value for name, value in answers.items() if not is_blank(value)}, seed)
 
-    def _diagnosis(self, findings: Sequence[Finding]) -> Diagnosis | None:
+    def _choose_diagnosis(self, findings: Sequence[Finding]) -> Diagnosis | None:
         """Return the misconception of most failed checks; the first one of several."""
         slips = Counter(finding.slip for finding in findings if finding.slip and not finding.passed)
         return self.catalogue[slips.most_common(1)[0][0]].diagnosis if slips else None
@@ -151,15 +151,15 @@ class AnswersGrader(ABC):
         return frozenset(self.catalogue)
 
     def known_submissions(self) -> Iterator[KnownSubmission]:
-        yield KnownSubmission("référence", _written(self.right_answers), Outcome.OK, rounds=CHECKED_SEEDS)
+        yield KnownSubmission("référence", _as_file_by_seed(self.right_answers), Outcome.OK, rounds=CHECKED_SEEDS)
         yield KnownSubmission("rien de répondu", lambda _: b"{}", Outcome.INVALID_OUTPUT, rounds=CHECKED_SEEDS)
         for subject, mistake, answers in self.wrong_answers():
-            yield KnownSubmission(subject, _written(answers), Outcome.WRONG_ANSWER, mistake, CHECKED_SEEDS)
+            yield KnownSubmission(subject, _as_file_by_seed(answers), Outcome.WRONG_ANSWER, mistake, CHECKED_SEEDS)
         for path in sorted((self.folder / "specimens").glob("*/*.json")):
             subject = f"spécimen {path.parent.name}/{path.name}"
-            yield KnownSubmission(subject, self._specimen(path.read_bytes()), Outcome(path.parent.name))
+            yield KnownSubmission(subject, self._read_specimen(path.read_bytes()), Outcome(path.parent.name))
 
-    def _specimen(self, source: bytes) -> Callable[[int], bytes]:
+    def _read_specimen(self, source: bytes) -> Callable[[int], bytes]:
         """Return a specimen for a seed; specimens name options and steps as the course does, as letters vary."""
 
         def write(seed: int) -> bytes:
@@ -184,5 +184,5 @@ class AnswersGrader(ABC):
         return answers
 
 
-def _written(answers: Callable[[int], Answers]) -> Callable[[int], bytes]:
+def _as_file_by_seed(answers: Callable[[int], Answers]) -> Callable[[int], bytes]:
     return lambda seed: canonical_json(answers(seed)).encode()

@@ -29,7 +29,7 @@ class Letters:
     @classmethod
     def from_seed(cls, names: Sequence[str], seed: int, key: str) -> Letters:
         """Return the letters of at most 26 `names` under a seed; `key` makes questions independent."""
-        return _dealt(tuple(names), seed, key)
+        return _shuffle_letters(tuple(names), seed, key)
 
     @cached_property
     def by_letter(self) -> dict[str, str]:
@@ -41,7 +41,7 @@ class Letters:
 
 
 @lru_cache(CACHE_SIZE)
-def _dealt(names: tuple[str, ...], seed: int, key: str) -> Letters:
+def _shuffle_letters(names: tuple[str, ...], seed: int, key: str) -> Letters:
     shuffled = stream(seed, f"letters {key}").permutation(len(names))
     placeless = sorted(names, key=lambda name: sha256(name.encode()).digest())
     return Letters(tuple(placeless[index] for index in shuffled))

@@ -61,11 +61,11 @@ def read_number(text: str) -> float:
     """Return the value of `text`. Raises NotANumberError."""
     if len(text) > MAX_LENGTH:
         raise NotANumberError(f"cette réponse est trop longue pour un nombre (plus de {MAX_LENGTH} caractères)")
-    tokens = _tokens(_plain(text))
+    tokens = _split_tokens(_normalise_notation(text))
     if not tokens:
         raise NotANumberError("la réponse est vide")
     try:
-        value = _Parser(tokens).whole()
+        value = _ExpressionParser(tokens).whole()
     except ZeroDivisionError as error:
         raise NotANumberError("ce calcul divise par zéro") from error
     except OverflowError as error:
@@ -82,24 +82,24 @@ def check_finite(value: float) -> float:
     return value
 
 
-def _plain(text: str) -> str:
+def _normalise_notation(text: str) -> str:
     text = _SUPERSCRIPT.sub(lambda match: "^(" + match[0].translate(_SUPERSCRIPTS) + ")", text).translate(_SIGNS)
     return _THOUSANDS.sub(lambda match: re.sub(r"\s", "", match[1]), text).strip()
 
 
-def _tokens(text: str) -> list[str]:
+def _split_tokens(text: str) -> list[str]:
     tokens: list[str] = []
     position = 0
     while position < len(text):
         match = _TOKEN.match(text, position)
         if match is None:
             raise NotANumberError("un caractère n'est ni un chiffre, ni une virgule, ni une opération")
-        tokens.append("*" if match[3] == "x" and tokens and tokens[-1] != "0" else _token(match))
+        tokens.append("*" if match[3] == "x" and tokens and tokens[-1] != "0" else _normalise_token(match))
         position = match.end()
     return tokens
 
 
-def _token(match: re.Match[str]) -> str:
+def _normalise_token(match: re.Match[str]) -> str:
     number, sign, word = match.groups()
     if number:
         return str(number).replace(",", ".")
@@ -112,7 +112,7 @@ def _token(match: re.Match[str]) -> str:
     return name
 
 
-def _applied(name: str, *values: float) -> float:
+def _apply_function(name: str, *values: float) -> float:
     function: Callable[..., float] = _OF_TWO[name] if name in _OF_TWO else _FUNCTIONS[name]
     try:
         return float(function(*values))
@@ -120,29 +120,29 @@ def _applied(name: str, *values: float) -> float:
         raise NotANumberError(f"{_IMPOSSIBLE.get(name, name)} n'est pas possible pour ce nombre") from error
 
 
-class _Parser:
+class _ExpressionParser:
     """Recursive descent: sum, product, sign, power, atom."""
 
     def __init__(self, tokens: list[str]) -> None:
         self._tokens, self._place, self._depth = tokens, 0, 0
 
     def whole(self) -> float:
-        value = self._sum()
-        if self._next() is not None:
+        value = self._parse_sum()
+        if self._peek_token() is not None:
             raise NotANumberError("il manque une opération entre deux nombres, ou une parenthèse est de trop")
         return value
 
-    def _next(self) -> str | None:
+    def _peek_token(self) -> str | None:
         return self._tokens[self._place] if self._place < len(self._tokens) else None
 
-    def _take(self) -> str:
-        token = self._next()
+    def _take_token(self) -> str:
+        token = self._peek_token()
         if token is None:
             raise NotANumberError("le calcul s'arrête au milieu d'une opération")
         self._place += 1
         return token
 
-    def _deeper(self, read: Callable[[], float]) -> float:
+    def _parse_nested(self, read: Callable[[], float]) -> float:
         self._depth += 1
         if self._depth > MAX_DEPTH:
             raise NotANumberError("ce calcul est trop imbriqué")
@@ -150,75 +150,75 @@ class _Parser:
         self._depth -= 1
         return value
 
-    def _sum(self) -> float:
-        value = self._product()
-        while self._next() in {"+", "-"}:
-            value = value + self._product() if self._take() == "+" else value - self._product()
+    def _parse_sum(self) -> float:
+        value = self._parse_product()
+        while self._peek_token() in {"+", "-"}:
+            value = value + self._parse_product() if self._take_token() == "+" else value - self._parse_product()
         return value
 
-    def _product(self) -> float:
-        value, divided = self._signed(), False
-        while (token := self._next()) is not None:
+    def _parse_product(self) -> float:
+        value, divided = self._parse_signed(), False
+        while (token := self._peek_token()) is not None:
             if token in {"*", "/"}:
-                self._take()
+                self._take_token()
                 divided = token == "/"
-                value = value / self._signed() if divided else value * self._signed()
+                value = value / self._parse_signed() if divided else value * self._parse_signed()
             elif token in {"pi", "("} or token in _FUNCTIONS or token in _OF_TWO:
                 if divided:
                     raise NotANumberError("cette division est ambiguë : mettez le dénominateur entre parenthèses")
-                value *= self._power()
+                value *= self._parse_power()
             else:
                 break
         return value
 
-    def _signed(self) -> float:
-        if self._next() in {"+", "-"}:
-            sign = -1.0 if self._take() == "-" else 1.0
-            return sign * self._deeper(self._signed)
-        return self._power()
+    def _parse_signed(self) -> float:
+        if self._peek_token() in {"+", "-"}:
+            sign = -1.0 if self._take_token() == "-" else 1.0
+            return sign * self._parse_nested(self._parse_signed)
+        return self._parse_power()
 
-    def _power(self) -> float:
-        base = self._atom()
-        if self._next() != "^":
+    def _parse_power(self) -> float:
+        base = self._parse_atom()
+        if self._peek_token() != "^":
             return base
-        self._take()
-        exponent = self._deeper(self._signed)
+        self._take_token()
+        exponent = self._parse_nested(self._parse_signed)
         if abs(exponent) > MAX_EXPONENT:
             raise NotANumberError(f"un exposant doit être entre −{MAX_EXPONENT} et {MAX_EXPONENT}")
         if base < 0 and not float(exponent).is_integer():
             raise NotANumberError("une puissance d'un nombre négatif doit être entière")
         return float(base**exponent)
 
-    def _atom(self) -> float:
-        token = self._take()
+    def _parse_atom(self) -> float:
+        token = self._take_token()
         if token in _CONSTANTS:
             return _CONSTANTS[token]
         if token == "sqrt":
-            return _applied(token, self._deeper(self._atom))
+            return _apply_function(token, self._parse_nested(self._parse_atom))
         if token in _FUNCTIONS or token in _OF_TWO:
-            return _applied(token, *self._arguments(token, 2 if token in _OF_TWO else 1))
+            return _apply_function(token, *self._parse_arguments(token, 2 if token in _OF_TWO else 1))
         if token == "(":
-            value = self._deeper(self._sum)
-            self._close()
+            value = self._parse_nested(self._parse_sum)
+            self._expect_closing_parenthesis()
             return value
         if token[0] in "0123456789.":
             return float(token)
         raise NotANumberError("une opération n'est pas à sa place")
 
-    def _arguments(self, name: str, count: int) -> list[float]:
+    def _parse_arguments(self, name: str, count: int) -> list[float]:
         """Read the parenthesised arguments of a function."""
-        if self._next() != "(":
+        if self._peek_token() != "(":
             raise NotANumberError(f"mettez ce qui suit {name} entre parenthèses")
-        self._take()
-        values = [self._deeper(self._sum)]
+        self._take_token()
+        values = [self._parse_nested(self._parse_sum)]
         for _ in range(count - 1):
-            if self._next() != ";":
+            if self._peek_token() != ";":
                 raise NotANumberError(f"les deux nombres de {name} sont séparés par un point-virgule")
-            self._take()
-            values.append(self._deeper(self._sum))
-        self._close()
+            self._take_token()
+            values.append(self._parse_nested(self._parse_sum))
+        self._expect_closing_parenthesis()
         return values
 
-    def _close(self) -> None:
-        if self._take() != ")":
+    def _expect_closing_parenthesis(self) -> None:
+        if self._take_token() != ")":
             raise NotANumberError("une parenthèse n'est pas refermée")

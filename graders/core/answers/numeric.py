@@ -109,7 +109,7 @@ class NumericGrader(AnswersGrader):
     sheet: NumericSheet
 
     def data(self, seed: int) -> Data:
-        return _dealt(self, seed).data
+        return _deal_variant(self, seed).data
 
     def paper(self, seed: int) -> Paper:
         data = self.data(seed)
@@ -131,24 +131,24 @@ class NumericGrader(AnswersGrader):
         ]
 
     def right_answers(self, seed: int) -> Answers:
-        return {name: float(value) for name, value in _dealt(self, seed).right.items()}
+        return {name: float(value) for name, value in _deal_variant(self, seed).right.items()}
 
     def judge(self, answers: Answers, seed: int) -> Sequence[Finding]:
-        dealt, findings = _dealt(self, seed), []
+        dealt, findings = _deal_variant(self, seed), []
         own = dict(dealt.right)
         for check, quantity in zip(self.checks(), self.quantities, strict=True):
             raw = answers.get(quantity.id)
-            value = _read(raw)
+            value = _read_number_or_reason(raw)
             if raw is None:
                 findings.append(check.blank())
             elif isinstance(value, float):
-                findings.append(self._judged(check, quantity, value, raw, dealt, own, seed))
+                findings.append(self._judge_value(check, quantity, value, raw, dealt, own, seed))
                 own[quantity.id] = value
             else:
                 findings.append(check.unreadable(value, raw))
         return findings
 
-    def _judged(
+    def _judge_value(
         self,
         check: AnswerCheck,
         quantity: Quantity,
@@ -161,25 +161,25 @@ class NumericGrader(AnswersGrader):
         right = dealt.right[quantity.id]
         if quantity.same(value, right):
             return check.passed()
-        followed = _computed(quantity.expected, dealt.data, own)
+        followed = _evaluate_formula(quantity.expected, dealt.data, own)
         worked = value != 0.0  # zeros follow from zeros without any calculation
         shown_as: dict[str, Any] = {
             "inputs": {datum.name: dealt.data[datum.name] for datum in self.sheet.data},
-            "expected": self._expected(quantity.id, right, seed),
+            "expected": self._expected_interval_text(quantity.id, right, seed),
             "got": display_text(raw),
         }
         if worked and followed is not None and not quantity.same(followed, right) and quantity.same(value, followed):
             return check.failed(FOLLOWED, points=PARTIAL_CREDIT * quantity.points, **shown_as)
         few = parse_decimal(raw, value)
         if few is not None and few.rounds(right):
-            message, wanted, points = self._rounded(quantity, few, dealt, own)
+            message, wanted, points = self._judge_rounded_value(quantity, few, dealt, own)
             return check.unaided.failed(message, points=points, **{**shown_as, "expected": wanted})
-        slip = self._slip(quantity, value, dealt, own)
+        slip = self._find_slip(quantity, value, dealt, own)
         if slip:
             return check.failed(self.catalogue[slip].brief, slip=slip, **shown_as)
-        return check.failed(_wrong(quantity, value, right), **shown_as)
+        return check.failed(_wrong_value_message(quantity, value, right), **shown_as)
 
-    def _rounded(
+    def _judge_rounded_value(
         self, quantity: Quantity, few: TypedDecimal, dealt: NumericVariant, own: Values
     ) -> tuple[str, str, float]:
         """The message, what is wanted and the points for the right value of which too few digits are left.
@@ -188,18 +188,20 @@ class NumericGrader(AnswersGrader):
         """
         digits = max(few.decimals + 1, decimals_for(quantity.tolerance(dealt.right[quantity.id])))
         wanted = f"au moins {digits} chiffre{'s' if digits > 1 else ''} après la virgule"
-        doubtful = any(few.rounds(wrong) for name in quantity.slips for wrong in _slipped(quantity, name, dealt, own))
+        doubtful = any(
+            few.rounds(wrong) for name in quantity.slips for wrong in _slip_values(quantity, name, dealt, own)
+        )
         message = f"{DOUBTFUL if doubtful else ROUNDED} : donnez {wanted}."
         return message, f"un nombre avec {wanted}", 0.0 if doubtful else PARTIAL_CREDIT * quantity.points
 
-    def _slip(self, quantity: Quantity, value: float, dealt: NumericVariant, own: Values) -> str | None:
+    def _find_slip(self, quantity: Quantity, value: float, dealt: NumericVariant, own: Values) -> str | None:
         """The slip that gives this value, from the right earlier values or from the student's own."""
         for name in quantity.slips:
-            if any(quantity.same(value, wrong) for wrong in _slipped(quantity, name, dealt, own)):
+            if any(quantity.same(value, wrong) for wrong in _slip_values(quantity, name, dealt, own)):
                 return name
         return None
 
-    def _expected(self, name: str, right: float, seed: int) -> str:
+    def _expected_interval_text(self, name: str, right: float, seed: int) -> str:
         """An interval without a sign, dealt once for a deal: trying again tells no more, nor does the seed alone."""
         low, high = rounded_bounds_around(abs(right), stream(seed, f"interval {name} {right:.6g}"))
         unit = next(question.unit for question in self.sheet.questions if question.id == name)
@@ -213,7 +215,7 @@ class NumericGrader(AnswersGrader):
 
     def mistaken(self, name: str, seed: int, *, follow: bool = True) -> Answers:
         """The answers of someone who makes this mistake wherever it can be made; `follow`: and goes on from there."""
-        dealt = _dealt(self, seed)
+        dealt = _deal_variant(self, seed)
         own: dict[str, float] = {}
         for quantity in self.quantities:
             formula = quantity.slips.get(name, quantity.expected)
@@ -222,7 +224,7 @@ class NumericGrader(AnswersGrader):
 
     def transcribe(self, answers: Answers, seed: int) -> Sequence[AnswerTranscript]:
         def unit(question: NumericWording, value: Any) -> str:
-            return question.unit if isinstance(_read(value), float) else ""
+            return question.unit if isinstance(_read_number_or_reason(value), float) else ""
 
         return [
             AnswerTranscript(question.id, question.title, f"{display_text(value)} {unit(question, value)}".rstrip())
@@ -231,7 +233,7 @@ class NumericGrader(AnswersGrader):
         ]
 
     def correction(self, seed: int) -> str:
-        dealt = _dealt(self, seed)
+        dealt = _deal_variant(self, seed)
         parts = []
         for index, (question, quantity) in enumerate(zip(self.sheet.questions, self.quantities, strict=True), 1):
             value = number(dealt.right[quantity.id], 4)
@@ -242,18 +244,18 @@ class NumericGrader(AnswersGrader):
         return "\n\n".join(parts)
 
     def sample(self, wording: str) -> str:
-        dealt = _dealt(self, 0)
+        dealt = _deal_variant(self, 0)
         return self.sheet.fill_placeholders(wording, {**dealt.data, **dealt.right})
 
 
 @lru_cache(maxsize=512)
-def _dealt(grader: NumericGrader, seed: int) -> NumericVariant:
+def _deal_variant(grader: NumericGrader, seed: int) -> NumericVariant:
     """The deal of a seed: the first for which no slip gives the right value, nor two slips the same, and nothing is 0.
 
     No interval of sizes holds zero: it would be guessed at once.
     """
     for try_number in range(MAX_DRAWS):
-        dealt = _one_deal(grader, grader.draw_data(stream(seed, f"draw {try_number}")))
+        dealt = _try_deal(grader, grader.draw_data(stream(seed, f"draw {try_number}")))
         if dealt is not None:
             return dealt
     raise MalformedExerciseError(
@@ -262,19 +264,19 @@ def _dealt(grader: NumericGrader, seed: int) -> NumericVariant:
     )
 
 
-def _one_deal(grader: NumericGrader, data: Data) -> NumericVariant | None:
+def _try_deal(grader: NumericGrader, data: Data) -> NumericVariant | None:
     """None as soon as a question would not do: most deals fail early, and nine are made for one that is kept."""
     right: dict[str, float] = {}
     slips: dict[str, dict[str, float]] = {}
     for quantity in grader.quantities:
         slips[quantity.id] = {name: float(formula(data, right)) for name, formula in quantity.slips.items()}
         right[quantity.id] = float(quantity.expected(data, right))
-        if not _apart(quantity, right[quantity.id], slips[quantity.id].values()):
+        if not _are_well_separated(quantity, right[quantity.id], slips[quantity.id].values()):
             return None
     return NumericVariant(data, right, slips)
 
 
-def _apart(quantity: Quantity, right: float, slips: Iterable[float]) -> bool:
+def _are_well_separated(quantity: Quantity, right: float, slips: Iterable[float]) -> bool:
     values = [right, *slips]
     if not all(map(math.isfinite, values)) or quantity.same(values[0], 0.0, MIN_SEPARATION):
         return False
@@ -285,13 +287,13 @@ def _apart(quantity: Quantity, right: float, slips: Iterable[float]) -> bool:
     )
 
 
-def _slipped(quantity: Quantity, name: str, dealt: NumericVariant, own: Values) -> tuple[float, ...]:
+def _slip_values(quantity: Quantity, name: str, dealt: NumericVariant, own: Values) -> tuple[float, ...]:
     """Return the values of a slip, computed from the right earlier values and from the student's own."""
-    followed = _computed(quantity.slips[name], dealt.data, own)
+    followed = _evaluate_formula(quantity.slips[name], dealt.data, own)
     return (dealt.slips[quantity.id][name], *(() if followed is None else (followed,)))
 
 
-def _computed(formula: Formula, data: Data, own: Values) -> float | None:
+def _evaluate_formula(formula: Formula, data: Data, own: Values) -> float | None:
     """Return a formula's value for a student's own finite values; None where it fails or is not finite."""
     try:
         with np.errstate(all="ignore"):
@@ -301,7 +303,7 @@ def _computed(formula: Formula, data: Data, own: Values) -> float | None:
     return value if math.isfinite(value) else None
 
 
-def _read(raw: Any) -> float | str:
+def _read_number_or_reason(raw: Any) -> float | str:
     """Return the number of an answer, or the reason why it is none."""
     try:
         if isinstance(raw, str):
@@ -315,7 +317,7 @@ def _read(raw: Any) -> float | str:
         return str(error)
 
 
-def _wrong(quantity: Quantity, value: float, right: float) -> str:
+def _wrong_value_message(quantity: Quantity, value: float, right: float) -> str:
     if quantity.same(-value, right):
         return "Au signe près, c'est la bonne valeur."
     if quantity.same(value, right, NEARLY_RIGHT):

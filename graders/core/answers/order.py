@@ -96,18 +96,18 @@ class OrderGrader(AnswersGrader):
             self.sheet.instruction,
             "order",
             20.0,
-            pieces=tuple(self._pieces(seed).values()),
+            pieces=tuple(self._pieces_by_letter(seed).values()),
         )
         return Paper((), (question,))
 
-    def _pieces(self, seed: int) -> dict[str, PaperPiece]:
+    def _pieces_by_letter(self, seed: int) -> dict[str, PaperPiece]:
         texts = {piece.id: piece.text for piece in self.sheet.pieces}
         return {letter: PaperPiece(letter, texts[name]) for letter, name in self.letters(seed).by_letter.items()}
 
     def right_answers(self, seed: int) -> Answers:
-        return self._written([step.id for step in self.sheet.steps], seed)
+        return self._answers_of_steps([step.id for step in self.sheet.steps], seed)
 
-    def _written(self, names: Sequence[str], seed: int) -> Answers:
+    def _answers_of_steps(self, names: Sequence[str], seed: int) -> Answers:
         return {ORDER: [self.letters(seed).by_name[name] for name in names]}
 
     def judge(self, answers: Answers, seed: int) -> Sequence[Finding]:
@@ -115,12 +115,12 @@ class OrderGrader(AnswersGrader):
         if raw is None:
             return [check.blank() for check in self.checks()]
         letters = self.letters(seed)
-        names = _read(raw, letters)
+        names = _read_step_names(raw, letters)
         if isinstance(names, str):
             return [check.unreadable(names, raw) for check in self.checks()]
-        return [self._steps(names, letters), self._chain(names, letters)]
+        return [self._judge_steps(names, letters), self._judge_chain(names, letters)]
 
-    def _steps(self, names: Sequence[str], letters: Letters) -> Finding:
+    def _judge_steps(self, names: Sequence[str], letters: Letters) -> Finding:
         distractors = {distractor.id: distractor for distractor in self.sheet.distractors}
         false = [distractors[name] for name in names if name in distractors]
         lacking = len(self.sheet.steps) - (len(names) - len(false))
@@ -132,12 +132,12 @@ class OrderGrader(AnswersGrader):
             first.why.strip() if first else "Il manque des étapes.",
             inputs={},
             expected="des étapes toutes justes, et aucune qui manque",
-            got=f"l'étape {letters.by_name[first.id]}, qui est un intrus" if first else _written_out(names, letters),
+            got=f"l'étape {letters.by_name[first.id]}, qui est un intrus" if first else _letters_text(names, letters),
             points=max(0.0, share) * STEPS.points,
             slip=next((distractor.misconception for distractor in false if distractor.misconception), None),
         )
 
-    def _chain(self, names: Sequence[str], letters: Letters) -> Finding:
+    def _judge_chain(self, names: Sequence[str], letters: Letters) -> Finding:
         """Mark the longest subsequence in a right order, whatever is false or missing in between.
 
         The message gives the kind of fault only: with the step or its position, one could solve by trial.
@@ -149,10 +149,10 @@ class OrderGrader(AnswersGrader):
             return CHAIN.passed()
         share = max(0, length - 1) / (wanted - 1)  # a step alone is no chain
         return CHAIN.failed(
-            " ".join(_faults(true, before, length)),
+            " ".join(_iter_order_faults(true, before, length)),
             inputs={},
             expected="chaque étape après toutes celles qu'elle utilise",
-            got=_written_out(names, letters),
+            got=_letters_text(names, letters),
             points=share * CHAIN.points,
         )
 
@@ -162,9 +162,9 @@ class OrderGrader(AnswersGrader):
             for position in (0, len(names) // 2, len(names)):
                 with_distractor = [*names[:position], distractor.id, *names[position:]]
                 subject = f"intrus {distractor.id}, place {position + 1}"
-                yield subject, distractor.misconception, partial(self._written, with_distractor)
-        yield "à l'envers", None, partial(self._written, names[::-1])
-        yield "sans la fin", None, partial(self._written, names[:-1])
+                yield subject, distractor.misconception, partial(self._answers_of_steps, with_distractor)
+        yield "à l'envers", None, partial(self._answers_of_steps, names[::-1])
+        yield "sans la fin", None, partial(self._answers_of_steps, names[:-1])
 
     def with_letters(self, answers: Answers, seed: int) -> Answers:
         return {name: rename_items(value, self.letters(seed).by_name) for name, value in answers.items()}
@@ -175,7 +175,7 @@ class OrderGrader(AnswersGrader):
         return {name: rename_items(value, letters) for name, value in answers.items()}
 
     def transcribe(self, answers: Answers, seed: int) -> Sequence[AnswerTranscript]:
-        value, pieces = answers.get(ORDER), self._pieces(seed)
+        value, pieces = answers.get(ORDER), self._pieces_by_letter(seed)
         if is_blank(value):
             return []
         if isinstance(value, list) and all(isinstance(letter, str) and letter in pieces for letter in value):
@@ -195,7 +195,7 @@ class OrderGrader(AnswersGrader):
         return "\n\n".join([*steps, *(["**Les intrus**"] if false else []), *false])
 
 
-def _faults(true: Sequence[str], before: Predecessors, length: int) -> Iterator[str]:
+def _iter_order_faults(true: Sequence[str], before: Predecessors, length: int) -> Iterator[str]:
     """Yield one sentence for each kind of fault in the order of the true steps."""
     if not true:
         yield "Aucune étape de la démonstration n'est placée."
@@ -215,7 +215,7 @@ def _faults(true: Sequence[str], before: Predecessors, length: int) -> Iterator[
         yield f"Au mieux, {length} étapes sur {len(before)} s'enchaînent bien."
 
 
-def _read(raw: Any, letters: Letters) -> list[str] | str:
+def _read_step_names(raw: Any, letters: Letters) -> list[str] | str:
     """Return the names of the steps in the order of the answer, or the reason why it cannot be read."""
     if not isinstance(raw, list) or not all(isinstance(letter, str) for letter in raw):
         return "on attend la liste des lettres des étapes, dans l'ordre"
@@ -226,5 +226,5 @@ def _read(raw: Any, letters: Letters) -> list[str] | str:
     return [letters.by_letter[letter] for letter in raw]
 
 
-def _written_out(names: Sequence[str], letters: Letters) -> str:
+def _letters_text(names: Sequence[str], letters: Letters) -> str:
     return ", ".join(letters.by_name[name] for name in names)

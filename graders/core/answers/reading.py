@@ -22,7 +22,9 @@ def read_answers(source: bytes) -> dict[str, Any]:
     if len(source) > MAX_FILE_BYTES:
         raise UnreadableAnswersError(f"Ce fichier de réponses dépasse {MAX_FILE_BYTES // 1024} Kio.")
     try:
-        answers = json.loads(source.decode("utf-8-sig"), object_pairs_hook=_object, parse_int=_integer)
+        answers = json.loads(
+            source.decode("utf-8-sig"), object_pairs_hook=_object_without_duplicates, parse_int=_parse_integer
+        )
     except UnicodeDecodeError as error:
         raise UnreadableAnswersError("Ce fichier de réponses n'est pas en UTF-8.") from error
     except json.JSONDecodeError as error:
@@ -35,14 +37,14 @@ def read_answers(source: bytes) -> dict[str, Any]:
     return answers
 
 
-def _object(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
+def _object_without_duplicates(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
     members = dict(pairs)
     if len(members) != len(pairs):
         raise UnreadableAnswersError("Une même question porte deux réponses dans ce fichier.")
     return members
 
 
-def _integer(digits: str) -> float:
+def _parse_integer(digits: str) -> float:
     return int(digits) if len(digits) < 300 else float("-inf" if digits.startswith("-") else "inf")
 
 

@@ -57,41 +57,41 @@ class RetrievalQuestion:
 
     def options(self, seed: int) -> Sequence[tuple[str, str]]:
         """Return the options of a choice as letters and words, in the order that a seed gives them."""
-        by_letter = self._letters(seed).by_letter
-        answers = {str(place): self.words_of(answer) for place, answer in enumerate(self._answers)}
+        by_letter = self._option_letters(seed).by_letter
+        answers = {str(place): self.words_of(answer) for place, answer in enumerate(self._all_answers)}
         return [(letter, answers[place]) for letter, place in by_letter.items()]
 
     def mark(self, typed: str, seed: int) -> Marking:
         """Judge a typed number, or the letter of an option. Raises UnreadableAnswerError."""
         if self.offers_options:
-            place = self._letters(seed).by_letter.get(typed.strip())
+            place = self._option_letters(seed).by_letter.get(typed.strip())
             if place is None:
                 raise UnreadableAnswerError("Choisissez l’une des réponses proposées.")
-            return self._marking(int(place))
+            return self._mark_answer_at(int(place))
         try:
             value = read_number(typed)
         except NotANumberError as error:
             raise UnreadableAnswerError(f"Votre réponse n’est pas lue : {error}.") from error
-        near = (place for place, answer in enumerate(self._answers) if self._is_near(value, answer))
-        return self._marking(next(near, None))
+        near = (place for place, answer in enumerate(self._all_answers) if self._is_near(value, answer))
+        return self._mark_answer_at(next(near, None))
 
     def accepts(self, value: float) -> bool:
         """Return whether a number is the right answer, within its tolerance."""
         return self._is_near(value, self.answer)
 
     @property
-    def _answers(self) -> Sequence[Answer]:
+    def _all_answers(self) -> Sequence[Answer]:
         return (self.answer, *(wrong.answer for wrong in self.wrong))
 
-    def _letters(self, seed: int) -> Letters:
-        return Letters.from_seed([str(place) for place in range(len(self._answers))], seed, "rappel")
+    def _option_letters(self, seed: int) -> Letters:
+        return Letters.from_seed([str(place) for place in range(len(self._all_answers))], seed, "rappel")
 
     def _is_near(self, value: float, answer: Answer) -> bool:
         assert not isinstance(answer, str), "texts are options"
         tolerance = RELATIVE_TOLERANCE * abs(answer) if self.tolerance is None else self.tolerance
         return abs(value - answer) <= tolerance + 1e-12
 
-    def _marking(self, place: int | None) -> Marking:
+    def _mark_answer_at(self, place: int | None) -> Marking:
         if place == 0:
             return Marking(True, self.why)
         right = f"La réponse était {self.words_of(self.answer)}."
@@ -136,17 +136,17 @@ def find_question_fault(question: RetrievalQuestion) -> str:
         return "les réponses sont toutes des nombres, ou toutes des textes"
     if not all(isinstance(answer, str) or math.isfinite(answer) for answer in answers):
         return "une réponse n’est pas un nombre fini"
-    return _choice_fault(question, answers) if question.offers_options else _number_fault(question, answers)
+    return _find_choice_fault(question, answers) if question.offers_options else _find_number_fault(question, answers)
 
 
-def _choice_fault(question: RetrievalQuestion, answers: Sequence[Answer]) -> str:
+def _find_choice_fault(question: RetrievalQuestion, answers: Sequence[Answer]) -> str:
     if not FEWEST_OPTIONS <= len(answers) <= MOST_OPTIONS:
         return f"de {FEWEST_OPTIONS} à {MOST_OPTIONS} réponses proposées ; il y en a {len(answers)}"
     words = [question.words_of(answer) for answer in answers]
     return "deux réponses proposées s’écrivent pareil" if len(set(words)) < len(words) else ""
 
 
-def _number_fault(question: RetrievalQuestion, answers: Sequence[Answer]) -> str:
+def _find_number_fault(question: RetrievalQuestion, answers: Sequence[Answer]) -> str:
     if not question.wrong:
         return "aucune réponse fausse n’est expliquée"
     wrong = [number(answer) for answer in answers[1:] if not isinstance(answer, str) and question.accepts(answer)]

@@ -50,16 +50,16 @@ class NumericSheet:
     def fill_placeholders(self, text: str, values: Mapping[str, float]) -> str:
         """Return the text with its placeholders replaced by numbers, inside formulas and outside."""
         parts = FORMULAS.split(text)
-        return "".join(self._filled(part, values, tex=index % 2 == 1) for index, part in enumerate(parts))
+        return "".join(self._fill_part(part, values, tex=index % 2 == 1) for index, part in enumerate(parts))
 
-    def _filled(self, part: str, values: Mapping[str, float], *, tex: bool) -> str:
-        return PLACEHOLDER.sub(lambda match: self._number(match[1], values[match[1]], tex), part)
+    def _fill_part(self, part: str, values: Mapping[str, float], *, tex: bool) -> str:
+        return PLACEHOLDER.sub(lambda match: self._number_text(match[1], values[match[1]], tex), part)
 
-    def _number(self, name: str, value: float, tex: bool) -> str:
+    def _number_text(self, name: str, value: float, tex: bool) -> str:
         datum = next((datum for datum in self.data if datum.name == name), None)
         if datum is not None:
             return datum.tex(value) if tex else datum.text(value)
-        return _tex(number(value, DIGITS)) if tex else number(value, DIGITS)
+        return _to_tex(number(value, DIGITS)) if tex else number(value, DIGITS)
 
     def unknown_placeholders(self) -> list[list[str]]:
         """Return, for each question, the names of placeholders without a value."""
@@ -74,7 +74,7 @@ class NumericSheet:
         ]
 
 
-def _tex(text: str) -> str:
+def _to_tex(text: str) -> str:
     mantissa, _, exponent = text.replace("\N{MINUS SIGN}", "-").replace(",", "{,}").partition(" × 10^")
     tex = mantissa.replace("π", r"\pi")
     return f"{tex} \\times 10^{{{exponent}}}" if exponent else tex

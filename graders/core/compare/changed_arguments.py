@@ -35,14 +35,14 @@ def replacements(names: tuple[str, ...], call: Arguments) -> Iterator[ArgumentCh
     """Yield what may have been read in the place of an argument of calls like this one, said after « comme si »."""
     for index, (name, value) in enumerate(zip(names, call, strict=False)):
         if _is_number(value):
-            yield from _at(index, value, _number_replacements(name))
+            yield from _changes_of_argument(index, value, _number_replacements(name))
         elif _is_array(value):
-            yield from _at(index, value, _array_replacements(name, value))
+            yield from _changes_of_argument(index, value, _array_replacements(name, value))
     for first in range(len(call)):
         for second in range(first + 1, min(len(call), len(names))):
-            if _kind(call[first]) and _kind(call[first]) == _kind(call[second]):
+            if _kind_and_shape(call[first]) and _kind_and_shape(call[first]) == _kind_and_shape(call[second]):
                 words = f"{names[first]} et {names[second]} étaient échangés"
-                yield ArgumentChange(words, _Exchange(first, second))
+                yield ArgumentChange(words, _ArgumentExchange(first, second))
 
 
 def variations(names: tuple[str, ...], call: Arguments) -> Iterator[tuple[int, ArgumentChange]]:
@@ -53,23 +53,23 @@ def variations(names: tuple[str, ...], call: Arguments) -> Iterator[tuple[int, A
             if isinstance(value, int):
                 changes = [(f"{name} change", lambda x: x + 1)]
         elif _is_array(value) and are_shares(value):
-            changes = [(f"{name} change", _other_shares)]
+            changes = [(f"{name} change", _change_shares)]
         elif _is_array(value):
             changes = [
-                (f"{name} change", _other_numbers),
+                (f"{name} change", _perturb_numbers),
                 (f"on ajoute un même nombre à tous ceux {elided('de', name)}", lambda x: x + 0.75),
                 (f"on multiplie {name} par 2", lambda x: 2.0 * x),
             ]
             if value.ndim == 2:
                 changes += [
-                    (f"on ajoute un même vecteur à toutes les lignes {elided('de', name)}", _moved_rows),
+                    (f"on ajoute un même vecteur à toutes les lignes {elided('de', name)}", _translate_rows),
                     (f"les lignes {elided('de', name)} viennent dans un autre ordre", lambda x: x[::-1]),
                 ]
             elif value.size > 3:
                 changes.append((f"les nombres {elided('de', name)} viennent dans un autre ordre", lambda x: x[::-1]))
         else:
             continue
-        yield from ((index, change) for change in _at(index, value, iter(changes)))
+        yield from ((index, change) for change in _changes_of_argument(index, value, iter(changes)))
 
 
 def are_shares(value: Floats) -> bool:
@@ -77,14 +77,14 @@ def are_shares(value: Floats) -> bool:
     return value.size > 1 and bool(np.all(value >= 0.0)) and abs(float(value.sum()) - 1.0) < SUM_ONE
 
 
-def _other_shares(value: Floats) -> Floats:
+def _change_shares(value: Floats) -> Floats:
     """Other shares of 1, those that are zero still so."""
     other = value * (1.1 + 0.3 * np.cos(np.arange(value.size))).reshape(value.shape)
     return np.asarray(other / other.sum())
 
 
 @dataclass(frozen=True)
-class _Replace:
+class _ArgumentReplacement:
     """Replaces the argument at an index; None where nothing changes, or a number stands where an array was, or back."""
 
     index: int
@@ -102,27 +102,27 @@ class _Replace:
                 new = self.change(np.array(old, dtype=float) if self.is_array else old)
         except (ValueError, IndexError, ZeroDivisionError, TypeError, OverflowError):
             return None
-        if not np.all(np.isfinite(np.asarray(new, dtype=float))) or _equal(old, new):
+        if not np.all(np.isfinite(np.asarray(new, dtype=float))) or _are_equal_values(old, new):
             return None
         return (*call[: self.index], new, *call[self.index + 1 :])
 
 
 @dataclass(frozen=True)
-class _Exchange:
+class _ArgumentExchange:
     """Exchanges two arguments; None where they are equal."""
 
     first: int
     second: int
 
     def __call__(self, call: Arguments) -> Arguments | None:
-        if self.second >= len(call) or _equal(call[self.first], call[self.second]):
+        if self.second >= len(call) or _are_equal_values(call[self.first], call[self.second]):
             return None
         changed = list(call)
         changed[self.first], changed[self.second] = call[self.second], call[self.first]
         return tuple(changed)
 
 
-def _equal(old: Value, new: Value) -> bool:
+def _are_equal_values(old: Value, new: Value) -> bool:
     return np.shape(old) == np.shape(new) and bool(np.array_equal(np.asarray(old), np.asarray(new)))
 
 
@@ -134,15 +134,15 @@ def _is_array(value: Value) -> bool:
     return isinstance(value, np.ndarray) and value.dtype.kind in "fi" and value.ndim > 0 and 0 < value.size <= MAX_SIZE
 
 
-def _kind(value: Value) -> tuple[str, tuple[int, ...]] | None:
+def _kind_and_shape(value: Value) -> tuple[str, tuple[int, ...]] | None:
     if _is_number(value):
         return ("nombre", ())
     return ("tableau", value.shape) if _is_array(value) else None
 
 
-def _at(index: int, value: Value, changes: Iterator[tuple[str, Change]]) -> Iterator[ArgumentChange]:
+def _changes_of_argument(index: int, value: Value, changes: Iterator[tuple[str, Change]]) -> Iterator[ArgumentChange]:
     is_array = isinstance(value, np.ndarray)
-    return (ArgumentChange(words, _Replace(index, is_array, change)) for words, change in changes)
+    return (ArgumentChange(words, _ArgumentReplacement(index, is_array, change)) for words, change in changes)
 
 
 def _number_replacements(name: str) -> Iterator[tuple[str, Change]]:
@@ -183,17 +183,17 @@ def _array_replacements(name: str, value: Floats) -> Iterator[tuple[str, Change]
         yield f"{name} était l’identité", lambda x: np.eye(len(x))
         yield f"{name} était remplacé par son inverse", np.linalg.inv
     if value.ndim == 2 and value.shape[1] in (2, 3):
-        yield f"les deux premières colonnes {elided('de', name)} étaient échangées", _exchanged_columns
+        yield f"les deux premières colonnes {elided('de', name)} étaient échangées", _exchange_first_columns
         yield f"{name} était centré", lambda x: x - x.mean(axis=0)
     if value.ndim == 1 and value.size <= 3:
         for k in range(value.size):
-            yield f"{name}[{k}] était changé de signe", _Component(k, -1.0)
-            yield f"{name}[{k}] valait 0", _Component(k, 0.0)
+            yield f"{name}[{k}] était changé de signe", _ComponentScaling(k, -1.0)
+            yield f"{name}[{k}] valait 0", _ComponentScaling(k, 0.0)
         yield f"{name}[0] et {name}[1] étaient échangés", lambda x: x[[1, 0, *range(2, len(x))]]
 
 
 @dataclass(frozen=True)
-class _Component:
+class _ComponentScaling:
     """Multiplies one number of a row."""
 
     index: int
@@ -204,15 +204,15 @@ class _Component:
         return values
 
 
-def _exchanged_columns(values: Floats) -> Floats:
+def _exchange_first_columns(values: Floats) -> Floats:
     return values[:, [1, 0, *range(2, values.shape[1])]]
 
 
-def _moved_rows(values: Floats) -> Floats:
+def _translate_rows(values: Floats) -> Floats:
     return np.asarray(values + 0.6 * np.arange(1, values.shape[1] + 1))
 
 
-def _other_numbers(values: Floats) -> Floats:
+def _perturb_numbers(values: Floats) -> Floats:
     """Other numbers, positive where they were: a symmetric array remains so."""
     if values.ndim == 2 and values.shape[0] == values.shape[1]:
         return 1.25 * values

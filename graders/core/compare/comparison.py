@@ -154,19 +154,19 @@ class SameIndices:
             return Mismatch("Les bons indices y sont, mais pas dans l'ordre croissant.")
         missing, extra = sorted(set(wanted) - set(indices)), sorted(set(indices) - set(wanted))
         parts = [
-            f"il manque {_list(missing)}" if missing else "",
-            f"{_list(extra)} {_are(extra)} de trop" if extra else "",
+            f"il manque {_indices_text(missing)}" if missing else "",
+            f"{_indices_text(extra)} {_singular_or_plural_be(extra)} de trop" if extra else "",
         ]
         if not any(parts):
             return Mismatch("Un indice est répété.")
         return Mismatch("Parmi les indices, " + " et ".join(p for p in parts if p) + ".")
 
 
-def _list(indices: Sequence[int]) -> str:
+def _indices_text(indices: Sequence[int]) -> str:
     return ", ".join(str(i) for i in indices[:8]) + ("…" if len(indices) > 8 else "")
 
 
-def _are(items: Sequence[int]) -> str:
+def _singular_or_plural_be(items: Sequence[int]) -> str:
     return "est" if len(items) == 1 else "sont"
 
 

@@ -27,12 +27,12 @@ class TupleForm(ValueForm):
         return f"{self._COUNTS[len(self.parts)]} ({names}) : {inside}"
 
     @property
-    def _numbers(self) -> bool:
+    def _holds_numbers_only(self) -> bool:
         return all(isinstance(form, NumberForm) for form in self.parts.values())
 
     @property
     def also(self) -> str:
-        whole = "tuple, liste ou tableau" if self._numbers else "tuple ou liste"
+        whole = "tuple, liste ou tableau" if self._holds_numbers_only else "tuple ou liste"
         nested = any(isinstance(form, ArrayForm) for form in self.parts.values())
         return f"{whole}, dans cet ordre{' ; pour un tableau, des listes conviennent' if nested else ''}"
 
@@ -49,7 +49,7 @@ class TupleForm(ValueForm):
             items = [recast.value for recast in turn]
             yield Recast(f"un tuple ({name})", tuple(items))
             yield Recast(f"une liste ({name})", items)
-        if self._numbers:
+        if self._holds_numbers_only:
             yield Recast("un tableau", np.array([float(np.asarray(item).item()) for item in value]))
 
     def outside(self, value: Value) -> Iterator[Outsider]:

@@ -175,7 +175,7 @@ class ArrayForm(ValueForm):
 
     @property
     def words(self) -> str:
-        return f"{self.called} {shape_text(self.shape)}{_of(self.dtype)}"
+        return f"{self.called} {shape_text(self.shape)}{_dtype_suffix(self.dtype)}"
 
     @property
     def also(self) -> str:
@@ -185,7 +185,7 @@ class ArrayForm(ValueForm):
 
     def holds(self, value: Value, sizes: dict[str, int]) -> bool:
         array = type(value) is np.ndarray and str(value.dtype) == self.dtype and value.ndim == len(self.shape)
-        return array and all(_fits(size, got, sizes) for size, got in zip(self.shape, value.shape, strict=True))
+        return array and all(_fits_size(size, got, sizes) for size, got in zip(self.shape, value.shape, strict=True))
 
     def recast(self, value: Value) -> Iterator[Recast]:
         array = np.asarray(value, dtype=np.float64)
@@ -221,7 +221,7 @@ class ArrayForm(ValueForm):
             yield Outsider("des nan", np.full_like(array, np.nan), ("nan", "fini"))
 
 
-def _of(dtype: str) -> str:
+def _dtype_suffix(dtype: str) -> str:
     return "" if dtype == "float64" else f" de {_TYPES[dtype]}"
 
 
@@ -260,7 +260,7 @@ class IndicesForm(ValueForm):
         yield Outsider("des nombres qui ne sont pas entiers", [item + 0.5 for item in value] or [0.5], named)
 
 
-def _fits(size: Size, got: int, sizes: dict[str, int]) -> bool:
+def _fits_size(size: Size, got: int, sizes: dict[str, int]) -> bool:
     return got == (size if isinstance(size, int) else sizes.setdefault(size, got))
 
 

@@ -46,7 +46,7 @@ def _is_row(x: Floats) -> bool:
     return x.ndim == 1 and x.size > 1
 
 
-def _disorder(x: Floats) -> float:
+def _largest_decrease(x: Floats) -> float:
     return max(0.0, -float(np.diff(x).min()))
 
 
@@ -62,7 +62,7 @@ INVARIANTS = (
     Invariant("a des lignes qui ne sont pas de longueur 1", _is_table_of_directions,
               lambda x: float(np.abs(np.linalg.norm(x, axis=1) - 1.0).max())),
     Invariant("n’a pas pour somme 1", _is_row, lambda x: abs(float(x.sum()) - 1.0)),
-    Invariant("n’est pas rangé dans l’ordre croissant", _is_row, _disorder),
+    Invariant("n’est pas rangé dans l’ordre croissant", _is_row, _largest_decrease),
     Invariant("est négatif", lambda x: x.ndim == 0, lambda x: max(0.0, -float(x))),
     Invariant("contient un nombre négatif", lambda x: x.ndim > 0 and x.size > 0, lambda x: max(0.0, -float(x.min()))),
     Invariant("dépasse 1", lambda x: x.ndim == 0, lambda x: max(0.0, float(x) - 1.0)),
@@ -75,7 +75,7 @@ def tell_invariants(got: Sequence[Floats], right: Sequence[Floats], wrong: Seque
     if len(right) < MIN_ANSWERS or len(bad) < MIN_WITHOUT:
         return
     if all(not np.isfinite(mine).all() for mine in bad) and all(np.isfinite(its).all() for its in right):
-        yield f"contient nan ou inf {_where_wrong(bad)}"
+        yield f"contient nan ou inf {_tries_text(bad)}"
         return
     if not all(np.isfinite(array).all() for array in (*got, *right)):
         return
@@ -83,7 +83,7 @@ def tell_invariants(got: Sequence[Floats], right: Sequence[Floats], wrong: Seque
         if all(map(invariant.applies, (*bad, *right))):
             worst = max(map(invariant.gap, right))
             if worst < SLACK and min(map(invariant.gap, bad)) > 1e-3:
-                yield f"{invariant.words} {_where_wrong(bad)}, contrairement à ce qui est attendu"
+                yield f"{invariant.words} {_tries_text(bad)}, contrairement à ce qui est attendu"
                 return
 
 
@@ -104,10 +104,10 @@ def tell_sizes(got: Sequence[Floats], right: Sequence[Floats], wrong: Sequence[b
     gaps = [mine - its for mine, its in pairs]
     for sign, words in ((1.0, "trop grand"), (-1.0, "trop petit")):
         if all((sign * gap >= -SLACK).all() and (sign * gap).max() > SLACK for gap in gaps):
-            yield f"{subject} {words}{'e' if 'diagonale' in subject else ''} {_where_wrong(gaps)}"
+            yield f"{subject} {words}{'e' if 'diagonale' in subject else ''} {_tries_text(gaps)}"
             return
 
 
-def _where_wrong(answers: Sequence[Floats]) -> str:
+def _tries_text(answers: Sequence[Floats]) -> str:
     """The calls in which a property was seen: nothing is said of others."""
     return f"dans les {len(answers)} essais où il est faux"

@@ -35,30 +35,30 @@ def near_calls(names: tuple[str, ...], call: Arguments) -> Iterator[NearCall]:
     changes = [
         (size, NearCall(words, (*call[:index], value, *call[index + 1 :])))
         for index, (name, old) in enumerate(zip(names, call, strict=False))
-        for size, words, value in _changes(name, old)
+        for size, words, value in _iter_argument_changes(name, old)
     ]
     changes.sort(key=lambda change: change[0])
     yield from (near for _, near in changes[:MAX_NEAR])
 
 
-def _changes(name: str, old: Value) -> Iterator[tuple[int, str, Value]]:
+def _iter_argument_changes(name: str, old: Value) -> Iterator[tuple[int, str, Value]]:
     """Yield other values of an argument, each with a rank of how much it changes, and its words."""
     if isinstance(old, bool):
         return
     if isinstance(old, int | float):
-        for new in _other_numbers(old):
-            yield 0, f"avec {name} = {_written(new)}", new
+        for new in _simpler_numbers(old):
+            yield 0, f"avec {name} = {_french_number(new)}", new
     elif isinstance(old, np.ndarray) and old.dtype.kind == "f" and np.isfinite(old).all() and old.ndim in (1, 2):
-        yield from _array_changes(name, old)
+        yield from _iter_array_changes(name, old)
 
 
-def _other_numbers(old: float) -> list[float]:
+def _simpler_numbers(old: float) -> list[float]:
     """Return simpler numbers of the same type: 1, 0, those next to it, the opposite."""
     numbers = (1, 0, old + 1, old - 1) if isinstance(old, int) else (1.0, 0.0, float(round(old)), -old)
     return [new for new in dict.fromkeys(numbers) if new != old]
 
 
-def _array_changes(name: str, old: Floats) -> Iterator[tuple[int, str, Floats]]:
+def _iter_array_changes(name: str, old: Floats) -> Iterator[tuple[int, str, Floats]]:
     is_square = old.ndim == 2 and old.shape[0] == old.shape[1] > 1
     is_symmetric = is_square and np.array_equal(old, old.T)
     is_share = old.ndim == 1 and are_shares(old)
@@ -74,7 +74,7 @@ def _array_changes(name: str, old: Floats) -> Iterator[tuple[int, str, Floats]]:
                 for each in places:
                     changed[each] = new
                 entries = [f"{name}[{', '.join(map(str, each))}]" for each in places]
-                yield 1, f"avec {' = '.join(entries)} = {_written(new)}", changed
+                yield 1, f"avec {' = '.join(entries)} = {_french_number(new)}", changed
     if is_square:
         if is_symmetric and not np.array_equal(old, np.diag(np.diag(old))):
             yield 2, f"avec {name} réduit à sa diagonale", np.diag(np.diag(old))
@@ -87,5 +87,5 @@ def _array_changes(name: str, old: Floats) -> Iterator[tuple[int, str, Floats]]:
             yield 5, f"avec la première {noun} {of_name} seule", old[:1]
 
 
-def _written(number: float) -> str:
+def _french_number(number: float) -> str:
     return f"{number:g}".replace(".", ",").replace("-", "−")

@@ -41,27 +41,27 @@ class SamePlainValue:
     spaces: bool = True
 
     def __call__(self, expected: Value, got: Value) -> Mismatch | None:
-        expected, got = _plain(expected), _plain(got)
+        expected, got = _without_numpy_types(expected), _without_numpy_types(got)
         if isinstance(got, Opaque):
             return Mismatch(f"On attend {nature(expected)}, pas un objet {got}.", cause=Outcome.INVALID_OUTPUT)
-        sentence = self._top_difference(expected, got)
-        return None if sentence is None else Mismatch(sentence, _slip(expected, got))
+        sentence = self._find_difference(expected, got)
+        return None if sentence is None else Mismatch(sentence, _find_slip(expected, got))
 
-    def _top_difference(self, expected: Value, got: Value) -> str | None:
+    def _find_difference(self, expected: Value, got: Value) -> str | None:
         if self.order != "same" and _is_sequence(expected) and _is_sequence(got):
             return self._unordered_difference(list(expected), list(got))
-        return self._difference(expected, got, "")
+        return self._find_nested_difference(expected, got, "")
 
-    def _difference(self, expected: Value, got: Value, path: str) -> str | None:
+    def _find_nested_difference(self, expected: Value, got: Value, path: str) -> str | None:
         """Return why two values differ, the place first; None where they agree."""
-        comparison = self._comparison(expected, got)
+        comparison = self._choose_comparison(expected, got)
         if comparison is not None:
             return comparison(expected, got, path)
         if type(expected) is not type(got):
-            return _wrong_nature(expected, got, path)
-        return None if expected == got else _instead(expected, got, path)
+            return _wrong_nature_sentence(expected, got, path)
+        return None if expected == got else _value_difference_sentence(expected, got, path)
 
-    def _comparison(self, expected: Value, got: Value) -> Callable[[Any, Any, str], str | None] | None:
+    def _choose_comparison(self, expected: Value, got: Value) -> Callable[[Any, Any, str], str | None] | None:
         """Return the comparison of two values of the same nature; None where only equality tells."""
         alike = type(expected) is type(got) or not self.strict
         comparisons: tuple[tuple[Callable[[Value], bool], bool, Callable[[Any, Any, str], str | None]], ...] = (
@@ -74,7 +74,7 @@ class SamePlainValue:
         return next((made for of, fits, made in comparisons if fits and of(expected) and of(got)), None)
 
     def _number_difference(self, expected: complex, got: complex, path: str) -> str | None:
-        return None if self._are_close(expected, got) else _instead(expected, got, path)
+        return None if self._are_close(expected, got) else _value_difference_sentence(expected, got, path)
 
     def _set_difference(self, expected: set[Value], got: set[Value], path: str) -> str | None:
         return self._unordered_difference(list(expected), list(got))
@@ -91,19 +91,19 @@ class SamePlainValue:
             return False
 
     def _text_difference(self, expected: str, got: str, path: str) -> str | None:
-        if expected == got or (not self.spaces and _squeezed(expected) == _squeezed(got)):
+        if expected == got or (not self.spaces and _without_spaces_and_case(expected) == _without_spaces_and_case(got)):
             return None
         if isinstance(expected, Raised):
             return f"On attend l’exception {expected}, et c’est {got} qui est levée."
-        if _squeezed(expected) == _squeezed(got):
-            return f"{_place(path)}Seuls les espaces ou les majuscules diffèrent : {_both(expected, got)}."
-        return _instead(expected, got, path)
+        if _without_spaces_and_case(expected) == _without_spaces_and_case(got):
+            return f"{_place_text(path)}Seuls les espaces ou les majuscules diffèrent : {_pair_text(expected, got)}."
+        return _value_difference_sentence(expected, got, path)
 
     def _sequence_difference(self, expected: Sequence[Value], got: Sequence[Value], path: str) -> str | None:
         if len(expected) != len(got):
-            return f"{_place(path)}{_count(len(got))} au lieu de {len(expected)}."
+            return f"{_place_text(path)}{_item_count_text(len(got))} au lieu de {len(expected)}."
         differences = (
-            self._difference(wanted, obtained, f"{path}[{index}]")
+            self._find_nested_difference(wanted, obtained, f"{path}[{index}]")
             for index, (wanted, obtained) in enumerate(zip(expected, got, strict=True))
         )
         first = next((difference for difference in differences if difference), None)
@@ -115,28 +115,34 @@ class SamePlainValue:
         missing = [key for key in expected if key not in got]
         extra = [key for key in got if key not in expected]
         if missing or extra:
-            return _place(path) + _sentence(_lacks("clé", missing), _has_extra("clé", extra))
-        differences = (self._difference(expected[key], got[key], f"{path}[{python_text(key)}]") for key in expected)
+            return _place_text(path) + _join_into_sentence(
+                _missing_items_text("clé", missing), _extra_items_text("clé", extra)
+            )
+        differences = (
+            self._find_nested_difference(expected[key], got[key], f"{path}[{python_text(key)}]") for key in expected
+        )
         return next((difference for difference in differences if difference), None)
 
     def _unordered_difference(self, expected: list[Value], got: list[Value]) -> str | None:
-        missing, extra = self._unmatched(expected, got)
+        missing, extra = self._find_unmatched_items(expected, got)
         if self.order == "set" or not (missing or extra):
             missing = [item for item in missing if not self._is_among(item, got)]
             extra = [item for item in extra if not self._is_among(item, expected)]
         if not missing and not extra:
             return None
-        return _sentence(_lacks("élément", missing), _has_extra("élément", extra))
+        return _join_into_sentence(_missing_items_text("élément", missing), _extra_items_text("élément", extra))
 
-    def _unmatched(self, expected: list[Value], got: list[Value]) -> tuple[list[Value], list[Value]]:
+    def _find_unmatched_items(self, expected: list[Value], got: list[Value]) -> tuple[list[Value], list[Value]]:
         """Return the items of each list without a counterpart in the other."""
         if max(len(expected), len(got)) > MAX_MATCHED:
             wanted, obtained = sorted(expected, key=python_text), sorted(got, key=python_text)
-            same = len(wanted) == len(obtained) and self._difference(wanted, obtained, "[]") is None
+            same = len(wanted) == len(obtained) and self._find_nested_difference(wanted, obtained, "[]") is None
             return ([], []) if same else (wanted[:NAMED], obtained[:NAMED])
         left, missing = list(got), []
         for item in expected:
-            at = next((k for k, other in enumerate(left) if self._difference(item, other, "[]") is None), None)
+            at = next(
+                (k for k, other in enumerate(left) if self._find_nested_difference(item, other, "[]") is None), None
+            )
             if at is None:
                 missing.append(item)
             else:
@@ -144,7 +150,7 @@ class SamePlainValue:
         return missing, left
 
     def _is_among(self, item: Value, items: Iterable[Value]) -> bool:
-        return any(self._difference(item, other, "[]") is None for other in items)
+        return any(self._find_nested_difference(item, other, "[]") is None for other in items)
 
 
 def nature(value: Value) -> str:
@@ -161,14 +167,14 @@ def nature(value: Value) -> str:
     return next((name for kind, name in names if isinstance(value, kind)), f"un objet {type(value).__name__}")
 
 
-def _plain(value: Value) -> Value:
+def _without_numpy_types(value: Value) -> Value:
     if isinstance(value, np.ndarray):
         return value.tolist()
     if isinstance(value, np.generic):
         return value.item()
     if isinstance(value, list | tuple):
-        return type(value)(map(_plain, value))
-    return {key: _plain(item) for key, item in value.items()} if isinstance(value, dict) else value
+        return type(value)(map(_without_numpy_types, value))
+    return {key: _without_numpy_types(item) for key, item in value.items()} if isinstance(value, dict) else value
 
 
 def _is_dict(value: Value) -> bool:
@@ -191,17 +197,17 @@ def _is_number(value: Value) -> bool:
     return isinstance(value, int | float | complex) and not isinstance(value, bool)
 
 
-def _squeezed(text: str) -> str:
+def _without_spaces_and_case(text: str) -> str:
     return "".join(text.split()).casefold()
 
 
-def _slip(expected: Value, got: Value) -> str | None:
+def _find_slip(expected: Value, got: Value) -> str | None:
     if got is None and expected is not None:
         return "sans_retour"
     return "nan" if isinstance(got, float) and math.isnan(got) else None
 
 
-def _place(path: str) -> str:
+def _place_text(path: str) -> str:
     """Return where two values differ: « À l’indice 1 : », « Pour la clé 'le' : », « En [0]['le'] : »."""
     inside = path[1:-1]
     if not path or "][" in path:
@@ -209,44 +215,44 @@ def _place(path: str) -> str:
     return f"À l’indice {inside} : " if inside.isdecimal() else f"Pour la clé {inside} : "
 
 
-def _count(count: int) -> str:
+def _item_count_text(count: int) -> str:
     return "Il n’y a aucun élément" if count == 0 else f"Il y a {count} élément{'s' if count > 1 else ''}"
 
 
-def _both(expected: Value, got: Value) -> str:
+def _pair_text(expected: Value, got: Value) -> str:
     wanted, obtained = python_pair(expected, got)
     return f"{obtained} au lieu de {wanted}"
 
 
-def _instead(expected: Value, got: Value, path: str) -> str:
-    return f"{_place(path)}{_both(expected, got)}." if path else ""
+def _value_difference_sentence(expected: Value, got: Value, path: str) -> str:
+    return f"{_place_text(path)}{_pair_text(expected, got)}." if path else ""
 
 
-def _wrong_nature(expected: Value, got: Value, path: str) -> str:
+def _wrong_nature_sentence(expected: Value, got: Value, path: str) -> str:
     if got is None:
-        return f"{_place(path)}On attend {nature(expected)}, et la fonction ne renvoie rien (None)."
+        return f"{_place_text(path)}On attend {nature(expected)}, et la fonction ne renvoie rien (None)."
     if isinstance(got, Raised):
         return f"On attend {nature(expected)}, et l’exception {got} est levée."
     if isinstance(expected, Raised):
         return f"On attend {nature(expected)}, et aucune exception n’est levée."
-    return f"{_place(path)}On attend {nature(expected)}, pas {nature(got)}."
+    return f"{_place_text(path)}On attend {nature(expected)}, pas {nature(got)}."
 
 
-def _lacks(noun: str, items: list[Value]) -> str:
+def _missing_items_text(noun: str, items: list[Value]) -> str:
     if not items:
         return ""
     article = "les " if len(items) > 1 else "la " if noun == "clé" else "l’"
-    return f"il manque {article}{noun}{'s' if len(items) > 1 else ''} {_listed(items)}"
+    return f"il manque {article}{noun}{'s' if len(items) > 1 else ''} {_items_text(items)}"
 
 
-def _has_extra(noun: str, items: list[Value]) -> str:
-    return f"{_listed(items)} {'est' if len(items) == 1 else 'sont'} de trop" if items else ""
+def _extra_items_text(noun: str, items: list[Value]) -> str:
+    return f"{_items_text(items)} {'est' if len(items) == 1 else 'sont'} de trop" if items else ""
 
 
-def _listed(items: list[Value]) -> str:
+def _items_text(items: list[Value]) -> str:
     return ", ".join(map(python_text, items[:NAMED])) + (", …" if len(items) > NAMED else "")
 
 
-def _sentence(*parts: str) -> str:
+def _join_into_sentence(*parts: str) -> str:
     told = " et ".join(part for part in parts if part)
     return told[:1].upper() + told[1:] + "."

@@ -52,7 +52,7 @@ def python_text(value: Value, digits: int | None = DIGITS) -> str:
 
     `digits` are the significant digits of a number; None keeps them all.
     """
-    return _write(value, _Room(digits), 1)
+    return _write_value(value, _LineBudget(digits), 1)
 
 
 def python_pair(value: Value, other: Value, digits: int = DIGITS) -> tuple[str, str]:
@@ -66,79 +66,90 @@ def python_pair(value: Value, other: Value, digits: int = DIGITS) -> tuple[str, 
     return f"{texts[0]} ({type(value).__name__})", f"{texts[1]} ({type(other).__name__})"
 
 
-class _Room:
+class _LineBudget:
     """The remaining items of one line, and the digits of its numbers."""
 
     def __init__(self, digits: int | None) -> None:
         self.digits, self.items = digits, ALL_ITEMS
 
 
-def _write(value: Value, room: _Room, depth: int) -> str:
+def _write_value(value: Value, room: _LineBudget, depth: int) -> str:
     room.items -= 1
     if room.items < 0 or depth > MAX_DEPTH:
         return MORE
     if isinstance(value, np.generic):
         value = value.item()
     if isinstance(value, np.ndarray):
-        items = _write(value.tolist(), room, depth + 1) if value.size <= LEVEL_ITEMS else ""
+        items = _write_value(value.tolist(), room, depth + 1) if value.size <= LEVEL_ITEMS else ""
         return f"array({items})" if items else f"un tableau de forme {value.shape}"
     if isinstance(value, int | float | complex) and not isinstance(value, bool):
-        return _number(value, room.digits)
-    return _container(value, room, depth) if isinstance(value, Iterable) and not _is_word(value) else _word(value)
+        return _number_text(value, room.digits)
+    return (
+        _container_text(value, room, depth)
+        if isinstance(value, Iterable) and not _is_text_or_bytes(value)
+        else _simple_value_text(value)
+    )
 
 
-def _is_word(value: Value) -> bool:
+def _is_text_or_bytes(value: Value) -> bool:
     return isinstance(value, str | bytes)
 
 
-def _word(value: Value) -> str:
+def _simple_value_text(value: Value) -> str:
     """Return a value without parts: a text, True, None, or the name of what cannot be shown."""
     if isinstance(value, Opaque):
         return f"un objet {value}"
     if isinstance(value, Raised):
         return f"l’exception {value}"
-    if _is_word(value):
-        return _quoted(value)
+    if _is_text_or_bytes(value):
+        return _quote_text(value)
     return repr(value) if value is None or isinstance(value, bool) else f"un objet {type(value).__name__}"
 
 
-def _container(value: Any, room: _Room, depth: int) -> str:
+def _container_text(value: Any, room: _LineBudget, depth: int) -> str:
     if isinstance(value, dict):
-        pairs = (f"{_write(key, room, depth + 1)}: {_write(item, room, depth + 1)}" for key, item in value.items())
-        return "{" + _joined(pairs, value) + "}"
+        pairs = (
+            f"{_write_value(key, room, depth + 1)}: {_write_value(item, room, depth + 1)}"
+            for key, item in value.items()
+        )
+        return "{" + _join_items(pairs, value) + "}"
     if isinstance(value, set | frozenset):
         members = sorted(value, key=lambda member: (type(member).__name__, repr(member)))
-        return "{" + _joined((_write(item, room, depth + 1) for item in members), value) + "}" if value else "set()"
+        return (
+            "{" + _join_items((_write_value(item, room, depth + 1) for item in members), value) + "}"
+            if value
+            else "set()"
+        )
     if isinstance(value, list | tuple):
-        items = _joined((_write(item, room, depth + 1) for item in value), value)
+        items = _join_items((_write_value(item, room, depth + 1) for item in value), value)
         if isinstance(value, list):
             return f"[{items}]"
         return f"({items},)" if len(value) == 1 else f"({items})"
     return f"un objet {type(value).__name__}"
 
 
-def _joined(items: Iterable[str], whole: Collection[Any]) -> str:
+def _join_items(items: Iterable[str], whole: Collection[Any]) -> str:
     shown = [text for _, text in zip(range(LEVEL_ITEMS), items, strict=False)]
     return ", ".join([*shown, MORE] if len(shown) < len(whole) else shown)
 
 
-def _quoted(value: str | bytes) -> str:
+def _quote_text(value: str | bytes) -> str:
     if len(value) <= TEXT_CHARACTERS:
         return repr(value)
     return f"{value[:TEXT_CHARACTERS]!r}{MORE} ({len(value)} caractères)"
 
 
-def _number(value: complex, digits: int | None) -> str:
+def _number_text(value: complex, digits: int | None) -> str:
     if isinstance(value, int):
         return str(value) if value.bit_length() < MAX_BITS else "un entier immense"
     if digits is None:
         return repr(value)
     if isinstance(value, complex):
-        return repr(complex(_rounded(value.real, digits), _rounded(value.imag, digits)))
-    return repr(_rounded(value, digits))
+        return repr(complex(_round_to_digits(value.real, digits), _round_to_digits(value.imag, digits)))
+    return repr(_round_to_digits(value, digits))
 
 
-def _rounded(value: float, digits: int) -> float:
+def _round_to_digits(value: float, digits: int) -> float:
     return float(f"{value:.{digits}g}") if math.isfinite(value) else value
 
 

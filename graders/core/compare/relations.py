@@ -29,7 +29,7 @@ def tell_relation(expected: Floats, got: Floats) -> str:
     """
     if not (np.isfinite(got).all() and np.isfinite(expected).all()):
         return ""
-    if turns := next(_turns(expected, got), ""):
+    if turns := next(_tell_whole_turns(expected, got), ""):
         return turns
     if np.unique(expected).size < 2:
         return ""
@@ -37,27 +37,27 @@ def tell_relation(expected: Floats, got: Floats) -> str:
         return next((told for find in _RELATIONS for told in find(expected, got)), "")
 
 
-def _same(a: Floats, b: Floats) -> bool:
+def _are_equal_arrays(a: Floats, b: Floats) -> bool:
     return bool(np.allclose(a, b, rtol=EXACT, atol=EXACT * 1e-3))
 
 
-def _property(expected: Floats, got: Floats) -> Iterator[str]:
+def _tell_lost_matrix_property(expected: Floats, got: Floats) -> Iterator[str]:
     """A property that the expected matrix has, and the obtained one has not."""
     if got.ndim != 2 or got.shape[0] != got.shape[1] or len(got) < 2:
         return
     gap, size = np.abs(got - got.T), max(1.0, float(np.abs(got).max()))
-    if _same(expected, expected.T) and gap.max() > EXACT * size:
+    if _are_equal_arrays(expected, expected.T) and gap.max() > EXACT * size:
         i, j = (int(k) for k in np.unravel_index(int(np.argmax(gap)), gap.shape))
         one, other = number(float(got[i, j])), number(float(got[j, i]))
         yield f"Le tableau attendu est symétrique, le vôtre non : ({i}, {j}) vaut {one} et ({j}, {i}) {other}."
         return
-    if _same(expected, expected.T):
+    if _are_equal_arrays(expected, expected.T):
         least, right = float(np.linalg.eigvalsh(got)[0]), float(np.linalg.eigvalsh(expected)[0])
         if right >= -EXACT and least < -EXACT * size:
             yield f"Le tableau a une valeur propre négative, {number(least, 4)} ; celui qui est attendu n’en a pas."
 
 
-def _turns(expected: Floats, got: Floats) -> Iterator[str]:
+def _tell_whole_turns(expected: Floats, got: Floats) -> Iterator[str]:
     """Whole turns, wherever the values differ: an angle that was not brought back, or brought back elsewhere."""
     turns = np.abs(got - expected) / (2.0 * np.pi)
     whole = np.round(turns)
@@ -69,14 +69,14 @@ def _turns(expected: Floats, got: Floats) -> Iterator[str]:
         yield f"L’écart est de 2π, un tour entier{', partout où c’est faux' * (got.size > 1)}."
 
 
-def _factor(expected: Floats, got: Floats) -> Iterator[str]:
+def _tell_common_factor(expected: Floats, got: Floats) -> Iterator[str]:
     """The same factor everywhere."""
     there = np.abs(expected) > 1e-12
-    if there.sum() < 2 or not _same(got[~there], expected[~there]):
+    if there.sum() < 2 or not _are_equal_arrays(got[~there], expected[~there]):
         return
     ratios = got[there] / expected[there]
     factor = float(ratios[0])
-    if not _same(ratios, np.full_like(ratios, factor)):
+    if not _are_equal_arrays(ratios, np.full_like(ratios, factor)):
         return
     named = next((word for k, word in _FACTORS.items() if abs(factor / k - 1.0) < EXACT), "")
     if named:
@@ -85,7 +85,7 @@ def _factor(expected: Floats, got: Floats) -> Iterator[str]:
         yield f"C’est partout {number(factor, 5)} fois ce qui est attendu."
 
 
-def _function(expected: Floats, got: Floats) -> Iterator[str]:
+def _tell_applied_function(expected: Floats, got: Floats) -> Iterator[str]:
     """The square, the root or the inverse of what is expected."""
     if np.any(np.abs(expected) < 1e-6) or np.allclose(np.abs(expected), 1.0):
         return
@@ -93,33 +93,33 @@ def _function(expected: Floats, got: Floats) -> Iterator[str]:
         ("le carré", np.square), ("la racine carrée", np.sqrt), ("l’inverse", np.reciprocal),
     )  # fmt: skip
     for word, function in functions:
-        if _same(got, np.asarray(function(expected))):
+        if _are_equal_arrays(got, np.asarray(function(expected))):
             yield f"C’est {word} de ce qui est attendu."
 
 
-def _shift(expected: Floats, got: Floats) -> Iterator[str]:
+def _tell_common_offset(expected: Floats, got: Floats) -> Iterator[str]:
     """The same difference everywhere."""
     if got.size < 3:
         return
     difference = got - expected
     step = float(difference.flat[0])
-    if _same(difference, np.full_like(difference, step)):
+    if _are_equal_arrays(difference, np.full_like(difference, step)):
         yield f"L’écart est le même partout : {number(abs(step), 5)} de {'trop' if step > 0 else 'moins'}."
 
 
-def _order(expected: Floats, got: Floats) -> Iterator[str]:
+def _tell_permuted_values(expected: Floats, got: Floats) -> Iterator[str]:
     """The right values in other places."""
-    if got.ndim != 1 or got.size < 3 or not _same(np.sort(got), np.sort(expected)):
+    if got.ndim != 1 or got.size < 3 or not _are_equal_arrays(np.sort(got), np.sort(expected)):
         return
-    if _same(got, expected[::-1]):
+    if _are_equal_arrays(got, expected[::-1]):
         yield "Ce sont les bonnes valeurs, dans l’ordre inverse."
         return
-    shift = next((k for k in range(1, got.size) if _same(got, np.roll(expected, k))), 0)
+    shift = next((k for k in range(1, got.size) if _are_equal_arrays(got, np.roll(expected, k))), 0)
     where = f"décalées de {shift} rang{'s' if shift > 1 else ''}" if shift else "à d’autres places"
     yield f"Ce sont les bonnes valeurs, {where}."
 
 
-def _count(expected: Floats, got: Floats) -> Iterator[str]:
+def _tell_wrong_entry_count(expected: Floats, got: Floats) -> Iterator[str]:
     """How many entries are wrong, and whether they make one row or one column."""
     if got.size < MANY:
         return
@@ -130,21 +130,23 @@ def _count(expected: Floats, got: Floats) -> Iterator[str]:
     where = ""
     if got.ndim == 2:
         rows, columns = np.flatnonzero(wrong.any(axis=1)), np.flatnonzero(wrong.any(axis=0))
-        where = _line("ligne", rows, len(wrong)) or _line("colonne", columns, wrong.shape[1])
+        where = _row_or_column_text("ligne", rows, len(wrong)) or _row_or_column_text(
+            "colonne", columns, wrong.shape[1]
+        )
     many = count > 1
     wrong_ones = f"{count} valeurs sur {got.size} sont fausses" if many else f"Une valeur sur {got.size} est fausse"
     yield f"{wrong_ones}{where if many else ''}."
 
 
-def _line(name: str, found: np.ndarray, count: int) -> str:
+def _row_or_column_text(name: str, found: np.ndarray, count: int) -> str:
     return f", toutes dans la {name} {int(found[0])}" if len(found) == 1 < count else ""
 
 
 _RELATIONS: tuple[Callable[[Floats, Floats], Iterator[str]], ...] = (
-    _factor,
-    _function,
-    _property,
-    _shift,
-    _order,
-    _count,
+    _tell_common_factor,
+    _tell_applied_function,
+    _tell_lost_matrix_property,
+    _tell_common_offset,
+    _tell_permuted_values,
+    _tell_wrong_entry_count,
 )

@@ -57,7 +57,7 @@ def tell_relations(series: Series) -> Iterator[Relation]:
         return
     with np.errstate(all="ignore"):
         # One answer to everything is many things of the right ones, such as the whole part of small numbers.
-        for find in (_arguments, *_RELATIONS) if is_constant(series) else _RELATIONS:
+        for find in (_tell_returned_arguments, *_RELATIONS) if is_constant(series) else _RELATIONS:
             yield from map(Relation, find(series))
         for find in _FLAWS:
             yield from (Relation(words, says_what=False) for words in find(series))
@@ -66,7 +66,7 @@ def tell_relations(series: Series) -> Iterator[Relation]:
 def tell_answers(series: Series) -> Iterator[Relation]:
     """Yield what holds of a program's own answers, whatever the right ones are."""
     if sum(series.wrong) >= MIN_WRONG:
-        yield from map(Relation, _arguments(series))
+        yield from map(Relation, _tell_returned_arguments(series))
 
 
 def is_constant(series: Series) -> bool:
@@ -75,20 +75,20 @@ def is_constant(series: Series) -> bool:
     return all(got.shape == first.shape and same(got, first) for got in series.got)
 
 
-def _invariants(series: Series) -> Iterator[str]:
+def _tell_invariants(series: Series) -> Iterator[str]:
     yield from tell_invariants(series.got, series.right, series.wrong)
 
 
-def _sizes(series: Series) -> Iterator[str]:
+def _tell_sizes(series: Series) -> Iterator[str]:
     yield from tell_sizes(series.got, series.right, series.wrong)
 
 
-def _everywhere(series: Series, function: Callable[[Floats], Floats]) -> bool:
+def _maps_right_to_got(series: Series, function: Callable[[Floats], Floats]) -> bool:
     """Whether each answer is this function of the right one."""
     return all(same(got, np.asarray(function(right))) for got, right in zip(series.got, series.right, strict=True))
 
 
-def _functions(series: Series) -> Iterator[str]:
+def _tell_scalar_functions(series: Series) -> Iterator[str]:
     found: tuple[tuple[str, Callable[[Floats], Floats]], ...] = (
         ("l’opposé de", np.negative), ("le double de", lambda x: 2.0 * x), ("la moitié de", lambda x: x / 2.0),
         ("le carré de", np.square), ("la racine carrée de", np.sqrt), ("l’inverse de", np.reciprocal),
@@ -96,16 +96,16 @@ def _functions(series: Series) -> Iterator[str]:
         ("le complément à 1 de", lambda x: 1.0 - x), ("la partie entière de", np.floor),
     )  # fmt: skip
     for words, function in found:
-        if _everywhere(series, function):
+        if _maps_right_to_got(series, function):
             yield f"est partout {words} ce qui est attendu"
             return
-    if _everywhere(series, np.degrees):
+    if _maps_right_to_got(series, np.degrees):
         yield "est ce qui est attendu, converti en degrés"
-    if all(right.ndim == 2 for right in series.right) and _everywhere(series, np.transpose):
+    if all(right.ndim == 2 for right in series.right) and _maps_right_to_got(series, np.transpose):
         yield "est partout la transposée de ce qui est attendu"
 
 
-def _array_functions(series: Series) -> Iterator[str]:
+def _tell_array_functions(series: Series) -> Iterator[str]:
     """The right arrays summed up, normalised or inverted as matrices."""
     dimensions = {right.ndim for right in series.right}
     if dimensions not in ({1}, {2}) or any(right.shape[-1] < 2 for right in series.right):
@@ -121,10 +121,10 @@ def _array_functions(series: Series) -> Iterator[str]:
     }
     if all(right.ndim == 2 and len(right) == right.shape[1] and np.linalg.det(right) for right in series.right):
         found["est la matrice inverse de ce qui est attendu"] = lambda x: np.asarray(np.linalg.inv(x), dtype=np.float64)
-    yield from [words for words, function in found.items() if _everywhere(series, function)][:1]
+    yield from [words for words, function in found.items() if _maps_right_to_got(series, function)][:1]
 
 
-def _ratio(got: Floats, right: Floats) -> float | None:
+def _constant_ratio(got: Floats, right: Floats) -> float | None:
     """Return the one factor between two arrays; None where there is none."""
     there = np.abs(right) > 1e-12
     if not there.any() or not same(got[~there], right[~there]):
@@ -133,11 +133,11 @@ def _ratio(got: Floats, right: Floats) -> float | None:
     return float(ratios[0]) if np.allclose(ratios, ratios[0], rtol=EXACT) else None
 
 
-def _factors(series: Series) -> Iterator[str]:
+def _tell_factors(series: Series) -> Iterator[str]:
     """The same factor in all calls, or one that an argument gives."""
     if not any(np.abs(right).max(initial=0.0) > 1e-12 for right in series.right):
         return
-    ratios = [_ratio(got, right) for got, right in zip(series.got, series.right, strict=True)]
+    ratios = [_constant_ratio(got, right) for got, right in zip(series.got, series.right, strict=True)]
     known = [k for k, right in enumerate(series.right) if np.abs(right).max(initial=0.0) > 1e-12]
     if any(ratios[k] is None or not ratios[k] for k in known) or any(
         not same(series.got[k], series.right[k]) for k in range(len(ratios)) if k not in known
@@ -148,14 +148,14 @@ def _factors(series: Series) -> Iterator[str]:
         if abs(factors[0] - 1.0) > EXACT and not np.isclose(abs(np.log2(abs(factors[0]))), 1.0):
             yield f"est partout {number(float(factors[0]), 5)} fois ce qui est attendu"
         return
-    for words, values in _quantities(series, known):
+    for words, values in _iter_argument_quantities(series, known):
         for told, factor in ((f"multiplié par {words}", values), (f"divisé par {words}", 1.0 / values)):
             if np.allclose(factors, factor, rtol=EXACT):
                 yield f"est partout ce qui est attendu, {told}"
                 return
 
 
-def _quantities(series: Series, known: Sequence[int]) -> Iterator[tuple[str, Floats]]:
+def _iter_argument_quantities(series: Series, known: Sequence[int]) -> Iterator[tuple[str, Floats]]:
     """Yield numbers that the arguments of these calls give, with their words."""
     for index, name in enumerate(series.names):
         values = [series.calls[k][index] for k in known if index < len(series.calls[k])]
@@ -174,7 +174,7 @@ def _quantities(series: Series, known: Sequence[int]) -> Iterator[tuple[str, Flo
             yield f"la somme {elided('de', name)}", np.array([value.sum() for value in values], dtype=float)
 
 
-def _turns(series: Series) -> Iterator[str]:
+def _tell_whole_turns(series: Series) -> Iterator[str]:
     """Whole turns too much."""
     gaps = [(got - right).ravel() for got, right in zip(series.got, series.right, strict=True)]
     turns = np.concatenate(gaps) / (2.0 * np.pi)
@@ -182,7 +182,7 @@ def _turns(series: Series) -> Iterator[str]:
         yield "est juste à un nombre entier de tours près"
 
 
-def _offsets(series: Series) -> Iterator[str]:
+def _tell_offsets(series: Series) -> Iterator[str]:
     """The same number too much in all calls, or an argument."""
     gaps = [got - right for got, right in zip(series.got, series.right, strict=True)]
     flat = np.concatenate([gap.ravel() for gap in gaps])
@@ -203,11 +203,11 @@ def _offsets(series: Series) -> Iterator[str]:
                 return
 
 
-def _orders(series: Series) -> Iterator[str]:
+def _tell_permutations(series: Series) -> Iterator[str]:
     """The right numbers at other places."""
     if any(right.ndim == 0 or right.shape[0] < 2 for right in series.right):
         return
-    if _everywhere(series, lambda x: x[::-1]):
+    if _maps_right_to_got(series, lambda x: x[::-1]):
         yield "a les bonnes valeurs, dans l’ordre inverse"
         return
     pairs = list(zip(series.got, series.right, strict=True))
@@ -222,13 +222,13 @@ def _orders(series: Series) -> Iterator[str]:
         yield "a les bonnes valeurs, décalées d’un rang : la première manque"
 
 
-def _arguments(series: Series) -> Iterator[str]:
+def _tell_returned_arguments(series: Series) -> Iterator[str]:
     """An argument, as it was given, or the same answer to everything."""
     if is_constant(series):
         if len(series.calls) < MANY_CALLS:
-            yield f"est la même valeur{_in_tries(series)}"
+            yield f"est la même valeur{_tries_text(series)}"
             return
-        varied = all(_varies(series, index) for index in range(len(series.names)))
+        varied = all(_does_argument_vary(series, index) for index in range(len(series.names)))
         yield f"{'ne dépend d’aucun argument : c’est' if varied else 'est'} chaque fois la même valeur"
         return
     for index, name in enumerate(series.names):
@@ -239,21 +239,21 @@ def _arguments(series: Series) -> Iterator[str]:
             for call, got in zip(series.calls, series.got, strict=True)
         ):
             few = len(series.calls) < MANY_CALLS
-            yield f"est {'' if few else 'toujours '}{name}, tel que donné{_in_tries(series) if few else ''}"
+            yield f"est {'' if few else 'toujours '}{name}, tel que donné{_tries_text(series) if few else ''}"
             return
 
 
-def _in_tries(series: Series) -> str:
+def _tries_text(series: Series) -> str:
     return f" dans les {len(series.calls)} essais"
 
 
-def _varies(series: Series, index: int) -> bool:
+def _does_argument_vary(series: Series, index: int) -> bool:
     """Whether an argument is not the same in all calls, so that the answers could feel it."""
     values = [repr(call[index]) if index < len(call) else "" for call in series.calls]
     return len(set(values)) > 1
 
 
-def _steps(series: Series) -> Iterator[str]:
+def _tell_multiples_of_step(series: Series) -> Iterator[str]:
     """Numbers that are all multiples of a step, where the right ones are not."""
     if any(right.ndim for right in series.right) or len(series.got) < MANY:
         return
@@ -262,13 +262,13 @@ def _steps(series: Series) -> Iterator[str]:
     for step in (1.0, 0.5, 0.25, 0.2, 0.1, 0.05, 0.01):
         off, right_off = (np.abs(values / step - np.round(values / step)) for values in (got, right))
         if off.max() < EXACT and (right_off > 0.01).sum() >= MANY and len(np.unique(got)) >= MANY:
-            if any(_has_step(series, index, step) for index in range(len(series.names))):
+            if any(_is_argument_multiple_of(series, index, step) for index in range(len(series.names))):
                 return
             yield f"est toujours un multiple de {number(step)}, ce que n’est pas ce qui est attendu"
             return
 
 
-def _has_step(series: Series, index: int, step: float) -> bool:
+def _is_argument_multiple_of(series: Series, index: int, step: float) -> bool:
     """Whether an argument, which is no whole number in all calls, is a multiple of this step in each."""
     values = [call[index] for call in series.calls if index < len(call) and isinstance(call[index], float)]
     given = np.array(values)
@@ -276,7 +276,7 @@ def _has_step(series: Series, index: int, step: float) -> bool:
     return given.size > 0 and is_multiple and not np.array_equal(given, np.round(given))
 
 
-def _lines(series: Series) -> Iterator[str]:
+def _tell_wrong_rows_or_columns(series: Series) -> Iterator[str]:
     """The first rows are right and all that follow are not, or one row, or one column alone is wrong."""
     pairs = [
         (got, right) for got, right, bad in zip(series.got, series.right, series.wrong, strict=True) if bad and got.ndim
@@ -284,7 +284,7 @@ def _lines(series: Series) -> Iterator[str]:
     if len(pairs) < max(MIN_WRONG, sum(series.wrong)):
         return
     seen = f"dans les {len(pairs)} essais où il est faux"
-    wrong_rows = [np.flatnonzero(_differs(got, right)) for got, right in pairs]
+    wrong_rows = [np.flatnonzero(_differing_rows(got, right)) for got, right in pairs]
     lengths = [len(got) for got, _ in pairs]
     noun = "ligne" if pairs[0][0].ndim == 2 else "valeur"
     if all(length > 1 for length in lengths):
@@ -299,7 +299,7 @@ def _lines(series: Series) -> Iterator[str]:
             yield f"n’est faux qu’à sa première {noun} {seen}"
             return
     if all(got.ndim == 2 for got, _ in pairs):
-        columns = {tuple(np.flatnonzero(_differs(got.T, right.T)).tolist()) for got, right in pairs}
+        columns = {tuple(np.flatnonzero(_differing_rows(got.T, right.T)).tolist()) for got, right in pairs}
         if len(columns) == 1 and 0 < len(only := columns.pop()) < pairs[0][0].shape[1]:
             told = text_list([*map(str, only)])
             yield f"n’est faux que dans {'la colonne' if len(only) == 1 else 'les colonnes'} {told} {seen}"
@@ -310,13 +310,13 @@ def _lines(series: Series) -> Iterator[str]:
             yield f"n’est faux qu’{'à l’indice' if len(only) == 1 else 'aux indices'} {told} {seen}"
 
 
-def _differs(got: Floats, right: Floats) -> np.ndarray:
+def _differing_rows(got: Floats, right: Floats) -> np.ndarray:
     """Return which rows differ."""
     off = ~np.isclose(got, right, rtol=EXACT, atol=EXACT)
     return np.asarray(off.reshape(len(off), -1).any(axis=1))
 
 
-def _nearness(series: Series) -> Iterator[str]:
+def _tell_near_values(series: Series) -> Iterator[str]:
     """Answers that are nearly right in all calls."""
     errors = [
         float(np.abs(got - right).max(initial=0.0) / max(float(np.abs(right).max(initial=0.0)), 1e-3))
@@ -330,7 +330,8 @@ def _nearness(series: Series) -> Iterator[str]:
 
 #: The relations, the most telling first.
 _RELATIONS = (
-    _turns, _functions, _array_functions, _factors, _offsets, _orders, _arguments, _steps, _nearness,
+    _tell_whole_turns, _tell_scalar_functions, _tell_array_functions, _tell_factors, _tell_offsets, _tell_permutations,
+    _tell_returned_arguments, _tell_multiples_of_step, _tell_near_values,
 )  # fmt: skip
 #: What says no more than where the answers are wrong, or which property they have not.
-_FLAWS = (_invariants, _lines, _sizes)
+_FLAWS = (_tell_invariants, _tell_wrong_rows_or_columns, _tell_sizes)

@@ -72,7 +72,7 @@ def neighbours(shrinkers: Sequence[Shrinker], arguments: Arguments) -> Iterator[
 
 def shrink_text(value: str) -> Iterator[str]:
     """Propose the empty text, each half, the text without one of its characters, then with simpler ones."""
-    yield from _shorter(value)
+    yield from _iter_shorter_sequences(value)
     for at, character in enumerate(value):
         for simpler in "a ":
             if character not in (simpler, " ") and character != simpler:
@@ -84,7 +84,7 @@ def shrink_list(item: Shrinker = keep) -> Callable[[Value], Iterator[Value]]:
 
     def shrink(value: Value) -> Iterator[Value]:
         kind = type(value)
-        yield from _shorter(value)
+        yield from _iter_shorter_sequences(value)
         for at, member in enumerate(value):
             for simpler in item(member):
                 yield kind((*value[:at], simpler, *value[at + 1 :]))
@@ -125,7 +125,7 @@ def shrink_plain_value(value: Value) -> Iterator[Value]:
         yield from shrink_array(value)
 
 
-def _shorter(value: Value) -> Iterator[Value]:
+def _iter_shorter_sequences(value: Value) -> Iterator[Value]:
     """Yield a sequence's empty beginning, its halves, and itself without one item."""
     half = len(value) // 2
     if value:

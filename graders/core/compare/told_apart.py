@@ -32,15 +32,15 @@ def number_pair(value: complex, other: complex, digits: int = DIGITS) -> tuple[s
     Equal numbers are told apart by the sign of zero, else by their types, else not at all.
     """
     kinds = type(value), type(other)
-    value, other = _plain(value), _plain(other)
+    value, other = _to_python_number(value), _to_python_number(other)
     texts = number(value, digits), number(other, digits)
-    if _is_nan(value) or _is_nan(other) or (texts[0] != texts[1] and not _looks_alike(value, other)):
+    if _is_nan(value) or _is_nan(other) or (texts[0] != texts[1] and not _are_written_alike(value, other)):
         return texts
     if value == other:
-        return _equal_pair(value, other, texts[0], kinds)
+        return _pair_with_types(value, other, texts[0], kinds)
     names = tuple(None if isinstance(it, complex) else fraction_of_pi(it) for it in (value, other))
     counts = range(max(digits, 1), MOST_DIGITS + 1)
-    written = [(_written(value, count), _written(other, count)) for count in counts]
+    written = [(_number_with_digits(value, count), _number_with_digits(other, count)) for count in counts]
     # Two roundings may differ, and those with a digit more be alike: the pair after a pair that differs shows the gap.
     shown = [pair for before, pair in pairwise(written) if before[0] != before[1] and pair[0] != pair[1]]
     texts = shown[0] if shown else written[-1]
@@ -64,7 +64,7 @@ def text_pair(value: Value, other: Value, *, digits: int = DIGITS) -> tuple[str,
         return texts if texts[0] != texts[1] else python_pair(value, other, digits)
     texts = text(value, digits=digits), text(other, digits=digits)
     for noise in (NOISE, 0.0):
-        left, right = _pair(value, other, digits, noise)
+        left, right = _pair_values(value, other, digits, noise)
         texts = text(left, digits=digits), text(right, digits=digits)
         if texts[0] != texts[1]:
             break
@@ -83,7 +83,7 @@ def tell_gap(expected: float, got: float) -> str:
     if not 0.0 < gap <= NEAR * max(1.0, abs(expected)):
         return ""
     mantissa, exponent = f"{gap:.0e}".split("e")
-    cause = _cause(expected, got)
+    cause = _difference_cause_text(expected, got)
     return f"à {mantissa}·10{str(int(exponent)).translate(_SUPERSCRIPTS)} près{f', {cause}' if cause else ''}"
 
 
@@ -109,7 +109,7 @@ def are_near(value: complex, other: complex, tolerance: float) -> bool:
         return False
 
 
-def _plain(value: complex) -> complex | float | int:
+def _to_python_number(value: complex) -> complex | float | int:
     return value.item() if isinstance(value, np.generic) else value
 
 
@@ -117,20 +117,20 @@ def _is_nan(value: complex) -> bool:
     return isinstance(value, float) and math.isnan(value)
 
 
-def _looks_alike(value: complex, other: complex) -> bool:
+def _are_written_alike(value: complex, other: complex) -> bool:
     """Whether two numbers are too near for six digits, although one of them may be named as a fraction of π."""
     return not isinstance(value, complex) and not isinstance(other, complex) and number_alike(value, other)
 
 
 def number_alike(value: float, other: float) -> bool:
     """Whether two numbers are written alike with six digits."""
-    return _written(value, DIGITS) == _written(other, DIGITS)
+    return _number_with_digits(value, DIGITS) == _number_with_digits(other, DIGITS)
 
 
-def _written(value: complex, digits: int) -> str:
+def _number_with_digits(value: complex, digits: int) -> str:
     """Return a number with that many digits, whatever its size, and without a name."""
     if isinstance(value, complex):
-        return f"{_written(value.real, digits)} + {_written(value.imag, digits)} i"
+        return f"{_number_with_digits(value.real, digits)} + {_number_with_digits(value.imag, digits)} i"
     if isinstance(value, int) and value.bit_length() < _LONGEST_INT:
         return str(value).replace("-", MINUS)
     if isinstance(value, int) or not math.isfinite(value):
@@ -142,7 +142,7 @@ def _written(value: complex, digits: int) -> str:
     return written.replace(".", ",").replace("-", MINUS)
 
 
-def _equal_pair(value: complex, other: complex, same: str, kinds: tuple[type, type]) -> tuple[str, str]:
+def _pair_with_types(value: complex, other: complex, same: str, kinds: tuple[type, type]) -> tuple[str, str]:
     if isinstance(value, float) and isinstance(other, float) and math.copysign(1, value) != math.copysign(1, other):
         return (f"{MINUS}0,0", "0,0") if math.copysign(1, value) < 0 else ("0,0", f"{MINUS}0,0")
     if kinds[0] is kinds[1]:
@@ -155,7 +155,7 @@ def _is_number(value: Value) -> bool:
     return isinstance(value, int | float | complex | np.number) and not isinstance(value, bool)
 
 
-def _pair(value: Any, other: Any, digits: int, noise: float) -> tuple[Any, Any]:
+def _pair_values(value: Any, other: Any, digits: int, noise: float) -> tuple[Any, Any]:
     """Return both values with the texts of those numbers that need digits of their own in the place of these."""
     if _is_number(value) and _is_number(other):
         if are_near(value, other, noise):
@@ -164,12 +164,12 @@ def _pair(value: Any, other: Any, digits: int, noise: float) -> tuple[Any, Any]:
         return NumberText(first), NumberText(second)
     value, other = (it.tolist() if isinstance(it, np.ndarray) and it.size <= _LARGEST else it for it in (value, other))
     if isinstance(value, list | tuple) and isinstance(other, list | tuple) and len(value) == len(other):
-        both = [_pair(left, right, digits, noise) for left, right in zip(value, other, strict=True)]
+        both = [_pair_values(left, right, digits, noise) for left, right in zip(value, other, strict=True)]
         return type(value)(left for left, _ in both), type(other)(right for _, right in both)
     return value, other
 
 
-def _cause(expected: float, got: float) -> str:
+def _difference_cause_text(expected: float, got: float) -> str:
     """Return what may have made the difference of two numbers that look alike; empty where nothing shows it."""
     gap = abs(got - expected)
     if gap <= NOISE * max(1.0, abs(expected)):
@@ -179,7 +179,7 @@ def _cause(expected: float, got: float) -> str:
         for pi in (round(math.pi, decimals), math.floor(math.pi * factor) / factor):
             times = gap / abs(math.pi - pi)
             if 0.5 <= times <= 4.5 and abs(2 * times - round(2 * times)) < 1e-3:
-                return f"comme si π valait {_written(pi, decimals + 1)} : np.pi a tous ses chiffres"
+                return f"comme si π valait {_number_with_digits(pi, decimals + 1)} : np.pi a tous ses chiffres"
     if got == float(np.float32(expected)):
         return "comme en simple précision (float32)"
     for decimals in range(2, 12):

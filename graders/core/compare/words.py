@@ -27,7 +27,7 @@ T = TypeVar("T")
 _FLOAT_BITS = 1023
 
 
-class _Room:
+class _RemainingRoom:
     """Remaining space for one value; `cut` once something was left out."""
 
     def __init__(self, level: int, items: int) -> None:
@@ -46,7 +46,7 @@ class _Room:
 
     def text(self, text: str, max_length: int = MAX_TEXT) -> str:
         self.cut = self.cut or len(text) > max_length
-        text = _cut(text, max_length)
+        text = _cut_text(text, max_length)
         self.characters -= len(text)
         return text
 
@@ -57,35 +57,38 @@ def to_jsonable(value: Value, *, limit: int = MAX_ITEMS) -> Any:
     A number keeps all its digits, so that a counterexample can be typed in again. However large the value, at most
     `LEVELS` times `limit` items are written, and some tens of thousands of characters; « … » tells what is left out.
     """
-    return _jsonable(value, _Room(limit, LEVELS * limit))
+    return _to_bounded_json(value, _RemainingRoom(limit, LEVELS * limit))
 
 
 def whole_jsonable(value: Value, *, limit: int) -> Any:
     """Return `to_jsonable(value)`; None where something would be left out."""
-    room = _Room(limit, LEVELS * limit)
-    written = _jsonable(value, room)
+    room = _RemainingRoom(limit, LEVELS * limit)
+    written = _to_bounded_json(value, room)
     return None if room.cut else written
 
 
-def _jsonable(value: Value, room: _Room) -> Any:
+def _to_bounded_json(value: Value, room: _RemainingRoom) -> Any:
     if isinstance(value, np.ndarray):
         if value.size > min(room.level, room.items):
             room.cut = True
-            return {"forme": list(value.shape), "premiers": [_scalar(x, room) for x in value.ravel()[:12].tolist()]}
-        return _numbers(value, room) or _jsonable(value.tolist(), room)
+            return {
+                "forme": list(value.shape),
+                "premiers": [_scalar_to_json(x, room) for x in value.ravel()[:12].tolist()],
+            }
+        return _finite_number_row(value, room) or _to_bounded_json(value.tolist(), room)
     if isinstance(value, np.generic):
-        return _jsonable(value.item(), room)
+        return _to_bounded_json(value.item(), room)
     if isinstance(value, dict):
         members = room.taken(value.items())
-        written = {room.text(str(key), MAX_KEY): _jsonable(item, room) for key, item in members}
+        written = {room.text(str(key), MAX_KEY): _to_bounded_json(item, room) for key, item in members}
         return written if len(written) == len(value) else written | {MORE: MORE}
     if isinstance(value, list | tuple):
-        items = [_jsonable(item, room) for item in room.taken(value)]
+        items = [_to_bounded_json(item, room) for item in room.taken(value)]
         return items if len(items) == len(value) else [*items, MORE]
-    return _scalar(value, room)
+    return _scalar_to_json(value, room)
 
 
-def _numbers(array: Floats, room: _Room) -> list[float]:
+def _finite_number_row(array: Floats, room: _RemainingRoom) -> list[float]:
     """Return a row of finite numbers for which there is room; [] where items must be written one by one."""
     if array.ndim != 1 or array.dtype != np.float64 or room.characters <= 0:
         return []
@@ -108,7 +111,7 @@ def tidy(value: Any) -> Any:
     return {key: tidy(item) for key, item in value.items()} if isinstance(value, dict) else value
 
 
-def _scalar(value: Value, room: _Room) -> Any:
+def _scalar_to_json(value: Value, room: _RemainingRoom) -> Any:
     if value is None or isinstance(value, bool):
         return value
     if isinstance(value, int):
@@ -120,7 +123,7 @@ def _scalar(value: Value, room: _Room) -> Any:
     return room.text(str(value))
 
 
-def _cut(text: str, max_length: int = MAX_TEXT) -> str:
+def _cut_text(text: str, max_length: int = MAX_TEXT) -> str:
     return text if len(text) <= max_length else text[: max_length - 1] + MORE
 
 
@@ -131,7 +134,7 @@ def number(value: complex, digits: int = 6) -> str:
     """
     if isinstance(value, complex):
         return f"{number(value.real, digits)} + {number(value.imag, digits)} i"
-    named = _beyond(value) or fraction_of_pi(value)
+    named = _extreme_number_text(value) or fraction_of_pi(value)
     if named is not None:
         return named
     if abs(value) < NEGLIGIBLE:
@@ -143,7 +146,7 @@ def number(value: complex, digits: int = 6) -> str:
     return text.replace(".", ",").replace("-", MINUS)
 
 
-def _beyond(value: float) -> str | None:
+def _extreme_number_text(value: float) -> str | None:
     """Return the text of NaN, an infinity, or an integer beyond every float; None for other numbers."""
     if isinstance(value, int) and value.bit_length() > _FLOAT_BITS:
         return f"environ {MINUS if value < 0 else ''}10^{int(value.bit_length() * math.log10(2))}"
@@ -180,10 +183,12 @@ def text(value: Value, *, digits: int = 6) -> str:
     Numbers are written in French; a value that holds anything else, as Python writes it.
     """
     if not _is_written_in_french(value):
-        return _cut(python_text(value, digits), MAX_LINE)
-    room = _Room(LINE_ITEMS, LINE_ALL)
-    line = _text(value, digits, room)
-    return _cut(line if room.items > 0 else _text(value, digits, _Room(LINE_ITEMS, LINE_ITEMS)), MAX_LINE)
+        return _cut_text(python_text(value, digits), MAX_LINE)
+    room = _RemainingRoom(LINE_ITEMS, LINE_ALL)
+    line = _value_text(value, digits, room)
+    return _cut_text(
+        line if room.items > 0 else _value_text(value, digits, _RemainingRoom(LINE_ITEMS, LINE_ITEMS)), MAX_LINE
+    )
 
 
 def _is_written_in_french(value: Value) -> bool:
@@ -192,13 +197,13 @@ def _is_written_in_french(value: Value) -> bool:
     return isinstance(value, NumberText) or is_numeric(value)
 
 
-def _text(value: Value, digits: int, room: _Room) -> str:
+def _value_text(value: Value, digits: int, room: _RemainingRoom) -> str:
     if type(value) is float:  # which most are
         return number(value, digits)
     if isinstance(value, np.ndarray):
         if value.size > LINE_ITEMS:
             return f"un tableau de forme {shape_text(value.shape)}"
-        return _text(value.tolist(), digits, room)
+        return _value_text(value.tolist(), digits, room)
     if isinstance(value, list | tuple):
         return _items_text(value, digits, room)
     if isinstance(value, NumberText):
@@ -206,8 +211,8 @@ def _text(value: Value, digits: int, room: _Room) -> str:
     return number(value.item() if isinstance(value, np.generic) else value, digits)
 
 
-def _items_text(value: list[Value] | tuple[Value, ...], digits: int, room: _Room) -> str:
-    pieces = [_text(item, digits, room) for item in room.taken(value)]
+def _items_text(value: list[Value] | tuple[Value, ...], digits: int, room: _RemainingRoom) -> str:
+    pieces = [_value_text(item, digits, room) for item in room.taken(value)]
     line = " ; ".join(pieces + [MORE] * (len(pieces) < len(value)))
     return f"[{line}]" if isinstance(value, list) else f"({line})"
 

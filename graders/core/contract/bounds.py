@@ -41,15 +41,15 @@ def limit_size(judgement: Judgement, max_bytes: int = VERDICT_BYTES) -> Judgemen
     whole = json_size(verdict.to_json()) + json_size(judgement.figures)
     if whole <= max_bytes:
         return judgement
-    parts = [*_values(verdict.checks), *judgement.figures.values(), verdict.stdout]
+    parts = [*_cuttable_values(verdict.checks), *judgement.figures.values(), verdict.stdout]
     weights = [json_size(part) for part in parts]
-    level = _level(weights, max_bytes - (whole - sum(weights)) - _WORDS * len(parts))
+    level = _highest_fitting_level(weights, max_bytes - (whole - sum(weights)) - _WORDS * len(parts))
     figures = {name: data for name, data in judgement.figures.items() if json_size(data) <= level}
-    checks = [_lighter(check, level, figures) for check in verdict.checks]
-    return Judgement(replace(verdict, checks=checks, stdout=_shorter(verdict.stdout, level)), figures, films)
+    checks = [_cut_check_result(check, level, figures) for check in verdict.checks]
+    return Judgement(replace(verdict, checks=checks, stdout=_cut_text(verdict.stdout, level)), figures, films)
 
 
-def _level(weights: Sequence[int], room: int) -> int:
+def _highest_fitting_level(weights: Sequence[int], room: int) -> int:
     """Return the highest level at which the sizes, each cut to it, fit into the room together."""
     for index, heaviest in enumerate(ordered := sorted(weights)):
         share = max(room, 0) // (len(ordered) - index)
@@ -59,7 +59,7 @@ def _level(weights: Sequence[int], room: int) -> int:
     return max(weights, default=0)
 
 
-def _values(checks: Sequence[CheckResult]) -> list[Any]:
+def _cuttable_values(checks: Sequence[CheckResult]) -> list[Any]:
     """Return the parts of the checks that may be large."""
     counterexamples = [check.counterexample for check in checks if check.counterexample is not None]
     values = [
@@ -70,29 +70,30 @@ def _values(checks: Sequence[CheckResult]) -> list[Any]:
     return [check.message for check in checks] + values
 
 
-def _lighter(check: CheckResult, level: int, figures: dict[str, Any]) -> CheckResult:
+def _cut_check_result(check: CheckResult, level: int, figures: dict[str, Any]) -> CheckResult:
     lost = check.figure is not None and check.figure not in figures
-    message = _shorter(check.message, level)
+    message = _cut_text(check.message, level)
     return replace(
         check,
         message=f"{message} {_NO_DRAWING}".strip() if lost else message,
-        counterexample=check.counterexample and _map_values(check.counterexample, lambda value: _light(value, level)),
+        counterexample=check.counterexample
+        and _map_counterexample_values(check.counterexample, lambda value: _cut_value(value, level)),
         figure=None if lost else check.figure,
     )
 
 
-def _map_values(counterexample: Counterexample, light: Callable[[Any], Any]) -> Counterexample:
+def _map_counterexample_values(counterexample: Counterexample, light: Callable[[Any], Any]) -> Counterexample:
     inputs = {name: light(value) for name, value in counterexample.inputs.items()}
     return Counterexample(inputs, light(counterexample.expected), light(counterexample.got))
 
 
-def _light(value: Any, level: int) -> Any:
+def _cut_value(value: Any, level: int) -> Any:
     if json_size(value) <= level:
         return value
-    return _shorter(value, level) if isinstance(value, str) else "valeur trop longue pour être montrée ici"
+    return _cut_text(value, level) if isinstance(value, str) else "valeur trop longue pour être montrée ici"
 
 
-def _shorter(text: str, level: int) -> str:
+def _cut_text(text: str, level: int) -> str:
     """Return the beginning of a text within `level` bytes, followed by a note of its full length."""
     if json_size(text) <= level:
         return text

@@ -19,21 +19,21 @@ def copy_value(value: Value) -> Value:
     `copy.deepcopy`.
     """
     try:
-        return _copied(value)
+        return _copy_without_sharing(value)
     except RecursionError:
         return copy.deepcopy(value)
 
 
-def _copied(value: Value) -> Value:
+def _copy_without_sharing(value: Value) -> Value:
     kind = type(value)
     if kind in STEADY:
         return value
     if kind is np.ndarray and not value.dtype.hasobject:
         return value.copy(order="K")
     if kind is list:
-        return [_copied(item) for item in value]
+        return [_copy_without_sharing(item) for item in value]
     if kind is tuple:
-        return tuple([_copied(item) for item in value])
+        return tuple([_copy_without_sharing(item) for item in value])
     if kind is dict:
-        return {_copied(key): _copied(item) for key, item in value.items()}
+        return {_copy_without_sharing(key): _copy_without_sharing(item) for key, item in value.items()}
     return copy.deepcopy(value)

@@ -27,7 +27,7 @@ def film_to_json(data: FigureData, max_bytes: int = FILM_BYTES) -> FigureData | 
     the verdict.
     """
     try:
-        text = _dumped(data)
+        text = _dump_film(data)
     except (TypeError, ValueError, RecursionError):
         log.exception("a film is not made of plain values")
         return None
@@ -47,24 +47,24 @@ def drop_heaviest_films(films: Mapping[str, FigureData], max_bytes: int = FILM_B
     return remaining
 
 
-def _dumped(data: FigureData) -> str:
+def _dump_film(data: FigureData) -> str:
     try:
-        return json.dumps(data, allow_nan=False, default=_listed)
+        return json.dumps(data, allow_nan=False, default=_array_to_list)
     except ValueError:
-        return json.dumps(_finite(data), allow_nan=False)
+        return json.dumps(_replace_non_finite_by_none(data), allow_nan=False)
 
 
-def _listed(value: Any) -> Any:
+def _array_to_list(value: Any) -> Any:
     if isinstance(value, np.ndarray | np.generic):
         return value.tolist()
     raise TypeError(f"a film cannot hold {type(value).__name__}")
 
 
-def _finite(value: Any) -> Any:
+def _replace_non_finite_by_none(value: Any) -> Any:
     if isinstance(value, np.ndarray | np.generic):
-        return _finite(value.tolist())
+        return _replace_non_finite_by_none(value.tolist())
     if isinstance(value, dict):
-        return {key: _finite(item) for key, item in value.items()}
+        return {key: _replace_non_finite_by_none(item) for key, item in value.items()}
     if isinstance(value, list | tuple):
-        return [_finite(item) for item in value]
+        return [_replace_non_finite_by_none(item) for item in value]
     return None if isinstance(value, float) and not np.isfinite(value) else value

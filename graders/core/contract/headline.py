@@ -20,21 +20,23 @@ def headline(verdict: Verdict) -> Wording:
     absent = [check for check in failed if check.cause is Outcome.MISSING_FUNCTION]
     if verdict.outcome is not Outcome.MISSING_FUNCTION or not absent:
         return verdict.outcome.wording()
-    names = _names(absent)
+    names = _missing_function_names(absent)
     written = [check.cause or Outcome.WRONG_ANSWER for check in failed if check.cause is not Outcome.MISSING_FUNCTION]
     if not written:
         wording = verdict.outcome.wording()
-        return Wording(wording.title, f"{_are_absent(names)}." if names else wording.sentence)
+        return Wording(wording.title, f"{_missing_functions_sentence(names)}." if names else wording.sentence)
     wording = most_telling(written).wording()
-    return Wording(wording.title, f"{wording.sentence} {_are_absent(names)}." if names else wording.sentence)
+    return Wording(
+        wording.title, f"{wording.sentence} {_missing_functions_sentence(names)}." if names else wording.sentence
+    )
 
 
-def _names(absent: list[CheckResult]) -> list[str]:
+def _missing_function_names(absent: list[CheckResult]) -> list[str]:
     found = (_MISSING_NAME.search(check.message) for check in absent)
     return list(dict.fromkeys(match[1] for match in found if match))
 
 
-def _are_absent(names: list[str]) -> str:
+def _missing_functions_sentence(names: list[str]) -> str:
     *others, last = (f"« {name} »" for name in names)
     if not others:
         return f"La fonction {last} n’est pas encore dans votre fichier"

@@ -26,7 +26,7 @@ class ObjectReader:
 
     def __init__(self, value: Any, place: str = "") -> None:
         if not isinstance(value, dict):
-            raise MalformedVerdictError(place, f"is {_name(value)}, not an object")
+            raise MalformedVerdictError(place, f"is {_type_text(value)}, not an object")
         self._left = dict(value)
         self._place = place
 
@@ -46,82 +46,82 @@ class ObjectReader:
 
     def any(self, name: str) -> Any:
         """Take a member of any strict JSON."""
-        return _plain(self._take(name), self.place(name))
+        return _check_strict_json(self._take_member(name), self.place(name))
 
     def text(self, name: str) -> str:
-        return str(self._typed(name, (str,), "a text"))
+        return str(self._take_typed_member(name, (str,), "a text"))
 
     def texts(self, name: str) -> tuple[str, ...]:
-        return self.items(name, _text)
+        return self.items(name, _check_text)
 
     def flag(self, name: str) -> bool:
-        return bool(self._typed(name, (bool,), "true or false"))
+        return bool(self._take_typed_member(name, (bool,), "true or false"))
 
     def whole(self, name: str) -> int:
-        return int(self._typed(name, (int,), "a whole number"))
+        return int(self._take_typed_member(name, (int,), "a whole number"))
 
     def number(self, name: str) -> float:
         """A finite number, kept as it is written: 4 stays 4, and 4.0 stays 4.0."""
-        value: float = self._typed(name, (int, float), "a number")
+        value: float = self._take_typed_member(name, (int, float), "a number")
         if not math.isfinite(value):
             raise MalformedVerdictError(self.place(name), "is not finite")
         return value
 
     def items(self, name: str, read: Callable[[Any, str], T]) -> tuple[T, ...]:
         """A list, each item read with its place."""
-        items = self._typed(name, (list,), "a list")
+        items = self._take_typed_member(name, (list,), "a list")
         return tuple(read(item, f"{self.place(name)}/{index}") for index, item in enumerate(items))
 
     def numbers(self, name: str) -> dict[str, float]:
         """An object whose members are all numbers."""
-        value = self._take(name)
+        value = self._take_member(name)
         with ObjectReader(value, self.place(name)) as members:
             return {key: members.number(key) for key in value}
 
     def object(self, name: str) -> dict[str, Any]:
         """An object of strict JSON."""
-        return dict(_plain(self._typed(name, (dict,), "an object"), self.place(name)))
+        return dict(_check_strict_json(self._take_typed_member(name, (dict,), "an object"), self.place(name)))
 
     def maybe(self, name: str, read: Callable[[Any, str], T]) -> T | None:
         """null, or what `read` makes of the value and its place."""
-        value = self._take(name)
+        value = self._take_member(name)
         return None if value is None else read(value, self.place(name))
 
     def maybe_text(self, name: str) -> str | None:
-        return self.maybe(name, _text)
+        return self.maybe(name, _check_text)
 
-    def _take(self, name: str) -> Any:
+    def _take_member(self, name: str) -> Any:
         if name not in self._left:
             raise MalformedVerdictError(self.place(name), "is missing")
         return self._left.pop(name)
 
-    def _typed(self, name: str, types: tuple[type, ...], wanted: str) -> Any:
-        value = self._take(name)
+    def _take_typed_member(self, name: str, types: tuple[type, ...], wanted: str) -> Any:
+        value = self._take_member(name)
         if type(value) not in types:
-            raise MalformedVerdictError(self.place(name), f"is {_name(value)}, not {wanted}")
+            raise MalformedVerdictError(self.place(name), f"is {_type_text(value)}, not {wanted}")
         return value
 
 
-def _text(value: Any, place: str) -> str:
+def _check_text(value: Any, place: str) -> str:
     if type(value) is not str:
-        raise MalformedVerdictError(place, f"is {_name(value)}, not a text")
+        raise MalformedVerdictError(place, f"is {_type_text(value)}, not a text")
     return value
 
 
-def _plain(value: Any, place: str) -> Any:
+def _check_strict_json(value: Any, place: str) -> Any:
     """Return the value, once checked to be strict JSON."""
     if isinstance(value, list):
         for index, item in enumerate(value):
-            _plain(item, f"{place}/{index}")
+            _check_strict_json(item, f"{place}/{index}")
     elif isinstance(value, dict):
         for key, item in value.items():
-            _plain(item, f"{place}/{_text(key, place)}")
+            _check_strict_json(item, f"{place}/{_check_text(key, place)}")
     elif value is not None and (
         type(value) not in (bool, int, float, str) or (isinstance(value, float) and not math.isfinite(value))
     ):
-        raise MalformedVerdictError(place, f"is {_name(value)}, which JSON does not hold")
+        raise MalformedVerdictError(place, f"is {_type_text(value)}, which JSON does not hold")
     return value
 
 
-def _name(value: Any) -> str:
+def _type_text(value: Any) -> str:
     return "null" if value is None else f"of type {type(value).__name__}"

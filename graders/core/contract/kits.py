@@ -22,8 +22,8 @@ def find_kits(module: Path) -> dict[str, Files]:
     home = module / "kit"
     file = home / f"{module.name}.py"
     own = {file.name: file if file.is_file() else PLAIN}
-    folders = sorted(path for path in home.iterdir() if _is_kit(path)) if home.is_dir() else []
-    return {module.name: own} | {folder.name: own | dict(_below(folder)) for folder in folders}
+    folders = sorted(path for path in home.iterdir() if _is_kit_folder(path)) if home.is_dir() else []
+    return {module.name: own} | {folder.name: own | dict(_iter_python_files(folder)) for folder in folders}
 
 
 def kits_for(module: Path) -> dict[str, Files]:
@@ -36,11 +36,11 @@ def scenario_kit() -> dict[str, dict[str, str]]:
     return {SCENARIOS: {f"{SCENARIOS}.py": SCENARIO_FILE.read_text(encoding="utf-8")}}
 
 
-def _is_kit(path: Path) -> bool:
+def _is_kit_folder(path: Path) -> bool:
     return (path / f"{path.name}.py").is_file()
 
 
-def _below(folder: Path) -> Iterator[tuple[str, Path]]:
+def _iter_python_files(folder: Path) -> Iterator[tuple[str, Path]]:
     for path in sorted(folder.rglob("*.py")):
         yield path.relative_to(folder).as_posix(), path
 

@@ -39,11 +39,11 @@ DRIVERS = "__drivers__"
 @cache
 def kit_source(module: str) -> str:
     """Return the source of a module's kit, as students can read it."""
-    return find_kits(_home(module))[module][f"{module}.py"].read_text(encoding="utf-8")
+    return find_kits(_owning_module_folder(module))[module][f"{module}.py"].read_text(encoding="utf-8")
 
 
 @cache
-def _compiled(source: str | bytes, name: str) -> types.CodeType:
+def _compile_source(source: str | bytes, name: str) -> types.CodeType:
     return compile(source, name, "exec", dont_inherit=True)
 
 
@@ -51,25 +51,25 @@ _IMPORTING = threading.Lock()
 
 
 @cache
-def _home(kit: str) -> Path:
+def _owning_module_folder(kit: str) -> Path:
     """Return the folder, in the course, of the module that owns a kit."""
-    modules = (module for room in _curricula() for module in sorted(room.iterdir()) if module.is_dir())
+    modules = (module for room in _curriculum_folders() for module in sorted(room.iterdir()) if module.is_dir())
     return next(module for module in modules if kit in find_kits(module))
 
 
-def _curricula() -> list[Path]:
+def _curriculum_folders() -> list[Path]:
     """Return the `curriculum` folder of each course, a sibling of its `graders` folder."""
     rooms = [Path(room).resolve().with_name("curriculum") for room in graders.__path__]
     return [room for room in rooms if room.is_dir()]
 
 
 @cache
-def _kit(name: str) -> Mapping[str, types.ModuleType]:
+def _import_kit_modules(name: str) -> Mapping[str, types.ModuleType]:
     """Import the modules of a kit and return them by name.
 
     They are removed from `sys.modules` afterwards, so that this process cannot import them by accident.
     """
-    home = _home(name)
+    home = _owning_module_folder(name)
     files = find_kits(home)[name]
     names = [module_name(path) for path in files]
     folders = [str(home / "kit" / name), str(home / "kit")]
@@ -77,7 +77,7 @@ def _kit(name: str) -> Mapping[str, types.ModuleType]:
         sys.path[:0] = folders
         try:
             if PLAIN in files.values():
-                _plain_kit(home.name)
+                _import_default_kit(home.name)
             return {module: importlib.import_module(module) for module in names}
         finally:
             for folder in folders:
@@ -86,7 +86,7 @@ def _kit(name: str) -> Mapping[str, types.ModuleType]:
                 sys.modules.pop(module, None)
 
 
-def _plain_kit(name: str) -> None:
+def _import_default_kit(name: str) -> None:
     """Import the default kit under the name of a module that has none."""
     spec = importlib.util.spec_from_file_location(name, PLAIN)
     assert spec is not None, "a .py file has a loader"
@@ -95,7 +95,7 @@ def _plain_kit(name: str) -> None:
     spec.loader.exec_module(module)
 
 
-def _importer(modules: Mapping[str, types.ModuleType]) -> Callable[..., Any]:
+def _make_import_function(modules: Mapping[str, types.ModuleType]) -> Callable[..., Any]:
     """Return an `__import__` that also finds these modules."""
 
     def find(
@@ -110,11 +110,13 @@ def _importer(modules: Mapping[str, types.ModuleType]) -> Callable[..., Any]:
 
 def kit_names(kit: KitSettings) -> dict[str, Any]:
     """Return the initial global names of a program, with an `__import__` that finds the modules of its kit."""
-    modules = _kit(kit.module)
+    modules = _import_kit_modules(kit.module)
     names = dict(modules[kit.module].configurer(**kit.parameters))
     visible = {name: value for name, value in names.items() if name not in kit.without}
     built_in = dict(vars(builtins))
-    built_in["__import__"] = _importer({**modules, NAME: SolutionModule(_home(kit.module).name, visible, built_in)})
+    built_in["__import__"] = _make_import_function(
+        {**modules, NAME: SolutionModule(_owning_module_folder(kit.module).name, visible, built_in)}
+    )
     return visible | {"__builtins__": built_in}
 
 
@@ -131,7 +133,7 @@ class LocalProgram:
         self._last_value: Any = None
         self._names: dict[str, Any] = {"__name__": "solution", **kit_names(kit)}
         before = set(self._names)
-        exec(_compiled(source, "<trusted>") if isinstance(source, bytes) else source, self._names)
+        exec(_compile_source(source, "<trusted>") if isinstance(source, bytes) else source, self._names)
         self.functions = frozenset(n for n in self._names if n not in before and callable(self._names[n]))
 
     def call(self, function: str, *args: Value, return_arguments: bool = False) -> Reply:
@@ -151,7 +153,7 @@ class LocalProgram:
             message = f"{type(error).__name__} : {error}"
             raise StudentFault(Outcome.RUNTIME_ERROR, message, exception=type(error).__name__) from error
         self._last_value = value
-        return Reply(copy_value(_plain(value)), arguments if return_arguments else None)
+        return Reply(copy_value(_sparse_to_array(value)), arguments if return_arguments else None)
 
     def call_many(self, function: str, calls: Iterable[Arguments], *, faults: int | None = None) -> Iterator[Answer]:
         return call_sequentially(self, function, calls, faults)
@@ -161,7 +163,10 @@ class LocalProgram:
             former: tuple[Any, ...] = ()
             for _, (answer,) in call_batches_sequentially(self, [batch]):
                 if isinstance(answer, Reply) and answer.arguments is not None:
-                    yield number, (Reply(answer.value, (*answer.arguments, *map(copy_value, map(_plain, former)))),)
+                    yield (
+                        number,
+                        (Reply(answer.value, (*answer.arguments, *map(copy_value, map(_sparse_to_array, former)))),),
+                    )
                 else:
                     yield number, (answer,)
                 former = (self._last_value if isinstance(answer, Reply) else None,)
@@ -173,14 +178,14 @@ class LocalProgram:
         """Nothing to give back."""
 
 
-def _plain(value: Value) -> Value:
+def _sparse_to_array(value: Value) -> Value:
     """Return a value with sparse matrices as arrays, as the sandbox sends them."""
     if isinstance(value, tuple | list):
-        return type(value)(map(_plain, value)) if any(map(_sparse, value)) else value
-    return value.toarray() if _sparse(value) else value
+        return type(value)(map(_sparse_to_array, value)) if any(map(_is_sparse, value)) else value
+    return value.toarray() if _is_sparse(value) else value
 
 
-def _sparse(value: Value) -> bool:
+def _is_sparse(value: Value) -> bool:
     return hasattr(type(value), "toarray")
 
 

@@ -34,30 +34,32 @@ def progress(before: Verdict, now: Verdict) -> Progress | None:
     passed = {check.id for check in before.checks if check.passed}
     check_ids = {check.id for check in before.checks}
     checks = tuple(c.title for c in now.checks if c.passed and c.id in check_ids - passed)
-    lost = tuple(c.title for c in now.checks if not c.passed and c.id in passed and _was_judged(c, now))
+    lost = tuple(c.title for c in now.checks if not c.passed and c.id in passed and _compared_answers(c, now))
     failed = {check.id for check in now.checks if not check.passed}
     named = now.diagnosis.titles if now.diagnosis else ()
     failed_before = check_ids - passed
     gone = tuple(
         title
-        for title, explained in _explained(before.diagnosis, failed_before)
-        if title not in named and _is_mended(explained, failed, now.diagnosis)
+        for title, explained in _checks_by_explaining_title(before.diagnosis, failed_before)
+        if title not in named and _is_mistake_mended(explained, failed, now.diagnosis)
     )
     if not gone and not checks and not lost:
         return None
-    unexplained = failed.difference(*(explained for _, explained in _explained(now.diagnosis, failed)))
+    unexplained = failed.difference(*(explained for _, explained in _checks_by_explaining_title(now.diagnosis, failed)))
     left = (*named, *(check.title for check in now.checks if check.id in unexplained and not check.neutral))
     return Progress(gone, checks, lost, left)
 
 
-def _was_judged(check: CheckResult, now: Verdict) -> bool:
+def _compared_answers(check: CheckResult, now: Verdict) -> bool:
     """Whether a failed check compared answers: not where it waits for others, nor where the file does not run."""
     if check.neutral or check.cause in NOT_CALLED:
         return False
     return check.cause is None or not now.load_error
 
 
-def _explained(diagnosis: Diagnosis | None, failed: AbstractSet[str]) -> list[tuple[str, AbstractSet[str]]]:
+def _checks_by_explaining_title(
+    diagnosis: Diagnosis | None, failed: AbstractSet[str]
+) -> list[tuple[str, AbstractSet[str]]]:
     """Return each title with the checks that it explains: all that failed, where that is not known."""
     if diagnosis is None:
         return []
@@ -65,7 +67,7 @@ def _explained(diagnosis: Diagnosis | None, failed: AbstractSet[str]) -> list[tu
     return [(title, set(checks) or failed) for title, checks in zip(diagnosis.titles, known, strict=False)]
 
 
-def _is_mended(explained: AbstractSet[str], failed: AbstractSet[str], now: Diagnosis | None) -> bool:
+def _is_mistake_mended(explained: AbstractSet[str], failed: AbstractSet[str], now: Diagnosis | None) -> bool:
     """Whether a mistake that is no longer named is shown to be gone."""
     left = explained & failed
     if not left:

@@ -27,7 +27,7 @@ class Rows(Sequence[Arguments]):
         self.columns = columns
 
     @cached_property
-    def _calls(self) -> list[Arguments]:
+    def _all_calls(self) -> list[Arguments]:
         return list(zip(*map(split_rows, self.columns), strict=True))
 
     def __len__(self) -> int:
@@ -38,10 +38,10 @@ class Rows(Sequence[Arguments]):
     @overload
     def __getitem__(self, index: slice) -> Sequence[Arguments]: ...
     def __getitem__(self, index: int | slice) -> Arguments | Sequence[Arguments]:
-        return self._calls[index]
+        return self._all_calls[index]
 
     def __iter__(self) -> Iterator[Arguments]:
-        return iter(self._calls)
+        return iter(self._all_calls)
 
 
 class ArrayReplies(Sequence[Answer]):
@@ -51,7 +51,7 @@ class ArrayReplies(Sequence[Answer]):
         self.values = values
 
     @cached_property
-    def _answers(self) -> list[Answer]:
+    def _all_replies(self) -> list[Answer]:
         return [Reply(value) for value in split_rows(self.values)]
 
     def __len__(self) -> int:
@@ -62,20 +62,20 @@ class ArrayReplies(Sequence[Answer]):
     @overload
     def __getitem__(self, index: slice) -> Sequence[Answer]: ...
     def __getitem__(self, index: int | slice) -> Answer | Sequence[Answer]:
-        return self._answers[index]
+        return self._all_replies[index]
 
     def __iter__(self) -> Iterator[Answer]:
-        return iter(self._answers)
+        return iter(self._all_replies)
 
 
 def as_rows(calls: Sequence[Arguments]) -> Sequence[Arguments]:
     """Return the calls as Rows where each argument is an array of floats of one shape; unchanged otherwise."""
     columns = list(zip(*calls, strict=False))
-    alike = len(set(map(len, calls))) == 1 and all(map(_are_alike, columns))
+    alike = len(set(map(len, calls))) == 1 and all(map(_are_float_arrays_of_one_shape, columns))
     return Rows(*map(np.array, columns)) if columns and alike else calls
 
 
-def _are_alike(column: Sequence[Value]) -> bool:
+def _are_float_arrays_of_one_shape(column: Sequence[Value]) -> bool:
     arrays = all(type(value) is np.ndarray and value.dtype == np.float64 and value.ndim for value in column)
     return arrays and len({value.shape for value in column}) == 1
 

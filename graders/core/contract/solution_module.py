@@ -25,17 +25,17 @@ class SolutionModule(types.ModuleType):
         super().__init__(NAME)
 
         def find(function: str) -> object:
-            if function not in _solutions(module):
+            if function not in _solution_files_by_function(module):
                 raise AttributeError(f"module '{NAME}' has no attribute '{function}'")
             home = {"__name__": f"{NAME}.{function}", **names, "__builtins__": built_in}
-            exec(_code(_solutions(module)[function]), home)
+            exec(_compile_file(_solution_files_by_function(module)[function]), home)
             return home[function]
 
         vars(self)["__getattr__"] = find
 
 
 @cache
-def _solutions(module: str) -> Mapping[str, Path]:
+def _solution_files_by_function(module: str) -> Mapping[str, Path]:
     """Map each function of a module to its solution's file; exercises go before a « défi » with the same function."""
     homes: dict[str, Path] = {}
     solutions = (GRADERS / module).glob("*/solution.py")
@@ -47,5 +47,5 @@ def _solutions(module: str) -> Mapping[str, Path]:
 
 
 @cache
-def _code(path: Path) -> types.CodeType:
+def _compile_file(path: Path) -> types.CodeType:
     return compile(path.read_bytes(), str(path), "exec", dont_inherit=True)

@@ -38,7 +38,7 @@ def read_array(value: Value) -> Floats:
     if value is None:
         raise UnreadableError("la fonction n'a rien renvoyé (None) : il manque sans doute un « return »")
     if isinstance(value, str | dict):
-        raise UnreadableError(f"la fonction renvoie {_kind(value)} au lieu de nombres")
+        raise UnreadableError(f"la fonction renvoie {_kind_text(value)} au lieu de nombres")
     if holds_text(value):
         raise UnreadableError("la fonction renvoie autre chose que des nombres réels")
     try:
@@ -50,7 +50,7 @@ def read_array(value: Value) -> Floats:
     if array.size == 0:
         return np.zeros(array.shape)
     if array.dtype.kind not in NUMERIC_KINDS:
-        return _read_objects(array)
+        return _read_object_array(array)
     return array.astype(np.float64)
 
 
@@ -61,16 +61,16 @@ def holds_text(value: Value) -> bool:
     return isinstance(value, str)
 
 
-def _read_objects(array: NDArray[Any]) -> Floats:
+def _read_object_array(array: NDArray[Any]) -> Floats:
     """Integers too large for int64 arrive as an object array; everything else of that kind is unreadable."""
     if array.size > MAX_READ_ONE_BY_ONE:
         raise UnreadableError(f"la fonction renvoie {array.size} valeurs, dont des entiers immenses")
     if array.dtype.kind == "O" and all(isinstance(x, int | float) for x in array.flat):
-        return np.array([_as_float(x) for x in array.flat]).reshape(array.shape)
+        return np.array([_to_float_or_infinity(x) for x in array.flat]).reshape(array.shape)
     raise UnreadableError("la fonction renvoie autre chose que des nombres réels")
 
 
-def _as_float(number: float) -> float:
+def _to_float_or_infinity(number: float) -> float:
     try:
         return float(number)
     except OverflowError:
@@ -102,7 +102,7 @@ def read_indices(value: Value) -> list[int]:
     return [int(x) for x in array]
 
 
-def _kind(value: Value) -> str:
+def _kind_text(value: Value) -> str:
     return "un texte" if isinstance(value, str) else "un dictionnaire"
 
 
@@ -115,26 +115,26 @@ class ValueDigest:
 
 def compact_value(value: Value) -> Value:
     """Return an equivalent value for `same_value`, of bounded size: nested numbers as one array, or a digest."""
-    small = _read_once(value)
-    if _bytes(small) <= MAX_COMPACT_BYTES:
+    small = _to_arrays(value)
+    if _memory_size_bytes(small) <= MAX_COMPACT_BYTES:
         return small
     digest = hashlib.blake2b()
-    _feed(digest, small)
+    _update_digest(digest, small)
     return ValueDigest(digest.digest())
 
 
-def _read_once(value: Value) -> Value:
+def _to_arrays(value: Value) -> Value:
     if isinstance(value, dict):
-        return {key: _read_once(item) for key, item in value.items()}
+        return {key: _to_arrays(item) for key, item in value.items()}
     if not isinstance(value, list | tuple):
         return value
     try:
         return read_array(value)
     except UnreadableError:
-        return tuple(_read_once(item) for item in value)
+        return tuple(_to_arrays(item) for item in value)
 
 
-def _feed(digest: hashlib.blake2b, value: Value) -> None:
+def _update_digest(digest: hashlib.blake2b, value: Value) -> None:
     """Update the digest with an unambiguous encoding of a value."""
     if isinstance(value, np.ndarray):
         digest.update(f"{value.dtype.str}{value.shape}".encode())
@@ -142,17 +142,17 @@ def _feed(digest: hashlib.blake2b, value: Value) -> None:
     elif isinstance(value, dict | tuple):
         digest.update(f"{type(value).__name__}{len(value)}".encode())
         for item in value.items() if isinstance(value, dict) else value:
-            _feed(digest, item)
+            _update_digest(digest, item)
     else:
         digest.update(repr(value).encode() + b"\0")
 
 
-def _bytes(value: Value) -> int:
+def _memory_size_bytes(value: Value) -> int:
     """Return the approximate size of a value in memory."""
     if isinstance(value, dict):
-        return sum(100 + len(key) + _bytes(item) for key, item in value.items())
+        return sum(100 + len(key) + _memory_size_bytes(item) for key, item in value.items())
     if isinstance(value, tuple):
-        return sum(100 + _bytes(item) for item in value)
+        return sum(100 + _memory_size_bytes(item) for item in value)
     return int(value.nbytes) if isinstance(value, np.ndarray) else len(value) if isinstance(value, str) else 32
 
 

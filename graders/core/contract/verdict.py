@@ -111,7 +111,7 @@ class CheckResult:
                 "counterexample": members.maybe("counterexample", Counterexample.from_json),
                 "hint": members.maybe_text("hint"),
                 "figure": members.maybe_text("figure"),
-                "cause": _outcome(members, "cause") if members.has("cause") else None,
+                "cause": _read_outcome(members, "cause") if members.has("cause") else None,
                 "repeats": members.text("repeats") if members.has("repeats") else None,
                 "neutral": members.flag("neutral") if members.has("neutral") else False,
                 "kit": members.object("kit") if members.has("kit") else None,
@@ -171,13 +171,13 @@ class Diagnosis:
     def from_json(cls, value: Any, place: str = "") -> Diagnosis:
         with ObjectReader(value, place) as members:
             source = members.text("source") if members.has("source") else None
-            explains = members.items("explains", _check_ids) if members.has("explains") else ()
+            explains = members.items("explains", _read_check_ids) if members.has("explains") else ()
             certain = members.has("certain") and members.flag("certain")
             texts = (members.text("id"), members.text("title"), members.text("explanation"))
             return cls(*texts, source, tuple(explains), certain)
 
 
-def _check_ids(value: Any, place: str = "") -> tuple[str, ...]:
+def _read_check_ids(value: Any, place: str = "") -> tuple[str, ...]:
     if not isinstance(value, list) or not all(isinstance(item, str) for item in value):
         raise MalformedVerdictError(place, "a list of texts is expected")
     return tuple(value)
@@ -265,7 +265,7 @@ class Verdict:
             read: dict[str, Any] = {
                 "exercise": members.text("exercise"),
                 "exercise_version": members.text("exercise_version"),
-                "outcome": _outcome(members),
+                "outcome": _read_outcome(members),
                 "checks": members.items("checks", CheckResult.from_json),
                 "diagnosis": members.maybe("diagnosis", Diagnosis.from_json),
                 "stdout": members.text("stdout"),
@@ -285,7 +285,7 @@ class Verdict:
         return verdict
 
 
-def _outcome(members: ObjectReader, member: str = "outcome") -> Outcome:
+def _read_outcome(members: ObjectReader, member: str = "outcome") -> Outcome:
     name = members.text(member)
     try:
         return Outcome(name)

@@ -33,16 +33,16 @@ class DeclaredObserver:
     def observe(self, source: bytes, programs: Programs) -> Behaviour:
         """Return the behaviour of a file's program. It is launched twice; unstable answers do not count."""
         try:
-            first, second = self._play(source, programs), self._play(source, programs)
+            first, second = self._play_probes(source, programs), self._play_probes(source, programs)
         except StudentFault:
             return Behaviour((), is_loadable=False)
         if self._right is None:
-            self._right = self._play(self._grader.solution.encode(), programs)
+            self._right = self._play_probes(self._grader.solution.encode(), programs)
         answers, failures = list[StoredAnswer](), dict[int, Failure]()
         for k, (played, repeated) in enumerate(zip(first, second, strict=True)):
-            stored = _stored(played)
-            answers.append(stored if same_answer(stored, _stored(repeated)) else UNSTABLE)
-            failure = self._failure(k, played) if answers[k] != UNSTABLE else None
+            stored = _to_stored_played(played)
+            answers.append(stored if same_answer(stored, _to_stored_played(repeated)) else UNSTABLE)
+            failure = self._judge_probe(k, played) if answers[k] != UNSTABLE else None
             failures |= {} if failure is None else {k: failure}
         functions = dict.fromkeys(failure.case.scenario.function for failure in failures.values())
         return Behaviour(
@@ -50,40 +50,40 @@ class DeclaredObserver:
             tuple(failures),
             tuple(functions),
             lacks_function=any(each.fault and each.fault.outcome is Outcome.MISSING_FUNCTION for each in first),
-            example=self._example([(self._cases[k][0], failure) for k, failure in failures.items()]),
+            example=self._choose_example([(self._cases[k][0], failure) for k, failure in failures.items()]),
         )
 
-    def _play(self, source: bytes, programs: Programs) -> list[Played]:
+    def _play_probes(self, source: bytes, programs: Programs) -> list[Played]:
         """Return what a file's program does with each probe. Raises StudentFault where it does not load."""
         with closing(Player(programs, source, self._grader.kit(PROBE_SEED))) as player:
             return player.start([case.scenario for _, case in self._cases])
 
-    def _failure(self, k: int, played: Played) -> Failure | None:
+    def _judge_probe(self, k: int, played: Played) -> Failure | None:
         assert self._right is not None
         check, case = self._cases[k]
         return judge(check, case, self._right[k], played) if is_answered(self._right[k]) else None
 
-    def _example(self, failures: Sequence[tuple[DeclaredCheck, Failure]]) -> Example | None:
+    def _choose_example(self, failures: Sequence[tuple[DeclaredCheck, Failure]]) -> Example | None:
         """Return the shortest failing case, preferably without an exception."""
         if not failures:
             return None
-        check, failure = min(failures, key=lambda pair: (bool(pair[1].got.raised), _length(pair[1].case.scenario)))
+        check, failure = min(failures, key=lambda pair: (bool(pair[1].got.raised), _text_length(pair[1].case.scenario)))
         shown = self._grader.describe_failure(check, failure).result.counterexample
         if shown is None:
             return None
         return Example(failure.case.scenario.function, shown.inputs, shown.expected, shown.got)
 
 
-def _length(scenario: Scenario) -> int:
+def _text_length(scenario: Scenario) -> int:
     return len(scenario.text())
 
 
-def _stored(played: Played) -> StoredAnswer:
+def _to_stored_played(played: Played) -> StoredAnswer:
     if played.fault is not None:
         return to_stored_answer(f"faute {played.fault.exception or played.fault.outcome.value}")
     written = [dict(played.written)] if played.written else []
-    return tuple(_stored_value(value) for value in (*played.values, played.printed, *written))
+    return tuple(_to_stored_value(value) for value in (*played.values, played.printed, *written))
 
 
-def _stored_value(value: Value) -> StoredAnswer:
+def _to_stored_value(value: Value) -> StoredAnswer:
     return to_stored_answer(value if is_numeric(value) else python_text(value, PROBE_DIGITS))

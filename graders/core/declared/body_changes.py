@@ -76,11 +76,11 @@ def see_calls(known: Sequence[tuple[DeclaredCheck, Case, Played]]) -> Iterator[S
                 statement.callee.rpartition(".")[2],
                 arguments,
                 value,
-                _refuses(check.for_case(case.scenario), right, step) if is_seen else None,
+                _make_refusal_test(check.for_case(case.scenario), right, step) if is_seen else None,
             )
 
 
-def _refuses(check: DeclaredCheck, right: Played, step: int) -> Callable[[Value], bool]:
+def _make_refusal_test(check: DeclaredCheck, right: Played, step: int) -> Callable[[Value], bool]:
     """Return whether a value in place of the solution's answer in a step fails the check."""
     if step >= len(right.values) or isinstance(right.values[step], Raised):
         return lambda _: True  # an exception is expected
@@ -96,39 +96,41 @@ def change_bodies(
     SyntaxError for an invalid solution.
     """
     if is_whole_program(functions):
-        return list(_constant_programs(solution, printed))
+        return list(_iter_constant_programs(solution, printed))
     text = ProgramText(solution)
     same = ast.dump(text.tree)
     found: dict[str, BodyChange] = {}
-    methods = list(_methods(text.tree, functions))
+    methods = list(_iter_functions_and_methods(text.tree, functions))
     names = Counter(method.name for method in methods)
     for method in methods:
         seen = [call for call in calls if call.name == method.called]
         changes = [
-            *_constants(text, method, seen, names[method.name] == 1),
-            *_unread(text, method, seen),
-            *_prepared(text, method, seen),
+            *_iter_constant_bodies(text, method, seen, names[method.name] == 1),
+            *_iter_bodies_ignoring_parameter(text, method, seen),
+            *_iter_bodies_preparing_parameter(text, method, seen),
         ]
         for change, words in changes:
             altered = text.apply(change)
-            if _differs(altered, same):
+            if _is_different_program(altered, same):
                 alteration = Alteration(solution, altered, change.operator, False, method.node.lineno, method.name)
                 is_asked = method.is_asked and change.operator != PREPARED
                 found.setdefault(altered, BodyChange(alteration, words, is_asked))
-    for change, node, words in _forgetful(text, functions):
+    for change, node, words in _iter_forgetful_classes(text, functions):
         alteration = Alteration(solution, text.apply(change), STALE, False, node.lineno, node.name)
         found.setdefault(alteration.altered, BodyChange(alteration, words, is_asked=False))
     return list(found.values())[:MAX_BODY_CHANGES]
 
 
-def _forgetful(text: ProgramText, functions: Sequence[str]) -> Iterator[tuple[Change, ast.FunctionDef, str]]:
+def _iter_forgetful_classes(
+    text: ProgramText, functions: Sequence[str]
+) -> Iterator[tuple[Change, ast.FunctionDef, str]]:
     for node in text.tree.body:
         if isinstance(node, ast.ClassDef) and node.name in functions:
             yield from forget_calls(text, node)
 
 
 @dataclass(frozen=True)
-class _Method:
+class _CalledFunction:
     """A function or a method: the name by which it is called, the parameters that a caller gives, and whether students
     write it and its answer depends on what is given."""
 
@@ -142,11 +144,11 @@ class _Method:
         return self.node.name
 
 
-def _methods(tree: ast.Module, asked: Sequence[str]) -> Iterator[_Method]:
+def _iter_functions_and_methods(tree: ast.Module, asked: Sequence[str]) -> Iterator[_CalledFunction]:
     for node in tree.body:
         if isinstance(node, ast.FunctionDef):
             parameters = _parameters(node)
-            yield _Method(node, node.name, parameters, node.name in asked and bool(parameters))
+            yield _CalledFunction(node, node.name, parameters, node.name in asked and bool(parameters))
         elif isinstance(node, ast.ClassDef):
             for method in node.body:
                 if isinstance(method, ast.FunctionDef):
@@ -154,36 +156,40 @@ def _methods(tree: ast.Module, asked: Sequence[str]) -> Iterator[_Method]:
                     is_made = method.name == MAKER
                     is_asked = node.name in asked and (is_made or not method.name.startswith("_"))
                     parameters = _parameters(method)[0 if is_static else 1 :]
-                    yield _Method(method, node.name if is_made else method.name, parameters, is_asked)
+                    yield _CalledFunction(method, node.name if is_made else method.name, parameters, is_asked)
 
 
 def _parameters(node: ast.FunctionDef) -> list[ast.arg]:
     return [*node.args.posonlyargs, *node.args.args]
 
 
-def _constants(
-    text: ProgramText, method: _Method, seen: Sequence[SeenCall], is_alone: bool
+def _iter_constant_bodies(
+    text: ProgramText, method: _CalledFunction, seen: Sequence[SeenCall], is_alone: bool
 ) -> Iterator[tuple[Change, str]]:
     """Yield bodies that return a constant, or a parameter, which no call that was seen refuses."""
     if method.name == MAKER:
         return
     shown = [(call, call.refuses) for call in seen if call.refuses is not None]
-    texts = dict.fromkeys((*_texts([call.value for call, _ in shown]), *USUAL_CONSTANTS))
+    texts = dict.fromkeys((*_literal_texts([call.value for call, _ in shown]), *USUAL_CONSTANTS))
     returns = any(isinstance(part, ast.Return) and part.value is not None for part in ast.walk(method.node))
     asked = shown if is_alone else []
     for constant in texts:
         value = evaluate_literal(constant)
         if not any(refuses(value) for _, refuses in asked):
-            words = "ne fait rien" if constant == "None" and not returns else f"renvoie toujours `{_short(constant)}`"
-            yield _body(text, method.node, f"return {constant}"), f"`{method.name}` {words}"
+            words = (
+                "ne fait rien"
+                if constant == "None" and not returns
+                else f"renvoie toujours `{_shorten_text(constant)}`"
+            )
+            yield _replace_body(text, method.node, f"return {constant}"), f"`{method.name}` {words}"
     for position, parameter in enumerate(method.parameters):
         given = [(refuses, call.argument(position, parameter.arg)) for call, refuses in asked]
         if not any(arguments and refuses(arguments[0]) for refuses, arguments in given):
-            change = _body(text, method.node, f"return {parameter.arg}")
+            change = _replace_body(text, method.node, f"return {parameter.arg}")
             yield change, f"`{method.name}` renvoie `{parameter.arg}`"
 
 
-def _texts(values: Sequence[Value]) -> list[str]:
+def _literal_texts(values: Sequence[Value]) -> list[str]:
     """Return some of the values as literals."""
     texts = (value_text(value, None) for value in values if not isinstance(value, Opaque | Raised))
     return [text for text in dict.fromkeys(texts) if _is_literal(text)][:MAX_VALUES]
@@ -199,30 +205,34 @@ def _is_literal(text: str) -> bool:
     return True
 
 
-def _body(text: ProgramText, node: ast.FunctionDef, statement: str) -> Change:
+def _replace_body(text: ProgramText, node: ast.FunctionDef, statement: str) -> Change:
     return Change(text.span(node.body[0])[0], text.span(node.body[-1])[1], statement, CONSTANT)
 
 
-def _unread(text: ProgramText, method: _Method, seen: Sequence[SeenCall]) -> Iterator[tuple[Change, str]]:
+def _iter_bodies_ignoring_parameter(
+    text: ProgramText, method: _CalledFunction, seen: Sequence[SeenCall]
+) -> Iterator[tuple[Change, str]]:
     """Yield bodies in which a parameter has its usual value, whatever is given: its default, or the most frequent."""
     defaults = method.node.args.defaults
     by_default = dict(zip([each.arg for each in reversed(method.parameters)], reversed(defaults), strict=False))
     for position, parameter in enumerate(method.parameters):
         values = [argument for call in seen for argument in call.argument(position, parameter.arg)]
-        usual = Counter(filter(_can_be_written, (value_text(value, None) for value in values))).most_common(1)
+        usual = Counter(filter(_is_writable_value, (value_text(value, None) for value in values))).most_common(1)
         default = text.source_of(by_default[parameter.arg]) if parameter.arg in by_default else ""
         value = default or (usual[0][0] if usual else "")
-        if value and _is_read(method, parameter):
+        if value and _is_parameter_read(method, parameter):
             change = insert_first(text, method.node, f"{parameter.arg} = {value}", UNREAD)
-            yield change, f"`{parameter.arg}` de `{method.called}` vaut toujours `{_short(value)}`"
+            yield change, f"`{parameter.arg}` de `{method.called}` vaut toujours `{_shorten_text(value)}`"
 
 
-def _prepared(text: ProgramText, method: _Method, seen: Sequence[SeenCall]) -> Iterator[tuple[Change, str]]:
+def _iter_bodies_preparing_parameter(
+    text: ProgramText, method: _CalledFunction, seen: Sequence[SeenCall]
+) -> Iterator[tuple[Change, str]]:
     """Yield bodies that first change what is given: a text in lower case, a list in order or without repetitions."""
     for position, parameter in enumerate(method.parameters):
         values = [argument for call in seen for argument in call.argument(position, parameter.arg)]
         name = parameter.arg
-        if not values or not _is_read(method, parameter):
+        if not values or not _is_parameter_read(method, parameter):
             continue
         for does_apply, expression, words in _PREPARATIONS:
             if does_apply(values):
@@ -254,27 +264,27 @@ _PREPARATIONS: tuple[tuple[Callable[[Sequence[Value]], bool], str, str], ...] = 
 )
 
 
-def _is_read(method: _Method, parameter: ast.arg) -> bool:
+def _is_parameter_read(method: _CalledFunction, parameter: ast.arg) -> bool:
     return any(isinstance(part, ast.Name) and part.id == parameter.arg for part in ast.walk(method.node))
 
 
-def _can_be_written(text: str) -> bool:
+def _is_writable_value(text: str) -> bool:
     return _is_literal(text) or (text.startswith("lambda ") and len(text) <= MAX_VALUE)
 
 
-def _short(text: str) -> str:
+def _shorten_text(text: str) -> str:
     return text if len(text) <= MAX_SHOWN else f"{text[: MAX_SHOWN - 1]}{MORE}"
 
 
-def _constant_programs(solution: str, printed: Sequence[str]) -> Iterator[BodyChange]:
+def _iter_constant_programs(solution: str, printed: Sequence[str]) -> Iterator[BodyChange]:
     """Yield the program that displays the same whatever is typed, where no two cases display other things."""
     if len(set(printed)) == 1:
         altered = f"print({printed[0]!r}, end='')\n"
-        words = f"le programme affiche toujours `{_short(printed[0].strip())}`"
+        words = f"le programme affiche toujours `{_shorten_text(printed[0].strip())}`"
         yield BodyChange(Alteration(solution, altered, CONSTANT, False, 1, ""), words, is_asked=True)
 
 
-def _differs(altered: str, same: str) -> bool:
+def _is_different_program(altered: str, same: str) -> bool:
     try:
         return ast.dump(parse_source(altered)) != same
     except (SyntaxError, ValueError):

@@ -20,24 +20,24 @@ TEXT_METHODS = frozenset({"lower", "upper", "casefold", "strip", "lstrip", "rstr
 def change_calls(source: str) -> list[Alteration]:
     """Return the program changed at one location each. Raises SyntaxError for an invalid source."""
     text = ProgramText(source)
-    changes = [(node, other, operator) for node in text.nodes() for other, operator in _others(text, node)]
+    changes = [(node, other, operator) for node in text.nodes() for other, operator in _iter_replacements(text, node)]
     changes.sort(key=lambda change: text.span(change[0]))
     return [
         Alteration(
-            source, text.apply(text.replaced(node, other, kind)), kind, False, _line(node), text.function(node)
+            source, text.apply(text.replaced(node, other, kind)), kind, False, _first_line(node), text.function(node)
         )
         for node, other, kind in changes
     ]  # fmt: skip
 
 
-def _line(node: ast.AST) -> int:
+def _first_line(node: ast.AST) -> int:
     return int(node.lineno)  # type: ignore[attr-defined]
 
 
-def _others(text: ProgramText, node: ast.AST) -> Iterator[tuple[str, str]]:
+def _iter_replacements(text: ProgramText, node: ast.AST) -> Iterator[tuple[str, str]]:
     """Yield what stands in place of a call or an index, and the kind of that change."""
     if isinstance(node, ast.Call) and not node.keywords:
-        yield from ((other, LOOK) for other in _look(text, node))
+        yield from ((other, LOOK) for other in _iter_reads_instead_of_removal(text, node))
         if isinstance(node.func, ast.Attribute):
             owner, method = text.source_of(node.func.value), node.func.attr
             if method in TEXT_METHODS and not node.args:
@@ -59,7 +59,7 @@ def _others(text: ProgramText, node: ast.AST) -> Iterator[tuple[str, str]]:
             yield f"{text.source_of(node.value)}[{other}]", LIST_END
 
 
-def _look(text: ProgramText, call: ast.Call) -> Iterator[str]:
+def _iter_reads_instead_of_removal(text: ProgramText, call: ast.Call) -> Iterator[str]:
     """Yield what looks at the element that a call removes, where its value is used; elsewhere the call is dropped."""
     name = call.func.attr if isinstance(call.func, ast.Attribute) else getattr(call.func, "id", "")
     if name not in REMOVERS or isinstance(text.parent(call), ast.Expr):

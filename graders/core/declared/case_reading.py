@@ -39,7 +39,7 @@ def parse_scenario(
     `variables` are values that stand for names; `imports` are names of modules, besides `np` and `math`. Raises
     MalformedDeclaration.
     """
-    tree = _parse(text)
+    tree = _parse_case(text)
     reader = _CaseReader(frozenset(functions), dict(variables or {}), {**ALWAYS, **imports})
     try:
         statements = tuple(reader.statement(node) for node in tree.body)
@@ -59,16 +59,16 @@ def parse_expected(text: str) -> Value:
     kind = getattr(builtins, text.strip(), None)
     if isinstance(kind, type) and issubclass(kind, BaseException):
         return Raised(text.strip())
-    tree = _parse(text)
+    tree = _parse_case(text)
     if len(tree.body) != 1 or not isinstance(tree.body[0], ast.Expr):
         raise MalformedDeclaration(f"« {text.strip()[:80]} » n’est pas une valeur")
     return _CaseReader(frozenset(), {}, {}).value(tree.body[0].value)
 
 
-def _parse(text: str) -> ast.Module:
+def _parse_case(text: str) -> ast.Module:
     if len(text) > MAX_CASE:
         raise MalformedDeclaration(f"ce cas a {len(text)} caractères ; {MAX_CASE} au plus")
-    if _nesting(text) > MAX_NESTING:
+    if _nesting_depth(text) > MAX_NESTING:
         raise MalformedDeclaration(f"ce cas a plus de {MAX_NESTING} parenthèses imbriquées")
     tree = parse_python(text, described=" n’est pas du Python")
     if not 0 < len(tree.body) <= MAX_STATEMENTS:
@@ -76,7 +76,7 @@ def _parse(text: str) -> ast.Module:
     return tree
 
 
-def _nesting(text: str) -> int:
+def _nesting_depth(text: str) -> int:
     depth = deepest = 0
     for character in text:
         depth += (character in "([{") - (character in ")]}")
@@ -95,7 +95,7 @@ class _CaseReader:
     def statement(self, node: ast.stmt) -> Statement:
         into = ""
         if isinstance(node, ast.Assign) and len(node.targets) == 1 and isinstance(node.targets[0], ast.Attribute):
-            path = self._callee(node.targets[0])
+            path = self._callee_text(node.targets[0])
             if path is not None:
                 return Statement("set", path, value=self.value(node.value))
         if isinstance(node, ast.Assign) and len(node.targets) == 1 and isinstance(node.targets[0], ast.Name):
@@ -104,40 +104,40 @@ class _CaseReader:
             expression = node.value
         else:
             raise refusal(node, "écrivez des appels, ou « nom = … »")
-        read = self._read(expression, into)
+        read = self._read_expression(expression, into)
         if into:
             self._assigned.add(into)
             self._variables.pop(into, None)
         return read
 
-    def _read(self, node: ast.expr, into: str) -> Statement:
+    def _read_expression(self, node: ast.expr, into: str) -> Statement:
         node = call_inside(node, self._functions)
-        callee = self._callee(node.func) if isinstance(node, ast.Call) else None
+        callee = self._callee_text(node.func) if isinstance(node, ast.Call) else None
         if callee is None:
             return Statement("value", into, value=self.value(node))
         assert isinstance(node, ast.Call)
-        arguments, named = self._arguments(node)
-        kind = self._kind(callee)
+        arguments, named = self._read_arguments(node)
+        kind = self._statement_kind(callee)
         self._has_run |= kind == "program"
         if kind != "call":
             _require_texts(node, kind, (*arguments, *named), into)
         return Statement(kind, into, callee, arguments, named)
 
-    def _arguments(self, node: ast.Call) -> tuple[tuple[Value, ...], tuple[tuple[str, Value], ...]]:
+    def _read_arguments(self, node: ast.Call) -> tuple[tuple[Value, ...], tuple[tuple[str, Value], ...]]:
         if any(isinstance(argument, ast.Starred) for argument in node.args) or not all(it.arg for it in node.keywords):
             raise refusal(node, "« * » et « ** » ne se lisent pas ici")
         named = tuple((str(key.arg), self.value(key.value)) for key in node.keywords)
         return tuple(map(self.value, node.args)), named
 
-    def _kind(self, callee: str) -> str:
+    def _statement_kind(self, callee: str) -> str:
         if callee == PROGRAM and self._is_program:
             return "program"
-        return "call" if self._is_known(callee) else PREPARATIONS.get(callee, "call")
+        return "call" if self._is_known_name(callee) else PREPARATIONS.get(callee, "call")
 
-    def _is_known(self, name: str) -> bool:
+    def _is_known_name(self, name: str) -> bool:
         return name in self._functions or name in self._assigned
 
-    def _callee(self, node: ast.expr) -> str | None:
+    def _callee_text(self, node: ast.expr) -> str | None:
         """Return what is called, where it is of the program: « Pile », « p.empiler »."""
         path: list[str] = []
         while isinstance(node, ast.Attribute):
@@ -145,11 +145,11 @@ class _CaseReader:
             node = node.value
         if not isinstance(node, ast.Name) or (not path and node.id in _MAKERS and node.id not in self._functions):
             return None
-        if node.id in self._imports and not self._is_known(node.id):
+        if node.id in self._imports and not self._is_known_name(node.id):
             return None
         if not path and (node.id in PREPARATIONS or node.id == PRINT):
             return node.id
-        if not self._is_known(node.id) and not self._has_run:
+        if not self._is_known_name(node.id) and not self._has_run:
             known = ", ".join(sorted(self._functions))
             raise refusal(node, f"« {node.id} » n’est pas une de vos fonctions ({known})")
         if any(name.startswith("__") for name in path):
@@ -159,17 +159,17 @@ class _CaseReader:
     def value(self, node: ast.expr) -> Value:
         """Return the value that an expression writes."""
         readers: dict[type[ast.expr], Callable[[Any], Value]] = {
-            ast.Constant: self._constant,
-            ast.List: self._items,
-            ast.Tuple: self._items,
-            ast.Set: self._items,
-            ast.Dict: self._dict,
-            ast.Lambda: self._function,
-            ast.UnaryOp: self._number,
-            ast.BinOp: self._number,
-            ast.Name: self._name,
-            ast.Attribute: self._name,
-            ast.Call: self._made,
+            ast.Constant: self._read_constant,
+            ast.List: self._read_items,
+            ast.Tuple: self._read_items,
+            ast.Set: self._read_items,
+            ast.Dict: self._read_dict,
+            ast.Lambda: self._read_lambda,
+            ast.UnaryOp: self._read_number_expression,
+            ast.BinOp: self._read_number_expression,
+            ast.Name: self._read_name,
+            ast.Attribute: self._read_name,
+            ast.Call: self._read_constructor_call,
         }
         reader = readers.get(type(node))
         if isinstance(node, ast.Compare) and len(node.ops) == 1 and isinstance(node.ops[0], ast.Eq):
@@ -179,35 +179,35 @@ class _CaseReader:
             raise refusal(node, "ce n’est ni un nombre, ni un texte, ni une liste, ni une fonction « lambda »")
         return reader(node)
 
-    def _function(self, node: ast.Lambda) -> FunctionSource:
+    def _read_lambda(self, node: ast.Lambda) -> FunctionSource:
         """Return a function with the names that it needs. Raises MalformedDeclaration for one that nothing gives."""
         names = _free_names(node)
-        imported = [name for name in names if name in self._imports and not self._is_known(name)]
+        imported = [name for name in names if name in self._imports and not self._is_known_name(name)]
         left = [name for name in names if name not in imported and not hasattr(builtins, name)]
-        unknown = next((name for name in left if not self._is_known(name) and not self._has_run), None)
+        unknown = next((name for name in left if not self._is_known_name(name) and not self._has_run), None)
         if unknown is not None:
             raise refusal(node, f"« {unknown} » n’est pas connu ici : {import_advice(unknown)}")
         imports = tuple((name, *self._imports[name]) for name in imported if name not in ALWAYS)
         return FunctionSource(ast.unparse(node), imports, tuple(left))
 
-    def _constant(self, node: ast.Constant) -> Value:
+    def _read_constant(self, node: ast.Constant) -> Value:
         if node.value is ...:
             raise refusal(node, "« ... » n’est pas une valeur")
         return node.value
 
-    def _dict(self, node: ast.Dict) -> Value:
+    def _read_dict(self, node: ast.Dict) -> Value:
         if None in node.keys:
             raise refusal(node, "« ** » ne se lit pas ici")
         pairs = zip(node.keys, node.values, strict=True)
-        return {_hashable(node, self.value(key)): self.value(item) for key, item in pairs if key is not None}
+        return {_require_hashable(node, self.value(key)): self.value(item) for key, item in pairs if key is not None}
 
-    def _items(self, node: ast.List | ast.Tuple | ast.Set) -> Value:
+    def _read_items(self, node: ast.List | ast.Tuple | ast.Set) -> Value:
         items = [self.value(item) for item in node.elts]
         if isinstance(node, ast.Set):
-            return {_hashable(node, item) for item in items}
+            return {_require_hashable(node, item) for item in items}
         return tuple(items) if isinstance(node, ast.Tuple) else items
 
-    def _number(self, node: ast.UnaryOp | ast.BinOp) -> Value:
+    def _read_number_expression(self, node: ast.UnaryOp | ast.BinOp) -> Value:
         """Return -3, 1 + 2j, 2 ** 0.5 or 3 / 4: arithmetic of two small numbers."""
         if isinstance(node, ast.UnaryOp):
             operand = self.value(node.operand)
@@ -232,7 +232,7 @@ class _CaseReader:
             raise refusal(node, TOO_LARGE)
         raise refusal(node, "ce calcul ne se lit pas ici : écrivez-le avec +, -, *, / et **")
 
-    def _name(self, node: ast.Name | ast.Attribute) -> Value:
+    def _read_name(self, node: ast.Name | ast.Attribute) -> Value:
         text = ast.unparse(node)
         if text in ("np.pi", "pi", "math.pi"):
             return float(np.pi)
@@ -246,13 +246,13 @@ class _CaseReader:
                 raise refusal(node, "pas de nom qui contient deux soulignés")
             return Reference(text)
         if first in self._imports:
-            return Reference(text, self._imported(node, text))
+            return Reference(text, self._resolve_import(node, text))
         if self._functions and "__" not in text and callable(getattr(builtins, text, None)):
             return Reference(text, ("builtins", text))
         advice = import_advice(text) if hasattr(np, text) else "un texte s’écrit entre guillemets"
         raise MalformedDeclaration(f"« {text} » n’est pas connu ici ; {advice}")
 
-    def _imported(self, node: ast.expr, text: str) -> tuple[str, str]:
+    def _resolve_import(self, node: ast.expr, text: str) -> tuple[str, str]:
         """Return the module and the attribute of what an imported name, or a path below it, stands for."""
         first, _, rest = text.partition(".")
         if "__" in rest:
@@ -260,7 +260,7 @@ class _CaseReader:
         module, attribute = self._imports[first]
         return module, ".".join(filter(None, (attribute, rest)))
 
-    def _nested_call(self, node: ast.Call) -> NestedCall | None:
+    def _read_nested_call(self, node: ast.Call) -> NestedCall | None:
         """Return a call of the program whose value is an argument, or on whose value a method is called."""
         path: list[str] = []
         base = node.func
@@ -268,18 +268,18 @@ class _CaseReader:
             path.insert(0, base.attr)
             base = base.value
         if isinstance(base, ast.Call) and path and not any(name.startswith("__") for name in path):
-            inner = self._nested_call(base)
-            return None if inner is None else NestedCall(".".join(path), *self._arguments(node), inner)
-        if isinstance(base, ast.Name) and self._is_known(base.id) and not self._is_program:
-            return NestedCall(self._callee(node.func) or "", *self._arguments(node))
+            inner = self._read_nested_call(base)
+            return None if inner is None else NestedCall(".".join(path), *self._read_arguments(node), inner)
+        if isinstance(base, ast.Name) and self._is_known_name(base.id) and not self._is_program:
+            return NestedCall(self._callee_text(node.func) or "", *self._read_arguments(node))
         text = ast.unparse(node.func)
         if isinstance(base, ast.Name) and base.id in self._imports and text not in _ARRAYS:
-            return NestedCall(text, *self._arguments(node), imported=self._imported(node, text))
+            return NestedCall(text, *self._read_arguments(node), imported=self._resolve_import(node, text))
         return None
 
-    def _made(self, node: ast.Call) -> Value:
+    def _read_constructor_call(self, node: ast.Call) -> Value:
         """Return set(…), np.array(…), float("nan")…: a function of Python that makes a value."""
-        nested = self._nested_call(node)
+        nested = self._read_nested_call(node)
         if nested is not None:
             return nested
         maker = ast.unparse(node.func).removeprefix("np.")
@@ -288,7 +288,7 @@ class _CaseReader:
             if maker == "set" and len(arguments) <= 1:
                 return set(*arguments)
             if maker == "array" and len(arguments) == 1:
-                return _made_array(node, arguments[0])
+                return _make_array(node, arguments[0])
             if maker in ("zeros", "ones") and len(arguments) == 1 and np.prod(arguments[0]) <= MAX_CASE:
                 return np.full(arguments[0], float(maker == "ones"))
             if maker == "float" and arguments in (["nan"], ["inf"], ["-inf"]):
@@ -300,14 +300,14 @@ class _CaseReader:
         raise refusal(node, "de fonctions de Python, seules set, bytes, np.array, np.zeros, np.ones se lisent ici")
 
 
-def _made_array(node: ast.Call, content: Value) -> Value:
-    array = np.array(content, dtype=_dtype(node))
+def _make_array(node: ast.Call, content: Value) -> Value:
+    array = np.array(content, dtype=_read_dtype(node))
     if array.dtype.hasobject:
         raise refusal(node, "un tableau ne tient ici que des nombres, des booléens ou des textes")
     return array
 
 
-def _dtype(node: ast.Call) -> Any:
+def _read_dtype(node: ast.Call) -> Any:
     named = {key.arg: ast.unparse(key.value) for key in node.keywords}
     if not named:
         return None
@@ -337,7 +337,7 @@ def _is_number(value: Value) -> bool:
     return isinstance(value, int | float | complex) and not isinstance(value, bool) and abs(value) < 1e300
 
 
-def _hashable(node: ast.expr, value: Value) -> Value:
+def _require_hashable(node: ast.expr, value: Value) -> Value:
     try:
         hash(value)
     except TypeError:

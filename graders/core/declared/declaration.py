@@ -213,13 +213,14 @@ def read_declaration(data: Mapping[str, Any]) -> Declaration:
         solution = table.text("solution", longest=MAX_PROGRAM)
         imports = read_imports(solution)
         checks = tuple(
-            _check(*entry, functions, solution, imports) for entry in table.tables("verifications", most=MAX_CHECKS)
+            _read_check(*entry, functions, solution, imports)
+            for entry in table.tables("verifications", most=MAX_CHECKS)
         )
         rules = (
-            *_rules(table.texts("interdits", most=MAX_CASES), "interdits", required=False),
-            *_rules(table.texts("demandes", most=MAX_CASES), "demandes", required=True),
+            *_read_rules(table.texts("interdits", most=MAX_CASES), "interdits", required=False),
+            *_read_rules(table.texts("demandes", most=MAX_CASES), "demandes", required=True),
         )
-        mistakes = tuple(_mistake(*entry) for entry in table.tables("erreurs", most=MAX_MISTAKES))
+        mistakes = tuple(_read_mistake(*entry) for entry in table.tables("erreurs", most=MAX_MISTAKES))
     _require_distinct([check.id for check in checks], "verifications")
     _require_distinct([mistake.id for mistake in mistakes], "erreurs")
     total = sum(check.points for check in checks)
@@ -228,9 +229,9 @@ def read_declaration(data: Mapping[str, Any]) -> Declaration:
     return Declaration(functions, checks, rules, solution, mistakes, dict(data))
 
 
-def _check(place: str, data: object, functions: tuple[str, ...], solution: str, imports: Imports) -> DeclaredCheck:
+def _read_check(place: str, data: object, functions: tuple[str, ...], solution: str, imports: Imports) -> DeclaredCheck:
     with _TableReader(data, place) as table:
-        identity = _identity(table)
+        identity = _read_identifier(table)
         lines, files = table.lines("entrees"), table.files("fichiers")
         written = table.texts("cas", most=MAX_CASES)
         expected = table.texts("attendus", most=MAX_CASES) or ("",) * len(written)
@@ -240,7 +241,7 @@ def _check(place: str, data: object, functions: tuple[str, ...], solution: str, 
             Scenario(_read_case(text, functions, imports, f"{place}.cas[{index}]"), lines, files)
             for index, text in enumerate(written)
         )
-        drawn = _drawn(table, functions, imports)
+        drawn = _read_drawn_cases(table, functions, imports)
         prints = is_whole_program(functions) and all(case.ends_with_program for case in cases)
         watched = table.choice("regarder", _WATCHED, "affichage" if prints else "valeur")
         cases = tuple(
@@ -263,11 +264,11 @@ def _check(place: str, data: object, functions: tuple[str, ...], solution: str, 
         points = table.number("points", MAX_POINTS)
         return DeclaredCheck(
             identity, table.text("titre"), points, table.text("indice", ""), cases, drawn, comparator, watched,
-            _tolerance(tolerance, solution, table.at("tolerance")),
+            _read_tolerance(tolerance, solution, table.at("tolerance")),
         )  # fmt: skip
 
 
-def _drawn(table: _TableReader, functions: tuple[str, ...], imports: Imports) -> DrawnCases | None:
+def _read_drawn_cases(table: _TableReader, functions: tuple[str, ...], imports: Imports) -> DrawnCases | None:
     text, call = table.text("tirages", ""), table.text("appel", "")
     conditions, count = table.texts("conditions", most=MAX_CASES), int(table.number("combien", DEFAULT_DRAWS))
     if not text and not call:
@@ -307,14 +308,14 @@ def _read_expected(text: str, watched: Watched, place: str) -> tuple[Value, ...]
     return (expected if watched != "printed" or isinstance(expected, str) else text,)
 
 
-def _tolerance(text: str, solution: str, place: str) -> CaseTolerance | None:
+def _read_tolerance(text: str, solution: str, place: str) -> CaseTolerance | None:
     try:
         return CaseTolerance.read(text, solution) if text else None
     except MalformedDeclaration as error:
         raise error.at(place) from error
 
 
-def _rules(words: Sequence[str], place: str, *, required: bool) -> Iterator[Rule]:
+def _read_rules(words: Sequence[str], place: str, *, required: bool) -> Iterator[Rule]:
     for index, word in enumerate(words):
         try:
             yield Rule.read(word, required=required)
@@ -322,10 +323,10 @@ def _rules(words: Sequence[str], place: str, *, required: bool) -> Iterator[Rule
             raise error.at(f"{place}[{index}]") from error
 
 
-def _mistake(place: str, data: object) -> DeclaredMistake:
+def _read_mistake(place: str, data: object) -> DeclaredMistake:
     with _TableReader(data, place) as table:
         return DeclaredMistake(
-            _identity(table),
+            _read_identifier(table),
             table.text("titre"),
             table.text("explication"),
             table.text("question"),
@@ -333,7 +334,7 @@ def _mistake(place: str, data: object) -> DeclaredMistake:
         )
 
 
-def _identity(table: _TableReader) -> str:
+def _read_identifier(table: _TableReader) -> str:
     identity = table.text("id")
     if not IDENTITY.fullmatch(identity):
         raise MalformedDeclaration(

@@ -23,39 +23,45 @@ def find_doubt(
     positions `free` does not count.
     """
     call = only_call(scenario)
-    columns = None if call is None else _columns_alike(call, examples)
+    columns = None if call is None else _argument_columns_of_like_calls(call, examples)
     if call is None or columns is None:
         return ""
-    named = [names[at] if at < len(names) else f"l’argument {at + 1}" for at in range(_width(call))]
-    doubts = (_order(call, columns, named, free), _together(call, columns, named), _kind(call, columns, named, free))
+    named = [names[at] if at < len(names) else f"l’argument {at + 1}" for at in range(_argument_count(call))]
+    doubts = (
+        _iter_order_doubts(call, columns, named, free),
+        _iter_function_combination_doubts(call, columns, named),
+        _iter_kind_doubts(call, columns, named, free),
+    )
     return next(itertools.chain.from_iterable(doubts), "")
 
 
 def has_other_shape(scenario: Scenario, examples: Sequence[Scenario]) -> bool:
     """Whether a case has lists in a list, or rows of other lengths, where no example has: no such input is meant."""
     call = only_call(scenario)
-    columns = None if call is None else _columns_alike(call, examples)
+    columns = None if call is None else _argument_columns_of_like_calls(call, examples)
     if call is None or columns is None:
         return False
     return any(
         all(map(_is_sequence, (value, *column))) and all(map(holds, column)) and not holds(value)
         for value, column in zip(call.arguments, columns, strict=True)
-        for holds in (_is_flat, _is_even)
+        for holds in (_is_flat_list, _has_rows_of_equal_length)
     )
 
 
-def _columns_alike(call: Statement, examples: Sequence[Scenario]) -> list[tuple[Value, ...]] | None:
+def _argument_columns_of_like_calls(call: Statement, examples: Sequence[Scenario]) -> list[tuple[Value, ...]] | None:
     """Return each argument's values in the examples that call alike; None where these are too few."""
     others = [other for other in map(only_call, examples) if other is not None]
-    alike = [other for other in others if other.callee == call.callee and _width(other) == _width(call)]
+    alike = [
+        other for other in others if other.callee == call.callee and _argument_count(other) == _argument_count(call)
+    ]
     return list(zip(*(other.arguments for other in alike), strict=True)) if len(alike) >= FEWEST else None
 
 
-def _is_flat(value: Value) -> bool:
+def _is_flat_list(value: Value) -> bool:
     return not any(map(_is_sequence, value))
 
 
-def _is_even(value: Value) -> bool:
+def _has_rows_of_equal_length(value: Value) -> bool:
     return len({len(row) if _is_sequence(row) else None for row in value}) < 2
 
 
@@ -73,11 +79,11 @@ def only_call(scenario: Scenario) -> Statement | None:
     return None if others or not first.callee or first.named else first
 
 
-def _width(call: Statement) -> int:
+def _argument_count(call: Statement) -> int:
     return len(call.arguments)
 
 
-def _order(
+def _iter_order_doubts(
     call: Statement, columns: Sequence[Sequence[Value]], names: Sequence[str], free: Collection[int]
 ) -> Iterator[str]:
     constant = [len({value for value in column if _is_number(value)}) == 1 for column in columns]
@@ -92,7 +98,9 @@ def _order(
             yield f"Dans vos exemples, {names[first]} est toujours inférieur à {names[second]}."
 
 
-def _together(call: Statement, columns: Sequence[Sequence[Value]], names: Sequence[str]) -> Iterator[str]:
+def _iter_function_combination_doubts(
+    call: Statement, columns: Sequence[Sequence[Value]], names: Sequence[str]
+) -> Iterator[str]:
     """Yield the functions that no example gives together: of a function and its derivative, both are chosen."""
     functions = [at for at, column in enumerate(columns) if all(isinstance(each, FunctionSource) for each in column)]
     given = [tuple(column[at] for at in functions) for column in zip(*columns, strict=True)]
@@ -100,7 +108,7 @@ def _together(call: Statement, columns: Sequence[Sequence[Value]], names: Sequen
         yield f"Aucun de vos exemples ne donne {' et '.join(names[at] for at in functions)} ensemble ainsi."
 
 
-def _kind(
+def _iter_kind_doubts(
     call: Statement, columns: Sequence[Sequence[Value]], names: Sequence[str], free: Collection[int]
 ) -> Iterator[str]:
     kinds: tuple[tuple[Callable[[Value], bool], Callable[[Value], bool], str], ...] = (

@@ -37,22 +37,22 @@ def parse_draws(text: str, conditions: Sequence[str] = ()) -> Draws:
     """Read « a = entier(0, 5); t = liste(reel(0, 1), 0, 8) » and its conditions. Raises MalformedDeclaration."""
     generators: list[tuple[str, Generator]] = []
     known: set[str] = set()
-    for node in _parse(text).body:
+    for node in _parse_draws_text(text).body:
         if not (isinstance(node, ast.Assign) and len(node.targets) == 1 and isinstance(node.targets[0], ast.Name)):
             raise refusal(node, "écrivez « nom = entier(0, 9) »")
         name = node.targets[0].id
         generators.append((name, _DrawsReader(known).generator(node.value)))
         known.add(name)
-    return Draws(tuple(generators), tuple(_condition(condition, known) for condition in conditions))
+    return Draws(tuple(generators), tuple(_compile_condition(condition, known) for condition in conditions))
 
 
-def _parse(text: str) -> ast.Module:
+def _parse_draws_text(text: str) -> ast.Module:
     if len(text) > MAX_TEXT:
         raise MalformedDeclaration(f"{len(text)} caractères ; {MAX_TEXT} au plus")
     return parse_python(text)
 
 
-def _condition(text: str, known: set[str]) -> Callable[[Mapping[str, Value]], Any]:
+def _compile_condition(text: str, known: set[str]) -> Callable[[Mapping[str, Value]], Any]:
     return parse_expression_of(text, known, "une condition")
 
 
@@ -60,7 +60,7 @@ def parse_expression_of(
     text: str, names: Iterable[str], what: str = "un calcul"
 ) -> Callable[[Mapping[str, Value]], Any]:
     """Return what evaluates an expression over the variables of these names. Raises MalformedDeclaration."""
-    body = _parse(text).body
+    body = _parse_draws_text(text).body
     if len(body) != 1 or not isinstance(body[0], ast.Expr):
         raise MalformedDeclaration(f"« {text} » n’est pas {what}")
     return _DrawsReader(set(names)).expression(body[0].value)
@@ -91,13 +91,13 @@ class _DrawsReader:
     def expression(self, node: ast.expr) -> Callable[[Mapping[str, Value]], Any]:
         """Return what evaluates arithmetic, comparisons and `len` over the variables."""
         readers: dict[type[ast.expr], Callable[[Any], Callable[[Mapping[str, Value]], Any] | None]] = {
-            ast.Constant: self._constant,
-            ast.Name: self._variable,
-            ast.BinOp: self._operation,
-            ast.UnaryOp: self._negation,
-            ast.BoolOp: self._conjunction,
-            ast.Compare: self._comparison,
-            ast.Call: self._function,
+            ast.Constant: self._compile_constant,
+            ast.Name: self._compile_variable,
+            ast.BinOp: self._compile_operation,
+            ast.UnaryOp: self._compile_negation,
+            ast.BoolOp: self._compile_conjunction,
+            ast.Compare: self._compile_comparison,
+            ast.Call: self._compile_function_call,
         }
         reader = readers.get(type(node))
         read = reader(node) if reader else None
@@ -106,38 +106,38 @@ class _DrawsReader:
             raise refusal(node, f"ici, des nombres, les variables tirées avant ({known}), {_EXPRESSIONS}")
         return read
 
-    def _constant(self, node: ast.Constant) -> Callable[[Mapping[str, Value]], Any] | None:
+    def _compile_constant(self, node: ast.Constant) -> Callable[[Mapping[str, Value]], Any] | None:
         constant = node.value
         return (lambda _: constant) if isinstance(constant, int | float | str) else None
 
-    def _variable(self, node: ast.Name) -> Callable[[Mapping[str, Value]], Any] | None:
+    def _compile_variable(self, node: ast.Name) -> Callable[[Mapping[str, Value]], Any] | None:
         name = node.id
         return (lambda variables: variables[name]) if name in self._known else None
 
-    def _operation(self, node: ast.BinOp) -> Callable[[Mapping[str, Value]], Any] | None:
+    def _compile_operation(self, node: ast.BinOp) -> Callable[[Mapping[str, Value]], Any] | None:
         operation, parts = _OPERATIONS.get(type(node.op)), (self.expression(node.left), self.expression(node.right))
         if operation is None:
             return None
         return lambda variables: operation(parts[0](variables), parts[1](variables))
 
-    def _negation(self, node: ast.UnaryOp) -> Callable[[Mapping[str, Value]], Any] | None:
+    def _compile_negation(self, node: ast.UnaryOp) -> Callable[[Mapping[str, Value]], Any] | None:
         operand, negates = self.expression(node.operand), isinstance(node.op, ast.USub)
         if not isinstance(node.op, ast.USub | ast.Not):
             return None
         return lambda variables: -operand(variables) if negates else not operand(variables)
 
-    def _conjunction(self, node: ast.BoolOp) -> Callable[[Mapping[str, Value]], Any]:
+    def _compile_conjunction(self, node: ast.BoolOp) -> Callable[[Mapping[str, Value]], Any]:
         values, every = [self.expression(value) for value in node.values], isinstance(node.op, ast.And)
         return lambda variables: (all if every else any)(value(variables) for value in values)
 
-    def _function(self, node: ast.Call) -> Callable[[Mapping[str, Value]], Any] | None:
+    def _compile_function_call(self, node: ast.Call) -> Callable[[Mapping[str, Value]], Any] | None:
         function = _FUNCTIONS.get(node.func.id) if isinstance(node.func, ast.Name) else None
         arguments = [self.expression(argument) for argument in node.args]
         if function is None:
             return None
         return lambda variables: function(*(argument(variables) for argument in arguments))
 
-    def _comparison(self, node: ast.Compare) -> Callable[[Mapping[str, Value]], bool]:
+    def _compile_comparison(self, node: ast.Compare) -> Callable[[Mapping[str, Value]], bool]:
         parts = [self.expression(part) for part in (node.left, *node.comparators)]
         known = [_COMPARISONS[type(comparison)] for comparison in node.ops if type(comparison) in _COMPARISONS]
         if len(known) < len(node.ops):
@@ -151,7 +151,7 @@ class _DrawsReader:
         return compare
 
 
-def _of_numbers(operation: Callable[[Any, Any], Any]) -> Callable[[Any, Any], Any]:
+def _restrict_to_numbers(operation: Callable[[Any, Any], Any]) -> Callable[[Any, Any], Any]:
     """Return the operation on numbers alone: a repeated or formatted text has no bound."""
 
     def apply(left: Any, right: Any) -> Any:
@@ -163,10 +163,10 @@ def _of_numbers(operation: Callable[[Any, Any], Any]) -> Callable[[Any, Any], An
 
 
 _OPERATIONS: dict[type[ast.operator], Callable[[Any, Any], Any]] = {
-    ast.Add: _of_numbers(operator.add),
-    ast.Sub: _of_numbers(operator.sub),
-    ast.Mult: _of_numbers(operator.mul),
-    ast.Mod: _of_numbers(operator.mod),
+    ast.Add: _restrict_to_numbers(operator.add),
+    ast.Sub: _restrict_to_numbers(operator.sub),
+    ast.Mult: _restrict_to_numbers(operator.mul),
+    ast.Mod: _restrict_to_numbers(operator.mod),
 }
 _COMPARISONS: dict[type[ast.cmpop], Callable[[Any, Any], Any]] = {
     ast.Lt: operator.lt,
@@ -181,11 +181,11 @@ _COMPARISONS: dict[type[ast.cmpop], Callable[[Any, Any], Any]] = {
 _FUNCTIONS: dict[str, Callable[..., Any]] = {"len": len, "abs": abs, "sum": sum, "min": min, "max": max}
 
 
-def _literals(nodes: Sequence[ast.expr]) -> tuple[Value, ...]:
+def _read_literals(nodes: Sequence[ast.expr]) -> tuple[Value, ...]:
     return tuple(ast.literal_eval(node) for node in nodes)
 
 
-def _flag(named: Mapping[str, ast.expr], name: str) -> bool:
+def _read_flag(named: Mapping[str, ast.expr], name: str) -> bool:
     return name in named and ast.literal_eval(named[name]) is True
 
 
@@ -196,7 +196,7 @@ def _read_list(
     kind: type[Any],
 ) -> Generator:
     shortest, longest = reader.bounds(nodes[1:], (0, 8))
-    flags = (_flag(named, "triee"), _flag(named, "distincts"))
+    flags = (_read_flag(named, "triee"), _read_flag(named, "distincts"))
     return DrawnList(reader.generator(nodes[0]), shortest, longest, kind, *flags)
 
 
@@ -211,7 +211,7 @@ def _read_words(reader: _DrawsReader, nodes: Sequence[ast.expr], named: Mapping[
     words = tuple(ast.literal_eval(nodes[0]).split())
     if not words:
         raise ValueError("no word")
-    return DrawnWords(words, *reader.bounds(nodes[1:], (0, 6)), _flag(named, "espaces"))
+    return DrawnWords(words, *reader.bounds(nodes[1:], (0, 6)), _read_flag(named, "espaces"))
 
 
 def _read_array(reader: _DrawsReader, nodes: Sequence[ast.expr], named: Mapping[str, ast.expr]) -> Generator:
@@ -219,7 +219,7 @@ def _read_array(reader: _DrawsReader, nodes: Sequence[ast.expr], named: Mapping[
     return DrawnArray(tuple(map(reader.expression, shape)), *reader.bounds(nodes[1:], (-10.0, 10.0)))
 
 
-def _fixed_array(size: int) -> Callable[..., Generator]:
+def _reader_of_fixed_array(size: int) -> Callable[..., Generator]:
     def read(reader: _DrawsReader, nodes: Sequence[ast.expr], named: Mapping[str, ast.expr]) -> Generator:
         return DrawnArray((lambda _: size,), *reader.bounds(nodes, (-10.0, 10.0)))
 
@@ -255,8 +255,8 @@ _GENERATORS: dict[str, Callable[[_DrawsReader, Sequence[ast.expr], Mapping[str, 
         reader.generator(nodes[0]), reader.generator(nodes[1]), *reader.bounds(nodes[2:], (0, 5))
     ),
     "tableau": _read_array,
-    "point": _fixed_array(2),
-    "pose": _fixed_array(3),
+    "point": _reader_of_fixed_array(2),
+    "pose": _reader_of_fixed_array(3),
     "grille": lambda reader, nodes, named: DrawnGrid(*map(reader.expression, nodes)),
-    "choix": lambda reader, nodes, named: DrawnChoice(_literals(nodes)),
+    "choix": lambda reader, nodes, named: DrawnChoice(_read_literals(nodes)),
 }

@@ -24,12 +24,12 @@ def describe_figure(title: str, expected: Value, got: Value) -> FigureData | Non
 
     `got` is drawn where it has the form of `expected`, and numbers that are finite.
     """
-    drawn = _read(expected)
+    drawn = _read_drawing(expected)
     if drawn is None:
         return None
     kind, right = drawn
-    other = _read(got)
-    obtained = None if other is None or not _are_of_one_form(kind, right, other[1]) else other[1]
+    other = _read_drawing(got)
+    obtained = None if other is None or not _are_drawable_together(kind, right, other[1]) else other[1]
     return {
         "kind": kind,
         "title": title,
@@ -38,7 +38,7 @@ def describe_figure(title: str, expected: Value, got: Value) -> FigureData | Non
     }
 
 
-def _are_of_one_form(kind: str, right: tuple[Floats, ...], other: tuple[Floats, ...]) -> bool:
+def _are_drawable_together(kind: str, right: tuple[Floats, ...], other: tuple[Floats, ...]) -> bool:
     if len(right) != len(other):
         return False
     if kind == GRID:
@@ -46,14 +46,14 @@ def _are_of_one_form(kind: str, right: tuple[Floats, ...], other: tuple[Floats, 
     return all(a.ndim == b.ndim and a.shape[1:] == b.shape[1:] for a, b in zip(right, other, strict=True))
 
 
-def _read(value: Value) -> tuple[str, tuple[Floats, ...]] | None:
+def _read_drawing(value: Value) -> tuple[str, tuple[Floats, ...]] | None:
     """Return what draws a value, and the arrays that it draws."""
     if isinstance(value, tuple) and len(value) == 2:
-        both = [_numbers(part) for part in value]
+        both = [_read_finite_array(part) for part in value]
         first, second = both
         if first is not None and second is not None and first.ndim == second.ndim == 1 and first.size == second.size:
             return CURVE, (first, second)
-    array = _numbers(value)
+    array = _read_finite_array(value)
     if array is None:
         return None
     if array.ndim == 1:
@@ -64,7 +64,7 @@ def _read(value: Value) -> tuple[str, tuple[Floats, ...]] | None:
     return (GRID, (array,)) if array.ndim == 2 and min(array.shape) > 1 else None
 
 
-def _numbers(value: Value) -> Floats | None:
+def _read_finite_array(value: Value) -> Floats | None:
     """Return a value as an array of finite numbers, not too few and not too many; None for any other value."""
     if not isinstance(value, list | tuple | np.ndarray):
         return None

@@ -108,11 +108,11 @@ class DrawnWords(Generator):
         for kind in rng.random(_draw_length(rng, self.shortest, self.longest, variables)):
             others = drawn if drawn and kind < REPEATED else self.words
             word = others[int(rng.integers(len(others)))]
-            drawn.append(self._mixed(rng, len(word)) if kind >= 1.0 - MIXED else word)
+            drawn.append(self._draw_mixed_word(rng, len(word)) if kind >= 1.0 - MIXED else word)
         spaces = [" " * (1 + int(self.gaps and rng.random() < GAP)) for _ in drawn]
         return "".join(space + word for space, word in zip(["", *spaces[1:]], drawn, strict=False))
 
-    def _mixed(self, rng: np.random.Generator, length: int) -> str:
+    def _draw_mixed_word(self, rng: np.random.Generator, length: int) -> str:
         """Return another word of about so many of the letters."""
         letters = "".join(self.words)
         return "".join(letters[k] for k in rng.integers(len(letters), size=max(1, length + int(rng.integers(-1, 2)))))
@@ -205,7 +205,7 @@ class DrawnArray(Generator):
 
     def draw(self, rng: np.random.Generator, variables: Variables) -> Value:
         shape = tuple(max(0, int(side(variables))) for side in self.shape)
-        _require_room(int(np.prod(shape)))
+        _require_bounded_size(int(np.prod(shape)))
         return rng.uniform(self.low(variables), self.high(variables), shape)
 
     def contains(self, value: Value, variables: Variables) -> bool:
@@ -225,7 +225,7 @@ class DrawnGrid(Generator):
 
     def draw(self, rng: np.random.Generator, variables: Variables) -> Value:
         shape = int(self.rows(variables)), int(self.columns(variables))
-        _require_room(shape[0] * shape[1])
+        _require_bounded_size(shape[0] * shape[1])
         return rng.random(shape) < self.probability(variables)
 
     def contains(self, value: Value, variables: Variables) -> bool:
@@ -290,12 +290,12 @@ class Draws:
 
 def _draw_length(rng: np.random.Generator, shortest: Bound, longest: Bound, variables: Variables) -> int:
     low, high = int(shortest(variables)), int(longest(variables))
-    _require_room(high)
+    _require_bounded_size(high)
     if not 0 <= low <= high:
         raise MalformedDeclaration(f"longueurs de {low} à {high} : rien entre ces deux bornes")
     return int(rng.integers(low, high, endpoint=True))
 
 
-def _require_room(items: int) -> None:
+def _require_bounded_size(items: int) -> None:
     if items > MAX_ITEMS:
         raise MalformedDeclaration(f"une valeur de {items} éléments ; {MAX_ITEMS} au plus")

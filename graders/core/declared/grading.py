@@ -94,14 +94,14 @@ class DeclaredGrader:
             programs.prepare(self.solution.encode(), kit, LAUNCHES)
         student, solution = Player(programs, source, kit), Player(programs, self.solution.encode(), kit)
         try:
-            findings = shorten_repeated_reasons(self._findings(source, student, solution, cases, clock_of(programs)))
+            findings = shorten_repeated_reasons(self._judge_file(source, student, solution, cases, clock_of(programs)))
             stdout = student.stdout()
             checked = time.perf_counter()
             diagnosis = None
             if any(not finding.passed for finding in findings) and self.declaration.mistakes and student.functions:
                 early = make_verdict(self.exercise, version, seed, findings, None, stdout=stdout, timings={})
                 with while_naming(Judgement(early)):
-                    diagnosis = self._named(findings, student, programs) or slip_diagnosis(findings)
+                    diagnosis = self._name_known_mistake(findings, student, programs) or slip_diagnosis(findings)
         finally:
             student.close()
             solution.close()
@@ -116,7 +116,7 @@ class DeclaredGrader:
         drawn = check.drawn.draw(stream(seed, check.id)) if check.drawn else ()
         return [*map(Case, check.cases), *(Case(each.scenario, each) for each in drawn)]
 
-    def _findings(
+    def _judge_file(
         self,
         source: bytes,
         student: Player,
@@ -130,7 +130,7 @@ class DeclaredGrader:
             got = student.start(scenarios)
         except StudentFault as fault:
             return [fault_finding(check, fault) for check in checks]
-        right = self._right_answers(solution, cases)
+        right = self._play_solution(solution, cases)
         broken = next(filter(None, (rule.broken_at(source) for rule in self.declaration.rules)), None)
         findings, at = [], 0
         for check in checks:
@@ -148,7 +148,7 @@ class DeclaredGrader:
             findings.append(self.describe_failure(check, *fail_alone(check, simplest, source, student)))
         return findings
 
-    def _right_answers(self, solution: Player, cases: Mapping[str, Sequence[Case]]) -> list[Played]:
+    def _play_solution(self, solution: Player, cases: Mapping[str, Sequence[Case]]) -> list[Played]:
         """Return what the solution does in each case. Raises SolutionFault where it is not what the author says."""
         pairs = [(check, case.scenario) for check in self.declaration.checks for case in cases[check.id]]
         right = solution.play([scenario for _, scenario in pairs])
@@ -197,7 +197,7 @@ class DeclaredGrader:
         """Return the finding of a failing case; `note` ends its words."""
         scenario, fault = failure.case.scenario, failure.got.fault
         statement = scenario.statements[min(failure.step, len(scenario.statements) - 1)]
-        inputs = self._inputs(scenario)
+        inputs = self._counterexample_inputs(scenario)
         expected = observed(check, failure.right, failure.step)
         if failure.mismatch is None:
             assert fault is not None
@@ -218,7 +218,7 @@ class DeclaredGrader:
             case=scenario,
         )
 
-    def _inputs(self, scenario: Scenario) -> dict[str, Value]:
+    def _counterexample_inputs(self, scenario: Scenario) -> dict[str, Value]:
         """Return what a counterexample gives: the arguments by name for one call of a function, else the whole case."""
         given: dict[str, Value] = {}
         first = scenario.statements[0]
@@ -247,7 +247,7 @@ class DeclaredGrader:
         """Return why the solution does not answer as it must, for its author; empty where it does."""
         player = Player(programs, self.solution.encode(), self.kit(seed))
         try:
-            self._right_answers(player, {check.id: self.cases(check, seed) for check in self.declaration.checks})
+            self._play_solution(player, {check.id: self.cases(check, seed) for check in self.declaration.checks})
         except SolutionFault as fault:
             return str(fault)
         finally:
@@ -294,7 +294,7 @@ class DeclaredGrader:
         finally:
             player.close()
 
-    def _known_fingerprints(self, programs: Programs) -> Mapping[str, Fingerprint]:
+    def _fingerprints_of_known_mistakes(self, programs: Programs) -> Mapping[str, Fingerprint]:
         if self.fingerprints is not None:
             return self.fingerprints
         with self._making:
@@ -302,10 +302,10 @@ class DeclaredGrader:
                 self._made["mistakes"] = self.make_fingerprints(programs)
         return self._made["mistakes"]
 
-    def _named(self, findings: Sequence[Finding], student: Player, programs: Programs) -> Diagnosis | None:
+    def _name_known_mistake(self, findings: Sequence[Finding], student: Player, programs: Programs) -> Diagnosis | None:
         """Return the known mistake that answers every probe as the student's file does, within the tolerances."""
         answers = tuple(map(probe_answer, student.play_again(self.probes())))
-        known, checks = self._known_fingerprints(programs), [check for check, _ in self.probe_cases()]
+        known, checks = self._fingerprints_of_known_mistakes(programs), [check for check, _ in self.probe_cases()]
         mistake = find_mistake(self.declaration.mistakes, known, answers, checks)
         if mistake is None:
             return None
@@ -321,17 +321,19 @@ class DeclaredGrader:
 
     def known_submissions(self) -> Iterator[KnownSubmission]:
         """Yield the solution, the mistakes and the specimens, with their expected verdicts."""
-        yield KnownSubmission("référence", _always(self.solution.encode()), Outcome.OK)
+        yield KnownSubmission("référence", _same_source_for_all_seeds(self.solution.encode()), Outcome.OK)
         for mistake in self.declaration.mistakes:
-            yield KnownSubmission(f"erreur {mistake.id}", _always(mistake.program.encode()), diagnosis=mistake.id)
+            yield KnownSubmission(
+                f"erreur {mistake.id}", _same_source_for_all_seeds(mistake.program.encode()), diagnosis=mistake.id
+            )
         for specimen in self.specimens():
             subject = f"spécimen {specimen.outcome.value}/{specimen.path.name}"
-            yield KnownSubmission(subject, _always(specimen.path.read_bytes()), specimen.outcome)
+            yield KnownSubmission(subject, _same_source_for_all_seeds(specimen.path.read_bytes()), specimen.outcome)
 
     def specimens(self) -> Iterator[Specimen]:
         """Yield the submissions under `specimens/<outcome>/`. Raises MalformedExerciseError."""
         return read_specimens(self.folder) if self.folder else iter(())
 
 
-def _always(source: bytes) -> Callable[[int], bytes]:
+def _same_source_for_all_seeds(source: bytes) -> Callable[[int], bytes]:
     return lambda _seed: source

@@ -52,19 +52,19 @@ class HuntedArgument:
 
     @property
     def words(self) -> str:
-        kinds = [words for kind, words in KINDS if any(_is_of(value, kind) for value in self.values)]
+        kinds = [words for kind, words in KINDS if any(_is_instance_of_kind(value, kind) for value in self.values)]
         return " ou ".join(kinds) or "une valeur"
 
     def accepts(self, value: Value) -> bool:
         """Whether a value is of the same type as one that a case gives; an integer is a number."""
-        return any(_are_alike(value, example) for example in self.values)
+        return any(_have_same_type(value, example) for example in self.values)
 
 
-def _is_of(value: Value, kind: type | tuple[type, ...]) -> bool:
+def _is_instance_of_kind(value: Value, kind: type | tuple[type, ...]) -> bool:
     return isinstance(value, kind) and not (kind is int and isinstance(value, bool))
 
 
-def _are_alike(value: Value, example: Value) -> bool:
+def _have_same_type(value: Value, example: Value) -> bool:
     if isinstance(example, FunctionSource | Reference):
         return isinstance(value, FunctionSource | Reference)
     if isinstance(value, bool) or isinstance(example, bool) or not isinstance(example, int | float):
@@ -163,7 +163,9 @@ class DeclaredHuntGround:
     def find_witness(self) -> tuple[str, ...] | None:
         """Return the arguments of a short call that shows the mistake, as one types them; None where none is short."""
         hunt = self._hunt
-        cases = [case for case in hunt.grader.cases(hunt.check, PROBE_SEED)[:MAX_CASES] if self._is_asked(case)]
+        cases = [
+            case for case in hunt.grader.cases(hunt.check, PROBE_SEED)[:MAX_CASES] if self._calls_hunted_function(case)
+        ]
         scenarios = [case.scenario for case in cases]
         answers = zip(cases, self._right.play(scenarios), self._wrong.play(scenarios), strict=True)
         judged = [
@@ -171,15 +173,15 @@ class DeclaredHuntGround:
             for case, right, got in answers
             if right.fault is None and right.raised is None
         ]
-        shortest = sorted((each for each in judged if each is not None), key=_length)[:1]
-        simplest = [self._simplest(failure) for failure in shortest]
-        texts = [tuple(_exact(value) for value in each.case.scenario.statements[0].arguments) for each in simplest]
+        shortest = sorted((each for each in judged if each is not None), key=_call_text_length)[:1]
+        simplest = [self._find_simplest(failure) for failure in shortest]
+        texts = [tuple(_exact_text(value) for value in each.case.scenario.statements[0].arguments) for each in simplest]
         return next((each for each in texts if sum(map(len, each)) <= MAX_WITNESS), None)
 
-    def _is_asked(self, case: Case) -> bool:
+    def _calls_hunted_function(self, case: Case) -> bool:
         return _is_one_call(case.scenario) and case.scenario.function == self._hunt.function
 
-    def _simplest(self, failure: Failure) -> Failure:
+    def _find_simplest(self, failure: Failure) -> Failure:
         hunt, until = self._hunt, time.monotonic() + SIMPLER_SECONDS
         return hunt.grader.simplest(hunt.check, failure, self._wrong, self._right, time.monotonic, until)
 
@@ -202,10 +204,10 @@ def try_hunt(hunt: DeclaredHunt, programs: Programs, case: Case) -> HuntShow:
         return ground.try_case(case)
 
 
-def _length(failure: Failure) -> int:
+def _call_text_length(failure: Failure) -> int:
     return len(failure.case.scenario.text())
 
 
-def _exact(value: Value) -> str:
+def _exact_text(value: Value) -> str:
     text = value_text(value, None)
     return f"np.{text}" if isinstance(value, np.ndarray) else text

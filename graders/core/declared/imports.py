@@ -27,10 +27,10 @@ def read_imports(solution: str) -> dict[str, tuple[str, str]]:
         tree = parse_source(solution)
     except (SyntaxError, ValueError, RecursionError, MemoryError):
         return {}
-    return {name: where for node in tree.body for name, where in _imported_by(node)}
+    return {name: where for node in tree.body for name, where in _iter_imported_names(node)}
 
 
-def _imported_by(node: ast.stmt) -> Iterator[tuple[str, tuple[str, str]]]:
+def _iter_imported_names(node: ast.stmt) -> Iterator[tuple[str, tuple[str, str]]]:
     if isinstance(node, ast.Import):
         for alias in node.names:
             root = alias.name.partition(".")[0]

@@ -54,7 +54,7 @@ def agrees(check: DeclaredCheck, expected: Value, given: Value) -> bool:
     if isinstance(expected, Raised):
         return isinstance(given, Raised) and is_exception(given, expected)
     if check.watched == "printed" and isinstance(expected, str) and isinstance(given, str):
-        return _printed_mismatch(check, expected, given) is None
+        return _compare_printed(check, expected, given) is None
     return check.comparator(expected, given) is None
 
 
@@ -75,46 +75,48 @@ def _judge_values(check: DeclaredCheck, case: Case, right: Played, got: Played) 
     """Judge a scenario that no exception ended."""
     last = len(case.scenario.statements) - 1
     if check.watched == "printed":
-        if _printed_mismatch(check, right.screen, got.screen) is None:
+        if _compare_printed(check, right.screen, got.screen) is None:
             return None
-        printed = _printed_mismatch(check, right.printed, got.printed)
+        printed = _compare_printed(check, right.printed, got.printed)
         return Failure(case, right, got, printed, last) if printed else None
     if check.watched == "written":
-        files = _written_mismatch(check, right.written, got.written)
+        files = _compare_written_files(check, right.written, got.written)
         return Failure(case, right, got, files, last) if files else None
     for step, statement in enumerate(case.scenario.statements):
-        wanted = _value_at(right, step)
+        wanted = _value_at_step(right, step)
         if not statement.is_shown or (wanted is None and step != last):
             continue
-        mismatch = check.comparator(wanted, _value_at(got, step))
+        mismatch = check.comparator(wanted, _value_at_step(got, step))
         if mismatch is not None:
             return Failure(case, right, got, mismatch, step)
     return None
 
 
-def _printed_mismatch(check: DeclaredCheck, expected: str, got: str) -> Mismatch | None:
+def _compare_printed(check: DeclaredCheck, expected: str, got: str) -> Mismatch | None:
     """Compare what was printed; spaces at the end of lines and empty lines at the end never count."""
     if not got.strip() and expected.strip():
         return Mismatch("Rien n’est affiché : il manque sans doute un « print ».")
-    return _text_mismatch(check, expected, got)
+    return _compare_texts(check, expected, got)
 
 
-def _text_mismatch(check: DeclaredCheck, expected: str, got: str) -> Mismatch | None:
+def _compare_texts(check: DeclaredCheck, expected: str, got: str) -> Mismatch | None:
     wanted, obtained = ("\n".join(line.rstrip() for line in it.rstrip().split("\n")) for it in (expected, got))
     return check.comparator(wanted, obtained)
 
 
-def _written_mismatch(check: DeclaredCheck, expected: Mapping[str, str], got: Mapping[str, str]) -> Mismatch | None:
+def _compare_written_files(
+    check: DeclaredCheck, expected: Mapping[str, str], got: Mapping[str, str]
+) -> Mismatch | None:
     """Compare the files that were written, each as what is printed."""
     missing = next((name for name in expected if name not in got), None)
     if missing is not None:
         return Mismatch(f"Le fichier « {missing} » n’est pas écrit.")
-    mismatches = ((name, _text_mismatch(check, text, got[name])) for name, text in expected.items())
+    mismatches = ((name, _compare_texts(check, text, got[name])) for name, text in expected.items())
     first = next(((name, found) for name, found in mismatches if found), None)
     return first and replace(first[1], words=f"Dans « {first[0]} » : {first[1].message}")
 
 
-def _value_at(played: Played, step: int) -> Value:
+def _value_at_step(played: Played, step: int) -> Value:
     return played.values[step] if step < len(played.values) else None
 
 
@@ -123,7 +125,7 @@ def observed(check: DeclaredCheck, played: Played, step: int) -> Value:
     if played.raised is not None:
         return played.raised
     if check.watched == "value":
-        return _value_at(played, step)
+        return _value_at_step(played, step)
     return played.printed if check.watched == "printed" else dict(played.written)
 
 

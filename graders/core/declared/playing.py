@@ -66,11 +66,11 @@ class Player:
     def start(self, scenarios: Sequence[Scenario]) -> list[Played]:
         """Load the file and play the first scenarios, which travel with it. Raises StudentFault where it does not
         load."""
-        batches = _batches(scenarios)
+        batches = _batch_scenarios(scenarios)
         self._launches += 1
         self._program = self._programs.open(self._source, self._kit, batches)
         self._functions = self._program.functions
-        played = self._play(batches, len(scenarios))
+        played = self._play_batches(batches, len(scenarios))
         if not any(each.fault for each in played):
             pairs = zip(scenarios, played, strict=True)
             self._answered = {id(scenario): (scenario, each) for scenario, each in pairs}  # kept: an id is used again
@@ -91,7 +91,7 @@ class Player:
             except StudentFault as fault:
                 self._dead = fault
                 return [Played(fault=fault)] * len(scenarios)
-        return self._play(_batches(scenarios), len(scenarios))
+        return self._play_batches(_batch_scenarios(scenarios), len(scenarios))
 
     def play_again(self, scenarios: Sequence[Scenario]) -> list[Played]:
         """Return as `play`; scenarios that `start` has played are not played again, unless one of them stopped."""
@@ -105,21 +105,21 @@ class Player:
         known |= {identity: each for identity, (_, each) in self._answered.items()}
         return [known[id(scenario)] for scenario in scenarios]
 
-    def _play(self, batches: Sequence[PlannedCalls], count: int) -> list[Played]:
+    def _play_batches(self, batches: Sequence[PlannedCalls], count: int) -> list[Played]:
         assert self._program is not None
         played: list[list[Played]] = [[] for _ in batches]
         for number, answers in self._program.call_batches(batches):
-            played[number] += [_played(answer) for answer in answers]
+            played[number] += [_to_played(answer) for answer in answers]
         last = next((each.fault for batch in played for each in batch if each.fault and each.fault.fatal), None)
         if last is not None:
-            self._bury(last)
+            self._close_dead_program(last)
         whole: list[Played] = []
         for batch, got in zip(batches, played, strict=True):
             stopped = last or (got[-1].fault if got and got[-1].fault else UNREADABLE)
             whole += [*got, *[Played(fault=stopped)] * (len(batch.calls) - len(got))]
         return whole[:count]
 
-    def _bury(self, fault: StudentFault) -> None:
+    def _close_dead_program(self, fault: StudentFault) -> None:
         """Close a dead program; another one is launched for the next scenarios, unless it died too often."""
         self.close()
         if self._launches >= MAX_LAUNCHES:
@@ -137,14 +137,14 @@ class Player:
             self._program = None
 
 
-def _batches(scenarios: Sequence[Scenario]) -> list[PlannedCalls]:
+def _batch_scenarios(scenarios: Sequence[Scenario]) -> list[PlannedCalls]:
     return [
         PlannedCalls(function, [scenario.arguments() for scenario in group], faults=MAX_FAULTS)
         for function, group in itertools.groupby(scenarios, key=lambda scenario: scenario.function)
     ]
 
 
-def _played(answer: Reply | StudentFault) -> Played:
+def _to_played(answer: Reply | StudentFault) -> Played:
     if isinstance(answer, StudentFault):
         return Played(fault=answer)
     try:

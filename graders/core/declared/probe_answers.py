@@ -25,7 +25,7 @@ def probe_answer(played: Played) -> str:
     if played.fault is not None:
         return f"{played.fault.outcome.value} {played.fault.exception or ''}"
     written = [dict(played.written)] if played.written else []
-    return python_text(_typeless([*played.values, played.printed, *written]), PROBE_DIGITS)
+    return python_text(_normalise_types([*played.values, played.printed, *written]), PROBE_DIGITS)
 
 
 def behaviour_digest(played: Sequence[Played]) -> str:
@@ -46,11 +46,11 @@ def find_mistake(
     exact = next((each for each in mistakes if tuple(known.get(each.id, ())) == tuple(answers)), None)
     if exact is not None:
         return exact
-    near = [each for each in mistakes if _are_alike(known.get(each.id, ()), answers, checks)]
+    near = [each for each in mistakes if _are_same_answers(known.get(each.id, ()), answers, checks)]
     return near[0] if len(near) == 1 else None
 
 
-def _are_alike(known: Sequence[str], answers: Sequence[str], checks: Sequence[DeclaredCheck]) -> bool:
+def _are_same_answers(known: Sequence[str], answers: Sequence[str], checks: Sequence[DeclaredCheck]) -> bool:
     if not len(known) == len(answers) == len(checks):
         return False
     return all(same_probe_answer(*trio) for trio in zip(checks, known, answers, strict=True))
@@ -73,12 +73,12 @@ def same_probe_answer(check: DeclaredCheck, text: str, other: str) -> bool:
     return all(same(value, given) is None for value, given in zip(values, others, strict=True))
 
 
-def _typeless(value: Value) -> Value:
+def _normalise_types(value: Value) -> Value:
     """Return a value in which 1.0 is 1, and a tuple or an array is a list: what comparators take for the same."""
     if isinstance(value, np.ndarray | np.generic):
         value = value.tolist()
     if isinstance(value, list | tuple):
-        return [_typeless(item) for item in value]
+        return [_normalise_types(item) for item in value]
     if isinstance(value, dict):
-        return {key: _typeless(value[key]) for key in sorted(value, key=repr)}
+        return {key: _normalise_types(value[key]) for key in sorted(value, key=repr)}
     return int(value) if isinstance(value, float) and value.is_integer() else value

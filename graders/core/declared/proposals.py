@@ -65,11 +65,11 @@ def propose_signatures(solution: str, functions: Sequence[str]) -> dict[str, str
         if isinstance(node, ast.FunctionDef) and node.name in signatures:
             signatures[node.name] = f"{node.name}({ast.unparse(node.args)})"
         elif isinstance(node, ast.ClassDef) and node.name in signatures:
-            signatures[node.name] = f"class {node.name}{_methods(node)}"
+            signatures[node.name] = f"class {node.name}{_methods_text(node)}"
     return signatures
 
 
-def _methods(node: ast.ClassDef) -> str:
+def _methods_text(node: ast.ClassDef) -> str:
     """Return what one calls of a class, without `self`: « : empiler(x), depiler() »; empty where it has no method."""
     methods = [each for each in node.body if isinstance(each, ast.FunctionDef)]
     public = [each for each in methods if not each.name.startswith("_") or each.name == "__init__"]
@@ -88,10 +88,10 @@ def propose_starter(solution: str, functions: Sequence[str]) -> str:
         return f"{TO_DO}\n"
     tree = parse_solution(solution)
     nodes = [node for node in tree.body if getattr(node, "name", None) in functions] if tree else []
-    return "\n\n".join("\n".join(_header(node, "")) + "\n" for node in nodes)
+    return "\n\n".join("\n".join(_iter_header_lines(node, "")) + "\n" for node in nodes)
 
 
-def _header(node: ast.AST, indent: str) -> Iterator[str]:
+def _iter_header_lines(node: ast.AST, indent: str) -> Iterator[str]:
     if isinstance(node, ast.FunctionDef):
         yield f"{indent}def {node.name}({ast.unparse(node.args)}):"
         yield f"{indent}    {TO_DO}"
@@ -101,7 +101,7 @@ def _header(node: ast.AST, indent: str) -> Iterator[str]:
         yield f"{indent}class {node.name}:"
         for number, method in enumerate(methods):
             yield from [""] * bool(number)
-            yield from _header(method, f"{indent}    ")
+            yield from _iter_header_lines(method, f"{indent}    ")
         if not methods:
             yield f"{indent}    pass"
 
@@ -125,15 +125,19 @@ def propose_draws(cases: Sequence[str], functions: Sequence[str], imports: Impor
         statements = [parse_scenario(case, functions, imports=imports) for case in cases]
     except MalformedDeclaration:
         return ProposedDraws()
-    calls = [_with_numbers(each[0]) for each in statements if len(each) == 1 and each[0].callee and not each[0].named]
+    calls = [
+        _convert_integer_lines(each[0])
+        for each in statements
+        if len(each) == 1 and each[0].callee and not each[0].named
+    ]
     alike = [call for call in calls if calls and call.callee == calls[0].callee]
     widths = {len(call.arguments) for call in alike}
     if len(alike) < 2 or len(widths) != 1 or "." in alike[0].callee:
         return ProposedDraws()
-    return _draws_of_calls(alike)
+    return _propose_draws_of_calls(alike)
 
 
-def _with_numbers(call: Statement) -> Statement:
+def _convert_integer_lines(call: Statement) -> Statement:
     """Return a run of a program in which lines that write integers are integers."""
     if call.kind != "program":
         return call
@@ -141,15 +145,15 @@ def _with_numbers(call: Statement) -> Statement:
     return replace(call, arguments=tuple(lines))
 
 
-def _draws_of_calls(calls: Sequence[Statement]) -> ProposedDraws:
+def _propose_draws_of_calls(calls: Sequence[Statement]) -> ProposedDraws:
     draws, arguments = [], []
     columns = list(zip(*(call.arguments for call in calls), strict=True))
     for position, values in enumerate(columns):
-        texts = {_constant(value) for value in values}
+        texts = {_constant_text(value) for value in values}
         if len(texts) == 1 and "" not in texts:
             arguments.append(texts.pop())
             continue
-        generator = _generator(values)
+        generator = _propose_generator(values)
         if not generator:
             return ProposedDraws()
         name = f"x{position + 1}"
@@ -165,14 +169,14 @@ def _draws_of_calls(calls: Sequence[Statement]) -> ProposedDraws:
     return ProposedDraws("; ".join(draws), f"{calls[0].callee}({', '.join(arguments)})", conditions)
 
 
-def _constant(value: Value) -> str:
+def _constant_text(value: Value) -> str:
     """Return a value as a case writes it, with all its digits; empty for one that a case does not repeat."""
     if isinstance(value, FunctionSource):
         return value.source
     return "" if isinstance(value, Reference | np.ndarray) else python_text(value, None)
 
 
-def _generator(values: Sequence[Value]) -> str:
+def _propose_generator(values: Sequence[Value]) -> str:
     """Return what draws values like these; empty where nothing does."""
     kinds = {type(value) for value in values}
     kind = kinds.pop() if len(kinds) == 1 else float if kinds == {int, float} else type(None)
@@ -180,7 +184,7 @@ def _generator(values: Sequence[Value]) -> str:
     return maker(values) if maker else ""
 
 
-def _text_generator(values: Sequence[str]) -> str:
+def _propose_text_generator(values: Sequence[str]) -> str:
     """Return what draws words like those of the examples; their letters where they are no words."""
     words = list(dict.fromkeys(word for value in values for word in value.split(" ") if word))
     alphabet = "".join(sorted(set("".join(values))))
@@ -195,9 +199,9 @@ def _text_generator(values: Sequence[str]) -> str:
     return f"texte({python_text(alphabet)}, {min(lengths)}, {max(lengths)})" if fits else ""
 
 
-def _list_generator(values: Sequence[list[Value]]) -> str:
+def _propose_list_generator(values: Sequence[list[Value]]) -> str:
     items = [item for value in values for item in value]
-    inner = _generator(items) if items else ""
+    inner = _propose_generator(items) if items else ""
     if not inner:
         return ""
     lengths = [len(value) for value in values]
@@ -207,10 +211,10 @@ def _list_generator(values: Sequence[list[Value]]) -> str:
     return f"liste({inner}, {min(lengths)}, {max(lengths)}{', triee=True' if in_order else ''})"
 
 
-def _tuple_generator(values: Sequence[tuple[Value, ...]]) -> str:
+def _propose_tuple_generator(values: Sequence[tuple[Value, ...]]) -> str:
     if len({len(value) for value in values}) != 1:
         return ""
-    parts = [_generator(part) for part in zip(*values, strict=True)]
+    parts = [_propose_generator(part) for part in zip(*values, strict=True)]
     return f"nuplet({', '.join(parts)})" if parts and all(parts) else ""
 
 
@@ -218,7 +222,7 @@ _GENERATORS: dict[type, Callable[[Sequence[Any]], str]] = {
     bool: lambda values: "booleen()",
     int: lambda values: f"entier({min(values)}, {max(values)})",
     float: lambda values: f"reel({min(values)!r}, {max(values)!r})",
-    str: _text_generator,
-    list: _list_generator,
-    tuple: _tuple_generator,
+    str: _propose_text_generator,
+    list: _propose_list_generator,
+    tuple: _propose_tuple_generator,
 }

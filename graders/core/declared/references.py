@@ -26,31 +26,33 @@ def reference_of(check: DeclaredCheck, scenario: Scenario, right: Played) -> Pla
     if not (scenario.expected and is_value and at < len(right.values)):
         return right
     given = right.values[at]
-    typed = _with_typed_numbers(scenario.expected[0], given)
+    typed = _substitute_expected_numbers(scenario.expected[0], given)
     if typed is given or check.comparator(typed, given) is not None:  # without an order, elements may be mixed up
         return right
     return replace(right, values=(*right.values[:at], typed, *right.values[at + 1 :]))
 
 
-def _with_typed_numbers(expected: Value, given: Value) -> Value:
+def _substitute_expected_numbers(expected: Value, given: Value) -> Value:
     """Return `given` with the numbers of `expected` where they differ; `given` itself where none does."""
     if isinstance(expected, Raised | bool) or isinstance(given, bool):
         return given
     if isinstance(expected, Number) and isinstance(given, Number):
         return given if expected == given else expected
     if isinstance(given, np.ndarray):
-        return _typed_array(expected, given)
+        return _substitute_expected_array(expected, given)
     if isinstance(given, dict) and isinstance(expected, dict):
-        values = {key: _with_typed_numbers(expected[key], it) if key in expected else it for key, it in given.items()}
+        values = {
+            key: _substitute_expected_numbers(expected[key], it) if key in expected else it for key, it in given.items()
+        }
         return values if any(values[key] is not given[key] for key in given) else given
     if isinstance(given, list | tuple) and isinstance(expected, list | tuple) and len(given) == len(expected):
-        items = [_with_typed_numbers(*pair) for pair in zip(expected, given, strict=True)]
+        items = [_substitute_expected_numbers(*pair) for pair in zip(expected, given, strict=True)]
         is_other = any(item is not it for item, it in zip(items, given, strict=True))
         return type(given)(items) if is_other else given
     return given
 
 
-def _typed_array(expected: Value, given: np.ndarray) -> Value:
+def _substitute_expected_array(expected: Value, given: np.ndarray) -> Value:
     if given.dtype.kind not in "fc" or not isinstance(expected, list | tuple | np.ndarray):
         return given
     try:

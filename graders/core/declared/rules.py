@@ -56,34 +56,34 @@ class Rule:
         tree = parse_or_none(source[:MAX_SOURCE].decode("utf-8-sig", "replace"))
         if tree is None:
             return None
-        line = next(self._lines(tree), None)
+        line = next(self._iter_matching_lines(tree), None)
         if self.required:
             return (
                 None if line is not None else (f"L’énoncé demande {self.wording}, et votre fichier n’en a pas.", None)
             )
         return None if line is None else (f"Ligne {line} : l’énoncé ne permet pas {self.wording}.", line)
 
-    def _lines(self, tree: ast.Module) -> Iterator[int]:
+    def _iter_matching_lines(self, tree: ast.Module) -> Iterator[int]:
         if self.word == RECURSION:
-            yield from _recursive_calls(tree)
+            yield from _iter_recursive_call_lines(tree)
             return
-        found = CONSTRUCTS[self.word][1] if self.word in CONSTRUCTS else self._is_named
+        found = CONSTRUCTS[self.word][1] if self.word in CONSTRUCTS else self._is_named_by_rule
         yield from (getattr(node, "lineno", 1) for node in ast.walk(tree) if found(node))
 
-    def _is_named(self, node: ast.AST) -> bool:
+    def _is_named_by_rule(self, node: ast.AST) -> bool:
         if isinstance(node, ast.Import | ast.ImportFrom):
             modules = [alias.name for alias in node.names] + [getattr(node, "module", None) or ""]
             return any(self.word in (name, name.partition(".")[0]) for name in modules)
         if isinstance(node, ast.Attribute):
-            return node.attr == self.word or _dotted(node) == self.word
+            return node.attr == self.word or _dotted_name(node) == self.word
         return isinstance(node, ast.Name) and isinstance(node.ctx, ast.Load) and node.id == self.word
 
 
-def _dotted(node: ast.Attribute) -> str:
+def _dotted_name(node: ast.Attribute) -> str:
     return f"{node.value.id}.{node.attr}" if isinstance(node.value, ast.Name) else ""
 
 
-def _recursive_calls(tree: ast.Module) -> Iterator[int]:
+def _iter_recursive_call_lines(tree: ast.Module) -> Iterator[int]:
     """Yield the lines where a function calls itself, directly or through others of the file."""
     functions = {node.name: node for node in ast.walk(tree) if isinstance(node, ast.FunctionDef)}
     calls = {

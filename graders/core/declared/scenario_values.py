@@ -146,14 +146,14 @@ def decode_value(value: Value) -> Value:
 _DECODERS: dict[str, Callable[[list[Value]], Value]] = {
     "e": lambda names: Raised(next((str(name)[:80] for name in names), "Exception")),
     "b": bytes,
-    "d": lambda pairs: {_frozen(decode_value(key)): decode_value(item) for key, item in pairs},
-    "s": lambda items: {_frozen(decode_value(item)) for item in items},
+    "d": lambda pairs: {_to_hashable(decode_value(key)): decode_value(item) for key, item in pairs},
+    "s": lambda items: {_to_hashable(decode_value(item)) for item in items},
     "t": lambda items: tuple(decode_value(item) for item in items),
     "g": lambda items: [decode_value(item) for item in items],
 }
 
 
-def _frozen(value: Value) -> Value:
+def _to_hashable(value: Value) -> Value:
     """Return a member of a set: a value that can be hashed."""
     if isinstance(value, list | dict | set | np.ndarray):
         raise ValueError("no member of a set")

@@ -126,10 +126,10 @@ class Scenario:
 
     def arguments(self) -> tuple[Value, ...]:
         """Return the argument of the driver: one array of bytes, which travels as a whole."""
-        return (self._packed,)
+        return (self._pack,)
 
     @cached_property
-    def _packed(self) -> Value:
+    def _pack(self) -> Value:
         steps = tuple(statement.encode() for statement in self.statements)
         return np.frombuffer(marshal.dumps((steps, self.lines, self.files)), np.uint8)
 

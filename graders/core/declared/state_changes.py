@@ -19,40 +19,40 @@ def forget_calls(text: ProgramText, node: ast.ClassDef) -> Iterator[tuple[Change
     methods = [each for each in node.body if isinstance(each, ast.FunctionDef) and not each.name.startswith("_")]
     called = [each for each in methods if each.args.args and not each.decorator_list]
     for changing, answering in itertools.permutations(called, 2):
-        if _changes_state(changing) and _answers(answering):
+        if _changes_state(changing) and _returns_value(answering):
             ours, theirs = changing.args.args[0].arg, answering.args.args[0].arg
-            saved = _before(text, changing, f"import copy; {ours}._avant = copy.deepcopy({ours})")
-            used = _before(text, answering, f"{theirs} = getattr({theirs}, '_avant', {theirs})")
+            saved = _insertion_before_body(text, changing, f"import copy; {ours}._avant = copy.deepcopy({ours})")
+            used = _insertion_before_body(text, answering, f"{theirs} = getattr({theirs}, '_avant', {theirs})")
             first, second = sorted((saved, used))
             between = text.slice(first[0], second[0])
             change = Change(first[0], second[0], f"{first[1]}{between}{second[1]}", STALE)
             yield change, answering, f"`{answering.name}` ne tient pas compte de `{changing.name}`"
 
 
-def _answers(method: ast.FunctionDef) -> bool:
+def _returns_value(method: ast.FunctionDef) -> bool:
     return any(isinstance(part, ast.Return) and part.value is not None for part in ast.walk(method))
 
 
 def _changes_state(method: ast.FunctionDef) -> bool:
     """Whether a method stores in its object, or calls a method of what the object holds."""
     name = method.args.args[0].arg
-    return any(_is_of(part, name) for part in ast.walk(method))
+    return any(_changes_named_object(part, name) for part in ast.walk(method))
 
 
-def _is_of(part: ast.AST, name: str) -> bool:
+def _changes_named_object(part: ast.AST, name: str) -> bool:
     if isinstance(part, ast.Call) and isinstance(part.func, ast.Attribute):
-        return isinstance(part.func.value, ast.Attribute) and _root(part.func.value) == name
+        return isinstance(part.func.value, ast.Attribute) and _root_name(part.func.value) == name
     is_stored = isinstance(part, ast.Attribute | ast.Subscript) and isinstance(part.ctx, ast.Store | ast.Del)
-    return is_stored and _root(part) == name
+    return is_stored and _root_name(part) == name
 
 
-def _root(node: ast.AST) -> str:
+def _root_name(node: ast.AST) -> str:
     while isinstance(node, ast.Attribute | ast.Subscript):
         node = node.value
     return node.id if isinstance(node, ast.Name) else ""
 
 
-def _before(text: ProgramText, method: ast.FunctionDef, statement: str) -> tuple[int, str]:
+def _insertion_before_body(text: ProgramText, method: ast.FunctionDef, statement: str) -> tuple[int, str]:
     change = insert_first(text, method, statement, STALE)
     return change.start, change.text
 

@@ -32,7 +32,7 @@ class CaseTolerance:
     @classmethod
     def read(cls, text: str, solution: str) -> CaseTolerance:
         """Raises MalformedDeclaration for what is no expression of the parameters of the solution's functions."""
-        parameters = _parameters(solution)
+        parameters = _default_values_by_function(solution)
         names = dict.fromkeys(name for each in parameters.values() for name in each)
         try:
             return cls(text, parameters, parse_expression_of(text, names))
@@ -50,12 +50,12 @@ class CaseTolerance:
     def of_call(self, call: Statement) -> float | None:
         """Return the tolerance of a call; None where it gives none that is a positive number."""
         try:
-            value = self._evaluate(self._arguments(call))
+            value = self._evaluate(self._arguments_by_parameter(call))
         except (KeyError, TypeError, ArithmeticError, MalformedDeclaration):
             return None
         return float(value) if isinstance(value, int | float) and math.isfinite(value) and value > 0 else None
 
-    def _arguments(self, call: Statement) -> dict[str, Value]:
+    def _arguments_by_parameter(self, call: Statement) -> dict[str, Value]:
         parameters = self.parameters.get(call.callee.rpartition(".")[2], {})
         defaults = {name: default[0] for name, default in parameters.items() if default}
         return {**defaults, **dict(zip(parameters, call.arguments, strict=False)), **dict(call.named)}
@@ -69,8 +69,8 @@ def propose_tolerance(solution: str, scenarios: Sequence[Scenario]) -> str:
     """
     calls = [scenario.statements[-1] for scenario in scenarios]
     functions = {call.callee for call in calls}
-    parameters = _parameters(solution).get(functions.pop(), {}) if len(functions) == 1 else {}
-    compared = _compared_with_differences(solution)
+    parameters = _default_values_by_function(solution).get(functions.pop(), {}) if len(functions) == 1 else {}
+    compared = _names_compared_with_differences(solution)
     for name in parameters:
         if name.lower() in PRECISIONS or name in compared:
             tolerance = CaseTolerance.read(name, solution)
@@ -80,15 +80,15 @@ def propose_tolerance(solution: str, scenarios: Sequence[Scenario]) -> str:
     return ""
 
 
-def _compared_with_differences(solution: str) -> frozenset[str]:
+def _names_compared_with_differences(solution: str) -> frozenset[str]:
     """Return the names with which a loop compares a difference: « b - a > eps », « abs(x - y) >= h »."""
     tests = (node.test for node in ast.walk(parse_source(solution)) if isinstance(node, ast.While))
     compared = (part for test in tests for part in ast.walk(test) if isinstance(part, ast.Compare))
-    sides = ((one, other) for node in compared for one, other in _sides(node))
+    sides = ((one, other) for node in compared for one, other in _iter_compared_sides(node))
     return frozenset(one.id for one, other in sides if isinstance(one, ast.Name) and _is_difference(other))
 
 
-def _sides(node: ast.Compare) -> Iterator[tuple[ast.expr, ast.expr]]:
+def _iter_compared_sides(node: ast.Compare) -> Iterator[tuple[ast.expr, ast.expr]]:
     yield node.left, node.comparators[0]
     yield node.comparators[0], node.left
 
@@ -99,28 +99,28 @@ def _is_difference(node: ast.expr) -> bool:
     return isinstance(node, ast.BinOp) and isinstance(node.op, ast.Sub)
 
 
-def _parameters(solution: str) -> dict[str, dict[str, tuple[Value, ...]]]:
+def _default_values_by_function(solution: str) -> dict[str, dict[str, tuple[Value, ...]]]:
     tree = parse_or_none(solution)
     if tree is None:
         return {}
     found = {}
     for node in tree.body:
         if isinstance(node, ast.FunctionDef):
-            found[node.name] = _of_function(node, 0)
+            found[node.name] = _default_values_of_function(node, 0)
         elif isinstance(node, ast.ClassDef):
             methods = [method for method in node.body if isinstance(method, ast.FunctionDef)]
             named = ((node.name if method.name == "__init__" else method.name, method) for method in methods)
-            found |= {name: _of_function(method, 1) for name, method in named}
+            found |= {name: _default_values_of_function(method, 1) for name, method in named}
     return found
 
 
-def _of_function(node: ast.FunctionDef, bound: int) -> dict[str, tuple[Value, ...]]:
+def _default_values_of_function(node: ast.FunctionDef, bound: int) -> dict[str, tuple[Value, ...]]:
     names = [argument.arg for argument in (*node.args.posonlyargs, *node.args.args)]
     defaults = dict(zip(reversed(names), reversed(node.args.defaults), strict=False))
-    return {name: _literal(defaults[name]) if name in defaults else () for name in names[bound:]}
+    return {name: _literal_value(defaults[name]) if name in defaults else () for name in names[bound:]}
 
 
-def _literal(node: ast.expr) -> tuple[Value, ...]:
+def _literal_value(node: ast.expr) -> tuple[Value, ...]:
     try:
         return (evaluate_literal(ast.unparse(node)),)
     except (ValueError, SyntaxError):

@@ -81,61 +81,67 @@ class ExerciseTrial:
         try:
             declaration = read_declaration(data)
         except MalformedDeclaration as error:
-            fault = self._load_fault(str(data.get("solution", "")), data.get("fonctions"))
+            fault = self._find_load_fault(str(data.get("solution", "")), data.get("fonctions"))
             return TrialReport(solution=fault) if fault else TrialReport(error.place, error.message)
         grader = DeclaredGrader(self._exercise, declaration)
         cases, fault = self._try_cases(grader)
         if fault or not all(case.agrees for case in cases):
             return TrialReport(cases=cases, solution=fault)
-        starter_fault = "" if self._points(grader, starter) < MAX_POINTS else "Le départ a déjà tous les points."
+        starter_fault = "" if self._grade_points(grader, starter) < MAX_POINTS else "Le départ a déjà tous les points."
         graded = 0
         for seed in range(seeds):
             fault = self._grade_solution(grader, seed)
-            if fault or self._is_over():
-                return self._ended(TrialReport(cases=cases, solution=fault, starter=starter_fault, seeds=graded))
+            if fault or self._is_time_over():
+                return self._complete_report(
+                    TrialReport(cases=cases, solution=fault, starter=starter_fault, seeds=graded)
+                )
             graded += 1
-        inputs = TriedInputs(grader, self._play_known, self._play_near)
+        inputs = TriedInputs(grader, self._play_solution_at_length, self._play_solution_briefly)
         mistakes = tuple(self._try_mistakes(grader, inputs))
         changes = tuple(self._try_changes(grader, inputs)) if with_changes else ()
         report = TrialReport(
             cases=cases, starter=starter_fault, mistakes=mistakes, changes=changes, seeds=graded, raising=inputs.raising
         )
-        return self._ended(report)
+        return self._complete_report(report)
 
-    def _start(self) -> Programs:
+    def _start_programs(self) -> Programs:
         self._started.append(self._make())
         return self._started[-1]
 
-    def _seconds(self) -> float:
+    def _elapsed_seconds(self) -> float:
         """Return the time since the trial began, in seconds."""
         return self._clock() - self._began
 
-    def _cpu_seconds(self) -> float:
+    def _used_cpu_seconds(self) -> float:
         """Return the processor time of the programs, all closed, in seconds."""
         return sum(programs.cpu_seconds for programs in self._started)
 
-    def _is_over(self) -> bool:
-        seconds = self._seconds()
-        return seconds > TRIAL_SECONDS and (seconds > MAX_TRIAL_SECONDS or self._cpu_seconds() > TRIAL_SECONDS)
+    def _is_time_over(self) -> bool:
+        seconds = self._elapsed_seconds()
+        return seconds > TRIAL_SECONDS and (seconds > MAX_TRIAL_SECONDS or self._used_cpu_seconds() > TRIAL_SECONDS)
 
-    def _ended(self, report: TrialReport) -> TrialReport:
+    def _complete_report(self, report: TrialReport) -> TrialReport:
         """Return the report, with whether everything was tried in time, and whether others had the processor."""
-        is_over = self._is_over()
-        return replace(report, is_whole=not is_over, is_busy=is_over and self._cpu_seconds() <= TRIAL_SECONDS)
+        is_over = self._is_time_over()
+        return replace(report, is_whole=not is_over, is_busy=is_over and self._used_cpu_seconds() <= TRIAL_SECONDS)
 
-    def _load_fault(self, solution: str, functions: object) -> str:
+    def _find_load_fault(self, solution: str, functions: object) -> str:
         """Return why a solution does not load; empty where it does."""
         whole: dict[str, Value] = {"whole_program": PROGRAM} if functions == [PROGRAM] else {}
         try:
-            self._start().open(solution.encode(), KitSettings(SCENARIOS, {"seed": 0, "functions": (), **whole})).close()
+            self._start_programs().open(
+                solution.encode(), KitSettings(SCENARIOS, {"seed": 0, "functions": (), **whole})
+            ).close()
         except StudentFault as fault:
-            return _message(fault)
+            return _fault_text(fault)
         return ""
 
     def fingerprints(self, declaration: Declaration) -> dict[str, Fingerprint]:
         """Return what each known mistake answers to the probes."""
         grader = DeclaredGrader(self._exercise, declaration)
-        return {each.id: grader.fingerprint(each.program.encode(), self._start()) for each in declaration.mistakes}
+        return {
+            each.id: grader.fingerprint(each.program.encode(), self._start_programs()) for each in declaration.mistakes
+        }
 
     def answers(self, data: Mapping[str, Any]) -> list[list[str]] | None:
         """Return what must be given in each written case, by check; None where the solution fails in one."""
@@ -156,7 +162,7 @@ class ExerciseTrial:
         drawn = [
             (check, case) for check in checks for case in grader.cases(check, TRIAL_SEED) if case.drawn is not None
         ]
-        played = self._play(grader, [case.scenario for _, case in drawn])
+        played = self._play_solution(grader, [case.scenario for _, case in drawn])
         if any(each.fault is not None or each.raised is not None for each in played):
             return []
         return [
@@ -164,27 +170,27 @@ class ExerciseTrial:
             for (check, case), got in zip(drawn, played, strict=True)
         ]
 
-    def _play(self, grader: DeclaredGrader, scenarios: Sequence[Scenario]) -> list[Played]:
+    def _play_solution(self, grader: DeclaredGrader, scenarios: Sequence[Scenario]) -> list[Played]:
         """Return what the solution does."""
-        with closing(self._player(grader, grader.solution)) as player:
+        with closing(self._make_player(grader, grader.solution)) as player:
             return player.play(scenarios)
 
-    def _play_known(self, grader: DeclaredGrader, scenarios: Sequence[Scenario]) -> list[Played]:
+    def _play_solution_at_length(self, grader: DeclaredGrader, scenarios: Sequence[Scenario]) -> list[Played]:
         """Return what the solution does, and allow programs that may loop so many times as long."""
-        played = self._play(grader, scenarios)
+        played = self._play_solution(grader, scenarios)
         patience = BRIEF_FACTOR * self._started[-1].cpu_seconds  # a busy machine makes no program slower by it
         self._brief_seconds = min(MAX_BRIEF_SECONDS, max(MIN_BRIEF_SECONDS, patience))
         return played
 
-    def _play_near(self, grader: DeclaredGrader, scenarios: Sequence[Scenario]) -> list[Played]:
+    def _play_solution_briefly(self, grader: DeclaredGrader, scenarios: Sequence[Scenario]) -> list[Played]:
         return self.play_briefly(grader, grader.solution, scenarios)
 
     def play_briefly(self, grader: DeclaredGrader, source: str, scenarios: Sequence[Scenario]) -> list[Played]:
         """Return what a program does, a few scenarios at a time, as some may never end."""
-        with closing(self._player(grader, source, briefly=True)) as player:
+        with closing(self._make_player(grader, source, briefly=True)) as player:
             return [played for part in parts_of(scenarios) for played in player.play(part)]
 
-    def _player(self, grader: DeclaredGrader, source: str, *, briefly: bool = False) -> Player:
+    def _make_player(self, grader: DeclaredGrader, source: str, *, briefly: bool = False) -> Player:
         self._started.append(self._make_briefly(self._brief_seconds) if briefly else self._make())
         return Player(self._started[-1], source.encode(), grader.kit(TRIAL_SEED))
 
@@ -192,23 +198,23 @@ class ExerciseTrial:
         """Return what the solution does in the written cases, and why it does not load."""
         checks = grader.declaration.checks
         written = [(at, number, case) for at, check in enumerate(checks) for number, case in enumerate(check.cases)]
-        player = self._player(grader, grader.solution)
+        player = self._make_player(grader, grader.solution)
         try:
             played = player.start([case for _, _, case in written]) if written else []
         except StudentFault as fault:
-            return (), _message(fault)
+            return (), _fault_text(fault)
         finally:
             player.close()
         pairs = zip(written, played, strict=True)
-        return tuple(_tried_case(checks[at], at, number, case, got) for (at, number, case), got in pairs), ""
+        return tuple(_describe_tried_case(checks[at], at, number, case, got) for (at, number, case), got in pairs), ""
 
-    def _points(self, grader: DeclaredGrader, source: str) -> float:
-        return grader.grade(source.encode(), self._start(), seed=TRIAL_SEED, version="").verdict.points
+    def _grade_points(self, grader: DeclaredGrader, source: str) -> float:
+        return grader.grade(source.encode(), self._start_programs(), seed=TRIAL_SEED, version="").verdict.points
 
     def _grade_solution(self, grader: DeclaredGrader, seed: int) -> str:
         """Return why the solution does not get all points on a seed; empty where it does."""
         try:
-            verdict = grader.grade(grader.solution.encode(), self._start(), seed=seed, version="").verdict
+            verdict = grader.grade(grader.solution.encode(), self._start_programs(), seed=seed, version="").verdict
         except SolutionFault as fault:
             return str(fault)[:MAX_MESSAGE]
         failed = next((check for check in verdict.checks if not check.passed), None)
@@ -218,7 +224,7 @@ class ExerciseTrial:
         programs = {mistake.id: mistake.program for mistake in grader.declaration.mistakes}
         for name, program in programs.items():
             try:
-                verdict = grader.grade(program.encode(), self._start(), seed=TRIAL_SEED, version="").verdict
+                verdict = grader.grade(program.encode(), self._start_programs(), seed=TRIAL_SEED, version="").verdict
             except SolutionFault:
                 yield TriedMistake(name, refused=False, named=False)
                 continue
@@ -253,7 +259,7 @@ class ExerciseTrial:
         """
         proposed = set[tuple[str, str]]()
         for body in change_bodies(grader.solution, grader.functions, inputs.calls, inputs.printed):
-            if self._is_over():
+            if self._is_time_over():
                 return
             tried = replace(self._try_change(grader, body.alteration, inputs), words=body.words)
             tried = replace(tried, unseen=tried.unseen and not body.is_asked)
@@ -261,8 +267,8 @@ class ExerciseTrial:
             if not tried.survives or place not in proposed:
                 yield tried
             proposed |= {place} if tried.survives else set()
-        for alteration in _alterations(grader.solution):
-            if self._is_over():
+        for alteration in _list_alterations(grader.solution):
+            if self._is_time_over():
                 return
             yield self._try_change(grader, alteration, inputs)
 
@@ -270,7 +276,7 @@ class ExerciseTrial:
         removed, added = "\n".join(alteration.removed), "\n".join(alteration.added)
         change = TriedChange(alteration.line, removed, added, alteration.altered, operator=alteration.operator)
         checks = grader.declaration.checks
-        player = self._player(grader, alteration.altered, briefly=True)
+        player = self._make_player(grader, alteration.altered, briefly=True)
         try:
             for is_known, trios in ((True, inputs.known), *((False, part) for part in inputs.near_parts)):
                 played = player.play([case.scenario for _, case, _ in trios])
@@ -292,18 +298,18 @@ class ExerciseTrial:
         return replace(change, unseen=True)
 
 
-def _alterations(solution: str) -> list[Alteration]:
+def _list_alterations(solution: str) -> list[Alteration]:
     """Return the changes of a solution that are tried, each program once."""
     calls = change_calls(solution)[: MAX_CHANGES // 4]
     changes = [*sample_alterations(solution, MAX_CHANGES - len(calls)), *calls]
     return sorted({change.altered: change for change in changes}.values(), key=lambda change: change.line)
 
 
-def _tried_case(check: DeclaredCheck, at: int, number: int, case: Scenario, got: Played) -> TriedCase:
+def _describe_tried_case(check: DeclaredCheck, at: int, number: int, case: Scenario, got: Played) -> TriedCase:
     if not is_answered(got):
-        return TriedCase(at, number, "", agrees=False, fault=_message(got.fault) if got.fault else "")
+        return TriedCase(at, number, "", agrees=False, fault=_fault_text(got.fault) if got.fault else "")
     if got.fault is not None and not case.expected:
-        return TriedCase(at, number, "", agrees=False, fault=_message(got.fault), raised=got.fault.exception or "")
+        return TriedCase(at, number, "", agrees=False, fault=_fault_text(got.fault), raised=got.fault.exception or "")
     check, last = check.for_case(case), len(case.statements) - 1
     given: Value = observed(check, got, last)
     if case.expected and not expected_is_given(check, case.expected[0], got, last):
@@ -312,5 +318,5 @@ def _tried_case(check: DeclaredCheck, at: int, number: int, case: Scenario, got:
     return TriedCase(at, number, text_of(given), agrees=True, typed=typed if typed != text_of(given) else "")
 
 
-def _message(fault: StudentFault) -> str:
+def _fault_text(fault: StudentFault) -> str:
     return fault.message.partition("\n")[0][:MAX_MESSAGE]

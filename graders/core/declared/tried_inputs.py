@@ -71,13 +71,13 @@ class TriedInputs:
         grader, _ = self._grader, self.known  # which tells how long a program may take
         checks = enumerate(grader.declaration.checks)
         nearby = [(at, scenario) for at, check in checks for scenario in vary_cases(check, grader.solution)]
-        nearby = [(at, scenario) for at, scenario in nearby if not has_other_shape(scenario, self._examples)]
-        if self._bracket is not None:
-            self._crossings = self._find_crossings(self._bracket, [scenario for _, scenario in nearby])
+        nearby = [(at, scenario) for at, scenario in nearby if not has_other_shape(scenario, self._all_written_cases)]
+        if self._interval_bracket is not None:
+            self._crossings = self._find_crossings(self._interval_bracket, [scenario for _, scenario in nearby])
         nearby.sort(
-            key=lambda pair: bool(self._doubt(*pair))
+            key=lambda pair: bool(self._find_doubt(*pair))
         )  # those may never end: the first that does not is the last
-        sure = next((at for at, pair in enumerate(nearby) if self._doubt(*pair)), len(nearby))
+        sure = next((at for at, pair in enumerate(nearby) if self._find_doubt(*pair)), len(nearby))
         played = self._play_near(grader, [scenario for _, scenario in nearby[:sure]])
         for part in parts_of(nearby[sure:]):
             played += self._play_near(grader, [scenario for _, scenario in part])
@@ -105,19 +105,19 @@ class TriedInputs:
     def describe(self, at: int, case: Case, right: Played) -> ProposedCase:
         check, scenario = self._grader.declaration.checks[at], case.scenario
         answer = answer_text(check, scenario, right)
-        return ProposedCase(scenario.exact_text() or "", at, answer, self._doubt(at, scenario))
+        return ProposedCase(scenario.exact_text() or "", at, answer, self._find_doubt(at, scenario))
 
     @cached_property
-    def _examples(self) -> list[Scenario]:
+    def _all_written_cases(self) -> list[Scenario]:
         return [case for check in self._grader.declaration.checks for case in check.cases]
 
     @cached_property
-    def _bracket(self) -> Bracket | None:
+    def _interval_bracket(self) -> Bracket | None:
         """The interval at whose ends a function has other signs in every example."""
-        callee = self._examples[0].statements[0].callee if self._examples else ""
-        bracket = find_bracket(self._examples, self._grader.parameters.get(callee, ()))
-        found = bracket and self._find_crossings(bracket, self._examples)
-        return bracket if found and all(case.text() in found for case in self._examples) else None
+        callee = self._all_written_cases[0].statements[0].callee if self._all_written_cases else ""
+        bracket = find_bracket(self._all_written_cases, self._grader.parameters.get(callee, ()))
+        found = bracket and self._find_crossings(bracket, self._all_written_cases)
+        return bracket if found and all(case.text() in found for case in self._all_written_cases) else None
 
     def _find_crossings(self, bracket: Bracket, scenarios: Sequence[Scenario]) -> frozenset[str]:
         """Return the scenarios, by their texts, in which the function changes sign."""
@@ -130,11 +130,11 @@ class TriedInputs:
         ]
         return frozenset(scenario.text() for scenario, got in played if changes_sign(got))
 
-    def _doubt(self, at: int, scenario: Scenario) -> str:
-        names, bracket = self._grader.parameters.get(scenario.statements[0].callee, ()), self._bracket
+    def _find_doubt(self, at: int, scenario: Scenario) -> str:
+        names, bracket = self._grader.parameters.get(scenario.statements[0].callee, ()), self._interval_bracket
         if bracket is None or scenario.statements[0].callee != bracket.name:
-            return find_doubt(scenario, self._examples, names)
-        doubt = find_doubt(scenario, self._examples, names, free=(bracket.low, bracket.high))
+            return find_doubt(scenario, self._all_written_cases, names)
+        doubt = find_doubt(scenario, self._all_written_cases, names, free=(bracket.low, bracket.high))
         return doubt or ("" if scenario.text() in self._crossings else bracket.doubt(names))
 
 

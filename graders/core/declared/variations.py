@@ -33,21 +33,21 @@ def vary_cases(check: DeclaredCheck, solution: str = "") -> list[Scenario]:
     """
     drawn = check.drawn.draw(stream(VARIATION_SEED, check.id)) if check.drawn else ()
     seen = {case.text() for case in check.cases}
-    filled = map(_Defaults(solution).fill, check.cases)
-    ranks = itertools.zip_longest(*map(_vary, filled))
+    filled = map(_DefaultArguments(solution).fill, check.cases)
+    ranks = itertools.zip_longest(*map(_vary_case, filled))
     changed = (scenario for rank in ranks for scenario in rank if scenario is not None)
-    mixed = itertools.chain(_mix_calls(check.cases, _free_calls(solution)), _mix_arguments(check.cases))
+    mixed = itertools.chain(_mix_calls(check.cases, _methods_without_arguments(solution)), _mix_arguments(check.cases))
     chosen: dict[str, Scenario] = {}
     ordered = itertools.chain((each.scenario for each in drawn), itertools.islice(mixed, MAX_MIXED), changed)
     for scenario in itertools.islice(ordered, 4 * MAX_VARIATIONS):
         if scenario.text() not in seen and len(chosen) < MAX_VARIATIONS:
             chosen.setdefault(scenario.text(), scenario)
-    return [*chosen.values(), *_long_cases(check.cases, _free_calls(solution))]
+    return [*chosen.values(), *_iter_long_cases(check.cases, _methods_without_arguments(solution))]
 
 
-def _long_cases(cases: Sequence[Scenario], free: Mapping[str, list[str]]) -> Iterator[Scenario]:
+def _iter_long_cases(cases: Sequence[Scenario], free: Mapping[str, list[str]]) -> Iterator[Scenario]:
     """Yield a case of each class in which something is added several times, some of it twice, before all is asked."""
-    for maker, calls in _calls_of_objects(cases):
+    for maker, calls in _group_calls_by_object(cases):
         added = {call.callee: call for call in calls if call.arguments}
         asked = [Statement("call", callee=f"{maker.into}.{method}") for method in free.get(maker.callee, ())]
         for call in added.values():
@@ -56,7 +56,7 @@ def _long_cases(cases: Sequence[Scenario], free: Mapping[str, list[str]]) -> Ite
                 yield Scenario((maker, other[0], call, other[0], other[1], *asked * LONG_ROUNDS))
 
 
-def _calls_of_objects(cases: Sequence[Scenario]) -> list[tuple[Statement, list[Statement]]]:
+def _group_calls_by_object(cases: Sequence[Scenario]) -> list[tuple[Statement, list[Statement]]]:
     """Return each way in which the cases make an object, with the calls of its methods."""
     found: dict[str, tuple[Statement, list[Statement]]] = {}
     for case in cases:
@@ -68,7 +68,7 @@ def _calls_of_objects(cases: Sequence[Scenario]) -> list[tuple[Statement, list[S
     return list(found.values())
 
 
-def _free_calls(solution: str) -> Mapping[str, list[str]]:
+def _methods_without_arguments(solution: str) -> Mapping[str, list[str]]:
     """Return the methods of each class of a solution that are called without arguments."""
     methods: dict[str, list[str]] = {}
     classes = [node for node in parse_source(solution).body if isinstance(node, ast.ClassDef)]
@@ -117,9 +117,9 @@ def _mix_arguments(cases: Sequence[Scenario]) -> Iterator[Scenario]:
                 yield replace(case, statements=(replace(call, arguments=arguments),), expected=())
 
 
-def _vary(case: Scenario) -> Iterator[Scenario]:
+def _vary_case(case: Scenario) -> Iterator[Scenario]:
     """Yield a case with one call repeated or left out, then with one argument changed."""
-    for statements in _other_calls(case.statements):
+    for statements in _iter_other_call_sequences(case.statements):
         yield replace(case, statements=statements, expected=())
     for at, statement in enumerate(case.statements):
         if statement.callee:
@@ -128,7 +128,7 @@ def _vary(case: Scenario) -> Iterator[Scenario]:
                 yield replace(case, statements=statements, expected=())
 
 
-def _other_calls(statements: tuple[Statement, ...]) -> Iterator[tuple[Statement, ...]]:
+def _iter_other_call_sequences(statements: tuple[Statement, ...]) -> Iterator[tuple[Statement, ...]]:
     """Yield the calls of a case with one more, or one less: of an object, what was done before counts."""
     calls = [at for at, each in enumerate(statements) if at and each.kind == "call" and not each.into]
     for at in calls:
@@ -167,7 +167,7 @@ def _move_interval(call: Statement) -> Iterator[Statement]:
         if type(low) not in (int, float) or type(high) not in (int, float) or not low < high:
             continue
         for shift in (math.floor(high - low) + 1, -math.floor(high - low) - 1):
-            moved = _shifted(given[functions[0]], shift)
+            moved = _shift_function(given[functions[0]], shift)
             if moved is not None:
                 arguments = [*given[:at], low + shift, high + shift, *given[at + 2 :]]
                 arguments[functions[0]] = moved
@@ -175,7 +175,7 @@ def _move_interval(call: Statement) -> Iterator[Statement]:
         yield replace(call, arguments=(*given[:at], -high, -low, *given[at + 2 :]))
 
 
-def _shifted(function: FunctionSource, shift: int) -> FunctionSource | None:
+def _shift_function(function: FunctionSource, shift: int) -> FunctionSource | None:
     """Return the function of one number whose graph is moved to the right; None for another function."""
     tree = parse_expression(function.source).body
     if not isinstance(tree, ast.Lambda) or len(tree.args.args) != 1:
@@ -185,11 +185,11 @@ def _shifted(function: FunctionSource, shift: int) -> FunctionSource | None:
         return None
     sign: ast.operator = ast.Sub() if shift > 0 else ast.Add()
     moved = ast.BinOp(ast.Name(name, ast.Load()), sign, ast.Constant(abs(shift)))
-    tree.body = _Replacing(name, moved).visit(tree.body)
+    tree.body = _NameReplacer(name, moved).visit(tree.body)
     return replace(function, source=ast.unparse(tree))
 
 
-class _Replacing(ast.NodeTransformer):
+class _NameReplacer(ast.NodeTransformer):
     """Puts an expression in place of a name."""
 
     def __init__(self, name: str, other: ast.expr) -> None:
@@ -199,29 +199,29 @@ class _Replacing(ast.NodeTransformer):
         return self._other if node.id == self._name else node
 
 
-class _Defaults:
+class _DefaultArguments:
     """The arguments that calls of a solution's functions leave out, where their defaults are literals."""
 
     def __init__(self, solution: str) -> None:
         self._defaults: dict[str, list[str]] = {}
         for node in parse_source(solution).body:
             if isinstance(node, ast.FunctionDef):
-                self._read(node.name, node, 0)
+                self._read_defaults(node.name, node, 0)
             elif isinstance(node, ast.ClassDef):
                 for method in node.body:
                     if isinstance(method, ast.FunctionDef) and method.name == "__init__":
-                        self._read(node.name, method, 1)
+                        self._read_defaults(node.name, method, 1)
 
-    def _read(self, name: str, node: ast.FunctionDef, bound: int) -> None:
+    def _read_defaults(self, name: str, node: ast.FunctionDef, bound: int) -> None:
         parameters = [*node.args.posonlyargs, *node.args.args]
         required = [""] * (len(parameters) - len(node.args.defaults))
         self._defaults[name] = [*required, *map(ast.unparse, node.args.defaults)][bound:]
 
     def fill(self, case: Scenario) -> Scenario:
         """Return the case with what its calls leave out."""
-        return replace(case, statements=tuple(map(self._fill, case.statements)))
+        return replace(case, statements=tuple(map(self._fill_call, case.statements)))
 
-    def _fill(self, call: Statement) -> Statement:
+    def _fill_call(self, call: Statement) -> Statement:
         left = self._defaults.get(call.callee, [])[len(call.arguments) :]
         if call.kind != "call" or call.named or not left:
             return call
@@ -238,7 +238,7 @@ def vary_value(value: Value) -> Iterator[Value]:
     elif isinstance(value, int):
         yield from dict.fromkeys((value + 1, value - 1, 2 * value, 0, 1, -value))
     elif isinstance(value, float):
-        scaled = (_rounded(value * 1000), _rounded(value / 1000)) if 0 < abs(value) < SMALL else (value + 0.5,)
+        scaled = (_round_value(value * 1000), _round_value(value / 1000)) if 0 < abs(value) < SMALL else (value + 0.5,)
         yield from (*scaled, -value, 0.0, value / 3)
     elif isinstance(value, FunctionSource):
         yield from vary_function(value)
@@ -259,7 +259,7 @@ def vary_value(value: Value) -> Iterator[Value]:
             yield from ([1], [3, 1, 2, 1], [0.5, -1.0], ["a", "b", "a"], [[1, 2], [3, 4]])
 
 
-def _rounded(value: float) -> float:
+def _round_value(value: float) -> float:
     return float(f"{value:.12g}")
 
 

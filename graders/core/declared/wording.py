@@ -20,13 +20,13 @@ from graders.core.declared.scenario_values import FunctionSource, Reference, val
 from graders.core.declared.scenarios import Scenario, Statement
 
 
-def _shown(value: Value) -> Value:
+def _value_to_show(value: Value) -> Value:
     if isinstance(value, FunctionSource | Reference):
         return value_text(value)
-    return in_counterexample(value) if not isinstance(value, list | tuple | dict) else _shown_container(value)
+    return in_counterexample(value) if not isinstance(value, list | tuple | dict) else _container_to_show(value)
 
 
-def _shown_container(value: Value) -> Value:
+def _container_to_show(value: Value) -> Value:
     kept = in_counterexample(value)
     holds_function = isinstance(value, list | tuple) and any(isinstance(item, FunctionSource) for item in value)
     return ", ".join(map(value_text, value)) if holds_function else kept
@@ -83,8 +83,8 @@ def failed_finding(
     """Return the finding of a failed check; `case` is the one that shows it, `figure` what is drawn of it."""
     counterexample = None
     if inputs is not None:
-        shown = {name: to_jsonable(_shown(value)) for name, value in inputs.items()}
-        pair = tidy_pair(to_jsonable(_shown(expected)), to_jsonable(_shown(got)))
+        shown = {name: to_jsonable(_value_to_show(value)) for name, value in inputs.items()}
+        pair = tidy_pair(to_jsonable(_value_to_show(expected)), to_jsonable(_value_to_show(got)))
         counterexample = Counterexample(shown, *pair)
     result = CheckResult(
         id=check.id,

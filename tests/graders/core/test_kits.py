@@ -31,11 +31,11 @@ def module(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
         path = folder / "kit" / name
         path.parent.mkdir(parents=True, exist_ok=True)
         path.write_text(text)
-    monkeypatch.setattr(local, "_curricula", lambda: [tmp_path / "curriculum"])
-    for cached in (local._home, local._kit):
+    monkeypatch.setattr(local, "_curriculum_folders", lambda: [tmp_path / "curriculum"])
+    for cached in (local._owning_module_folder, local._import_kit_modules):
         cached.cache_clear()
     yield folder
-    for cached in (local._home, local._kit):
+    for cached in (local._owning_module_folder, local._import_kit_modules):
         cached.cache_clear()
 
 
