@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from graders.core.compare.shrinking import complexity, shrink_number
+from graders.core.compare.shrinking import reading_cost, shrink_number
 from graders.core.contract.values import Floats, Value
 
 #: The smallest eigenvalue of a covariance that is asked to be inverted.
@@ -69,5 +69,5 @@ def _simpler(given: Floats) -> Iterator[Floats]:
             for candidate in shrink_number(float(given[i, j])):
                 simpler = given.copy()
                 simpler[i, j] = simpler[j, i] = candidate
-                if complexity(candidate) < complexity(float(given[i, j])):
+                if reading_cost(candidate) < reading_cost(float(given[i, j])):
                     yield simpler

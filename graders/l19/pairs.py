@@ -9,9 +9,9 @@ import numpy as np
 
 from graders.core.code.probes import AnswerRule, ProbeAnswer, ProbeResults, measurement_rule, to_finite_array
 from graders.core.compare import words as render
-from graders.core.compare.comparison import TOLERANCE, Mismatch, close, unreadable, worst_difference
-from graders.core.compare.told_apart import instead
-from graders.core.contract.values import Arguments, Floats, UnreadableError, Value, is_single, read_array
+from graders.core.compare.comparison import TOLERANCE, Mismatch, are_close, unreadable, worst_difference
+from graders.core.compare.told_apart import got_instead_of_expected_text
+from graders.core.contract.values import Arguments, Floats, UnreadableError, Value, is_single_number_array, read_array
 
 #: What two answers to a probe may differ by and still be the same.
 ALIKE = 1e-7
@@ -46,12 +46,12 @@ class SamePair:
         wanted = [read_array(one) for one in expected]
         items = [*got]
         for k, (wish, item) in enumerate(zip(wanted, items, strict=True)):
-            if not wish.ndim and is_single(item):  # such as a product of matrices gives
+            if not wish.ndim and is_single_number_array(item):  # such as a product of matrices gives
                 found[k] = found[k].reshape(())
         judged = range(2) if self.judged is None else (self.judged,)
         if any(found[k].shape != wanted[k].shape for k in judged):
             return self._wrong_shapes(wanted, found, judged)
-        right = {k: close(wanted[k], found[k], self.tolerance) for k in judged}
+        right = {k: are_close(wanted[k], found[k], self.tolerance) for k in judged}
         if all(right.values()):
             return None
         verdicts = [isinstance(each, bool | np.bool_) for each in expected]
@@ -80,7 +80,7 @@ def _told(name: str, wanted: Floats, found: Floats, right: bool, is_verdict: boo
             return f"{name} : « nan », qui n'est pas un nombre, au lieu de {render.number(float(wanted))}."
         if is_verdict and float(found) in (0.0, 1.0):
             return f"{name} : {bool(found)} au lieu de {bool(wanted)}."
-        return f"{name} : {instead(float(wanted), float(found))}."
+        return f"{name} : {got_instead_of_expected_text(float(wanted), float(found))}."
     gap = worst_difference(wanted, found)
     return f"{name} : {gap[0].lower()}{gap[1:]}"
 

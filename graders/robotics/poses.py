@@ -16,13 +16,13 @@ from graders.core.compare.comparison import (
     WELL_WITHIN,
     Mismatch,
     RowComparator,
-    close,
+    are_close,
     row_errors,
     unreadable,
     wrong_shape,
 )
 from graders.core.compare.shrinking import shrink_number
-from graders.core.compare.told_apart import angle_instead
+from graders.core.compare.told_apart import angle_instead_of_expected_text
 from graders.core.contract.values import Floats, UnreadableError, Value, read_array
 
 #: Radians within which reducing an angle loses nothing that a tolerance would see.
@@ -76,7 +76,7 @@ class SamePose(RowComparator):
 
     @staticmethod
     def _position_message(wanted: Floats, pose: Floats) -> str:
-        axes = [axis for axis, a, b in zip("xy", wanted, pose, strict=False) if not close(a, b)]
+        axes = [axis for axis, a, b in zip("xy", wanted, pose, strict=False) if not are_close(a, b)]
         which = f"La coordonnée {axes[0]} est fausse" if len(axes) == 1 else "La position est fausse"
         return f"{which} : l'écart est de {render.number(math.hypot(*(pose[:2] - wanted[:2])), 3)}."
 
@@ -87,7 +87,7 @@ class SamePose(RowComparator):
             return Mismatch(f"L'angle {render.angle(theta)} sort de l'intervalle [−π, π].", "angle_non_ramene")
 
         def gap() -> str:
-            return f"Le cap est faux : {angle_instead(wanted, theta)}."
+            return f"Le cap est faux : {angle_instead_of_expected_text(wanted, theta)}."
 
         is_degrees = abs(math.remainder(math.radians(theta) - wanted, math.tau)) <= 1e-6
         return Mismatch(gap, "degres" if is_degrees else "oppose" if abs(theta + wanted) <= self.tolerance else None)
@@ -120,7 +120,7 @@ def _nearest(value: float, step: float) -> float:
 
 
 def angle_complexity(value: float) -> float:
-    """As `complexity`, for fractions of a turn."""
+    """As `reading_cost`, for fractions of a turn."""
     if value == 0:
         return -1.0
     rank = next((r for r, k in enumerate((2, 4, 6)) if math.isclose(value, _nearest(value, math.pi / k))), 5)

@@ -22,7 +22,7 @@ from graders.core.code.grading import CodeGrader
 from graders.core.code.stored_answers import same_answers
 from graders.core.compare import words as render
 from graders.core.compare.slips import SLIPS
-from graders.core.compare.told_apart import text_pair
+from graders.core.compare.told_apart import value_text_pair
 from graders.core.syntax_trees import parse_source
 from server.behaviour import place_queries, repository
 from server.behaviour.export import anonymise_program, catalogue_entry, guard_unread_program, misconception_id
@@ -191,5 +191,5 @@ def describe_counterexample(found: UnexplainedGroup) -> Sequence[str]:
     if not found.example:
         return ()
     given = ", ".join(f"{name} = {render.text(value)}" for name, value in found.example["inputs"].items())
-    expected, got = text_pair(found.example["expected"], found.example["got"])
+    expected, got = value_text_pair(found.example["expected"], found.example["got"])
     return [f"{found.example['function']}({given})", f"attendu : {expected}", f"obtenu  : {got}"]

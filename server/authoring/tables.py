@@ -93,7 +93,7 @@ COMPARATORS = (
     comparison.CloseTo, comparison.ScalarCloseTo, comparison.SameIndices, plain_values.SamePlainValue, poses.SamePose,
 )  # fmt: skip
 SHRINKERS = (
-    shrinking.keep, shrinking.shrink_number, shrinking.shrink_array, shrinking.shrink_text,
+    shrinking.keep_unchanged, shrinking.shrink_number, shrinking.shrink_array, shrinking.shrink_text,
     shrinking.shrink_plain_value, poses.shrink_pose,
 )  # fmt: skip
 #: What the docstrings say, in French.

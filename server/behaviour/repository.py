@@ -11,7 +11,7 @@ from sqlalchemy.orm import Session, undefer
 
 from graders.core.code.places import FoundPlace
 from graders.core.code.stored_answers import PROJECTION_TOLERANCE
-from graders.core.contract.outcomes import Blame, Outcome, blamed_on
+from graders.core.contract.outcomes import Blame, Outcome, outcomes_blamed_on
 from server.behaviour.models import CHANGES_LENGTH, BehaviourGroup, BehaviourName, Fingerprint
 from server.behaviour.schemas import FingerprintRequest, GroupMember
 from server.classes.models import ClassRole, Membership, SchoolClass, Status
@@ -25,7 +25,7 @@ Ts = TypeVarTuple("Ts")
 GROUPS_LOCK = 0x67726F75
 #: Outcomes of programs that ran.
 OBSERVABLE_OUTCOMES = tuple(
-    sorted({str(outcome) for outcome in blamed_on(Blame.STUDENT)} - {Outcome.SYNTAX_ERROR, Outcome.IMPORT_ERROR})
+    sorted({*map(str, outcomes_blamed_on(Blame.STUDENT))} - {Outcome.SYNTAX_ERROR, Outcome.IMPORT_ERROR})
 )
 
 

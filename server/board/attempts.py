@@ -9,10 +9,10 @@ from itertools import pairwise
 from typing import NamedTuple, TypeVar
 from uuid import UUID
 
-from graders.core.contract.outcomes import OPENS_HINTS, Blame, Outcome, blamed_on
+from graders.core.contract.outcomes import OPENS_HINTS, Blame, Outcome, outcomes_blamed_on
 from server.gradebook.histories import Attempts, attempt_totals, cached_per_series
 
-FAILURES = frozenset(outcome.value for outcome in blamed_on(Blame.STUDENT))
+FAILURES = frozenset(outcome.value for outcome in outcomes_blamed_on(Blame.STUDENT))
 #: Failures of programs that run and answer wrongly.
 WRONG_ANSWERS = frozenset((Outcome.WRONG_ANSWER.value, Outcome.INVALID_OUTPUT.value, Outcome.RUNTIME_ERROR.value))
 

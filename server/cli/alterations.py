@@ -18,7 +18,7 @@ from functools import cache
 from itertools import islice
 
 from graders.core.alterations.alterations import Alteration, find_alterations
-from graders.core.alterations.equivalents import EquivalentMark, read_equivalents, stale_marks
+from graders.core.alterations.equivalents import EquivalentMark, find_stale_marks, read_equivalents
 from graders.core.code.checks import Check
 from graders.core.code.grading import CodeGrader
 from graders.core.contract.malformed import MalformedExerciseError
@@ -178,7 +178,7 @@ def tally(subject: MutationSubject, trials: Sequence[MutantTrial]) -> MutantTall
     reasons = {trial.detail for trial in trials}
     if all(trial.fate is MutantStatus.BROKEN for trial in trials) and len(reasons) == 1:
         return MutantTally(subject.exercise.id, (), tuple(reasons))
-    faults = [str(fault) for fault in stale_marks(subject.marks, [trial.alteration for trial in trials])]
+    faults = [str(fault) for fault in find_stale_marks(subject.marks, [trial.alteration for trial in trials])]
     return MutantTally(subject.exercise.id, [_apply_marks(trial, subject.marks) for trial in trials], faults)
 
 

@@ -46,7 +46,7 @@ def solution_faults(exercise: Exercise, grader: SandboxGrader) -> Sequence[Probl
     if not isinstance(exercise.grader, DeclaredGrader):
         return []
     programs = grader.program_starter(exercise.id, exercise.policy)
-    fault = exercise.grader.solution_fault(programs, secrets.randbits(SEED_BITS))
+    fault = exercise.grader.find_solution_fault(programs, secrets.randbits(SEED_BITS))
     path = (exercise.grader.folder or Path()) / DECLARATION
     return [Problem(path, None, fault)] if fault else []
 

@@ -6,7 +6,7 @@ from typing import Any
 
 from graders.core.compare import words
 from graders.core.compare.python_values import restore_numbers
-from graders.core.compare.told_apart import text_pair
+from graders.core.compare.told_apart import value_text_pair
 from graders.core.contract.headline import headline
 from graders.core.contract.outcomes import Blame
 from graders.core.contract.verdict import TEACHER, CheckResult, Counterexample, Diagnosis, Verdict
@@ -70,7 +70,7 @@ def _counterexample(example: Counterexample) -> Iterator[str]:
         yield from _value(name, value)
     expected, got = example.expected, example.got
     if not (isinstance(expected, str) or isinstance(got, str)):
-        expected, got = text_pair(restore_numbers(expected), restore_numbers(got))
+        expected, got = value_text_pair(restore_numbers(expected), restore_numbers(got))
     if example.has_expected:
         yield from _value("attendu", expected)
     yield from _value("obtenu", got)

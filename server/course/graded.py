@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, NamedTuple
 from graders.core.code.exercise import CodeDefinition
 from graders.core.code.grading import CodeGrader
 from graders.core.contract.definition import MODULE_FILE
-from graders.core.contract.kits import SCENARIOS, kits_for
+from graders.core.contract.kits import SCENARIOS, find_available_kits
 from graders.core.contract.malformed import MalformedExerciseError
 from graders.core.contract.streams import stream
 from graders.core.declared.exercise import DeclaredDefinition
@@ -151,7 +151,7 @@ def _load_code_grader(sources: ExerciseSources, path: Path, card: ExerciseFile) 
 
 def _kit_name(path: Path, grader: CodeGrader) -> str:
     kit = grader.kit(stream(0, "kit")).module
-    if kit not in kits_for(path.parents[1]):
+    if kit not in find_available_kits(path.parents[1]):
         raise CourseFault(Problem(grader.folder / MODULE_FILE, None, f"trousse inconnue : « {kit} »"))
     return kit
 

@@ -10,7 +10,13 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, Field
 
-from graders.core.answers import AnswersGrader, MalformedSheetError, NumericDefinition, choice, order
+from graders.core.answers import (
+    AnswersGrader,
+    MalformedSheetError,
+    NumericDefinition,
+    make_choice_grader,
+    make_order_grader,
+)
 from graders.core.answers.choice import ChoiceQuestion, ChoiceSheet, Option
 from graders.core.answers.order import Distractor, OrderSheet, ProofStep
 from graders.core.answers.wording import Datum, NumericSheet, NumericWording
@@ -189,8 +195,8 @@ class Questions:
         if definition is not None:
             raise MalformedExerciseError(definition.file, f'form = "{self.file.form}" : ce correcteur est de trop')
         if isinstance(self.file, ChoiceFile):
-            return choice(exercise, self.path.parent, _choice(self.file))
-        return order(exercise, self.path.parent, _order(self.file))
+            return make_choice_grader(exercise, self.path.parent, _choice(self.file))
+        return make_order_grader(exercise, self.path.parent, _order(self.file))
 
 
 def read_questions(path: Path) -> Questions:
@@ -226,7 +232,7 @@ def question_text_problems(
     """What is wrong with the texts of the questions, with its line."""
     text = toml_file.read_text(path)
     for location, wording in _wordings(tomllib.loads(text), ()):
-        source = Source(grader.sample(wording), path, first_line_of(text, location), names=names)
+        source = Source(grader.fill_with_sample_numbers(wording), path, first_line_of(text, location), names=names)
         for fault in Text(source).faults(formulas=formulas):
             yield Problem(path, fault.line, fault.message)
 

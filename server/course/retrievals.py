@@ -39,9 +39,9 @@ def list_names(folder: Path, problems: list[Problem]) -> Mapping[str, Path]:
 
 def draw_question(module: Module, name: str, seed: int) -> RetrievalQuestion:
     """Return a question with the numbers of a seed. Raises KeyError for a name that is not in `module.retrievals`."""
-    from graders.core.answers.retrieval import draw
+    from graders.core.answers.retrieval import draw_question
 
-    return draw(_function(module.retrievals[name], name), seed)
+    return draw_question(_function(module.retrievals[name], name), seed)
 
 
 def _function(path: Path, name: str) -> DrawQuestion:
@@ -51,14 +51,14 @@ def _function(path: Path, name: str) -> DrawQuestion:
 
 def find_faults(module: Module) -> Iterator[Problem]:
     """Yield a problem for each question that cannot be drawn, or whose answers are confused, with its line."""
-    from graders.core.answers.retrieval import draw, find_question_fault
+    from graders.core.answers.retrieval import draw_question, find_question_fault
 
     pages = {lesson.slug for lesson in module.lessons}
     for name, path in module.retrievals.items():
         try:
             function = _function(path, name)
             line = function.__code__.co_firstlineno
-            found = (find_question_fault(draw(function, seed)) for seed in range(CHECKED_DRAWS))
+            found = (find_question_fault(draw_question(function, seed)) for seed in range(CHECKED_DRAWS))
             fault = next(filter(None, found), "")
         except Exception as error:  # whatever an author's function raises is reported with its place
             lines = [frame.lineno for frame in traceback.extract_tb(error.__traceback__) if frame.filename == str(path)]

@@ -15,7 +15,7 @@ import json
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 
-from graders.core.contract.kits import Files, kits_for
+from graders.core.contract.kits import Files, find_available_kits
 from server.base.files import digest_files, walk_files
 from server.course.closure import ImportGraph
 from server.course.schemas import ExerciseFile
@@ -46,7 +46,7 @@ def grading_files(
     yield from sorted((described | imports.closure(type(grader).__module__)).items())
     yield from (named for named in walk_files(GRADER, graders) if _affects_verdict(named[1].relative_to(graders)))
     if card.kind == "code":
-        yield from _kit_files(kits_for(folder.parents[1])[kit])
+        yield from _kit_files(find_available_kits(folder.parents[1])[kit])
     else:
         yield from ((name, folder / name) for name in COURSE_FILES if (folder / name).is_file())
 

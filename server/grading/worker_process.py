@@ -77,7 +77,7 @@ def _warm_up_sandbox_and_graders(sandbox: Sandbox, course: Course, idle_monitor:
         if not idle_monitor.wait_until_idle(_graceful_stop.requested):
             return
         try:
-            exercise.grader.rehearse()
+            exercise.grader.warm_up()
         except Exception:
             log.exception("the grader of %s does not work", exercise.id)
     gc.freeze()  # keeps garbage collection from scanning what stays loaded

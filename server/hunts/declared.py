@@ -12,7 +12,7 @@ from graders.core.code.hunts import InputFault, InputOutsideStatement
 from graders.core.contract.program import Programs, StudentFault
 from graders.core.declared.declaration import read_declaration
 from graders.core.declared.grading import DeclaredGrader
-from graders.core.declared.hunts import DeclaredHunt, DeclaredHuntGround, list_hunts, try_hunt
+from graders.core.declared.hunts import DeclaredHunt, DeclaredHuntPrograms, list_hunts, try_hunt
 from server.base.caches import LRUCache
 from server.grading.sandbox_grader import SandboxPrograms
 from server.hunts.protocol import (
@@ -84,7 +84,7 @@ class DeclaredHuntRunner:
 
     def _find_witness(self, hunt: DeclaredHunt) -> DeclaredHuntWithWitness:
         try:
-            with closing(DeclaredHuntGround(hunt, self._sandbox_programs(hunt))) as ground:
+            with closing(DeclaredHuntPrograms(hunt, self._sandbox_programs(hunt))) as ground:
                 return DeclaredHuntWithWitness(hunt, ground.find_witness())
         except StudentFault:
             return DeclaredHuntWithWitness(hunt, None)
@@ -117,8 +117,8 @@ def _describe_offer(index: int, name: HuntName, hunt: DeclaredHunt, witness: tup
         index=index,
         hunt=name.model_copy(update={"function": hunt.function}),
         title=hunt.mistake.title,
-        program=hunt.program(seed),
-        arguments=tuple(HuntArgument(name=each.name, words=each.words, witness=text) for each, text in arguments),
+        program=hunt.wrong_program_source(seed),
+        arguments=tuple(HuntArgument(name=each.name, words=each.description, witness=text) for each, text in arguments),
         numbers=0,
         nonzero=0,
         predictable=False,

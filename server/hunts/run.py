@@ -281,7 +281,7 @@ def _describe_offer(index: int, name: HuntName, known: HuntWithWitness, seed: in
         program=hunt.wrong_program_source(seed, public),
         arguments=tuple(
             HuntArgument(
-                name=argument, words=form.words, witness=witness.get(argument, ""), optional=argument in optional
+                name=argument, words=form.description, witness=witness.get(argument, ""), optional=argument in optional
             )
             for argument, form in hunt.contract.takes.items()
         ),
@@ -289,7 +289,7 @@ def _describe_offer(index: int, name: HuntName, known: HuntWithWitness, seed: in
         nonzero=size.nonzero,
         predictable=_is_few_finite_numbers(known.got),
         wrong_lines=0 if changed is None else len(changed.mending),
-        returns=hunt.contract.returns.words,
+        returns=hunt.contract.returns.description,
     )
 
 

@@ -11,7 +11,7 @@ from fastapi import APIRouter, Request
 from fastapi.responses import Response
 from starlette.concurrency import run_in_threadpool
 
-from graders.core.advice.ways import choose_ways, without_remarks
+from graders.core.advice.ways import choose_diverse_specimens, strip_docstrings_and_comments
 from graders.core.code.grading import CodeGrader
 from graders.core.contract.outcomes import Outcome
 from server.base.http import client_address
@@ -108,6 +108,6 @@ def _pick_contrasting_solutions(exercise: Exercise) -> tuple[tuple[str, str], ..
     assert isinstance(exercise.grader, CodeGrader)
     right = [specimen for specimen in exercise.grader.specimens() if specimen.outcome is Outcome.OK]
     texts = {specimen.path.stem: specimen.path.read_text(encoding="utf-8") for specimen in right}
-    names = choose_ways(exercise.solution, texts)
-    others = [(f"Autrement : {name.replace('_', ' ')}", without_remarks(texts[name])) for name in names]
+    names = choose_diverse_specimens(exercise.solution, texts)
+    others = [(f"Autrement : {name.replace('_', ' ')}", strip_docstrings_and_comments(texts[name])) for name in names]
     return (("La référence", exercise.solution), *others)

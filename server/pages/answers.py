@@ -37,7 +37,7 @@ def build_answers_page(reader: Reader, exercise: Exercise, seed: int, taken: Att
     saved = withheld.load_saved_work(reader, exercise, latest) if taken is None else None
     put_back = taken or latest
     if saved is not None:
-        answers = grader.reletter(read_answers(saved.source), seed, seed)
+        answers = grader.translate_letters(read_answers(saved.source), seed, seed)
     else:
         answers = _read_relettered_answers(grader, put_back.submission if put_back else None, seed)
     sections = ["", *(question.section for question in paper.questions)]
@@ -66,7 +66,7 @@ def _read_relettered_answers(grader: AnswersGrader, submission: Submission | Non
     if submission is None:
         return {}
     try:
-        return grader.reletter(read_answers(submission.source), submission.seed, seed)
+        return grader.translate_letters(read_answers(submission.source), submission.seed, seed)
     except UnreadableAnswersError:
         return {}
 

@@ -11,7 +11,7 @@ from markupsafe import Markup
 from graders.core.code.grading import CodeGrader
 from graders.core.contract.kits import SCENARIOS
 from graders.core.contract.progress import Progress as Mended
-from graders.core.contract.progress import progress as progress_since
+from graders.core.contract.progress import measure_progress as progress_since
 from graders.core.contract.streams import stream
 from graders.core.contract.verdict import TEACHER, Verdict
 from server.assignments import sittings

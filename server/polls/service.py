@@ -61,7 +61,7 @@ def _prediction_poll(lesson: Lesson, name: str, title: str, asked: Prediction | 
 
 def _choice_poll(lesson: Lesson, name: str, exercise: Exercise, question: ChoiceQuestion) -> Poll:
     """Build the poll of a choice question, its options shuffled."""
-    order = [question.option(option_id) for option_id in question.letters(SHUFFLE_SEED).by_letter.values()]
+    order = [question.find_option(option_id) for option_id in question.letters(SHUFFLE_SEED).by_letter.values()]
     options = tuple(PollOption(option.id, Markup(exercise.line(option.text)), option.right) for option in order)
     href = f"/{lesson.module}/lire/{lesson.slug}#question-{name.replace('/', '-')}"
     asked = Markup(exercise.line(question.text))

@@ -12,7 +12,7 @@ from graders.core.answers import Question
 from graders.core.answers.choice import ChoiceGrader
 from graders.core.answers.numeric import NumericGrader
 from graders.core.answers.question_paper import GivenDatum
-from graders.core.answers.retrieval import seed_of
+from graders.core.answers.retrieval import make_seed
 from graders.core.compare.words import number
 from graders.core.contract.outcomes import Outcome
 from server.assignments import feedback
@@ -73,7 +73,7 @@ def draw_calculation(
     name = None if exercise is None or not can_calculate(exercise) else find_question_showing(exercise, misconception)
     if exercise is None or exercise.answers is None or name is None:
         raise NotFound(NO_QUESTION)
-    seed = seed_of("calculation", str(account.id), exercise_id, misconception, day.isoformat())
+    seed = make_seed("calculation", str(account.id), exercise_id, misconception, day.isoformat())
     paper = exercise.answers.paper(seed)
     question = next(question for question in paper.questions if question.id == name)
     return AskedCalculation(exercise, misconception, day, seed, question, paper.given)

@@ -7,7 +7,7 @@ from datetime import date, timedelta
 
 from sqlalchemy.orm import Session
 
-from graders.core.answers.retrieval import Marking, RetrievalQuestion, UnreadableAnswerError, seed_of
+from graders.core.answers.retrieval import Marking, RetrievalQuestion, UnreadableAnswerError, make_seed
 from server.base import school_time
 from server.base.errors import Conflict, Invalid, NotFound
 from server.course import Course, Module
@@ -64,7 +64,7 @@ def draw_retrieval(module: Module, name: str, account: Account | None, day: date
     """Draw a question for an account and a day. Raises NotFound."""
     if name not in module.retrievals:
         raise NotFound(NO_QUESTION)
-    seed = seed_of(VISITOR if account is None else str(account.id), module.slug, name, day.isoformat())
+    seed = make_seed(VISITOR if account is None else str(account.id), module.slug, name, day.isoformat())
     return AskedQuestion(module.slug, name, day, seed, draw_question(module, name, seed))
 
 

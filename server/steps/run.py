@@ -156,7 +156,14 @@ def _trace_scenario(sandbox: Sandbox, request: ScenarioTraceRequest) -> TraceOut
     return _trace_program(
         sandbox,
         _TracedProgram(
-            request.source, FILENAME, scenario.function, scenario.arguments(), {}, kit, scenario.text(), driven=True
+            request.source,
+            FILENAME,
+            scenario.function,
+            scenario.driver_arguments(),
+            {},
+            kit,
+            scenario.text(),
+            driven=True,
         ),
     )
 
@@ -166,7 +173,7 @@ def _run_program(sandbox: Sandbox, request: ProgramRunRequest) -> TraceOut:
     played = Scenario((Statement("program", callee=request.function, arguments=request.lines),))
     kit = Kit(SCENARIOS, dict(request.kit))
     program = _TracedProgram(
-        request.source, FILENAME, request.function, played.arguments(), {}, kit, driven=True, plain=True
+        request.source, FILENAME, request.function, played.driver_arguments(), {}, kit, driven=True, plain=True
     )
     return _trace_program(sandbox, program)
 

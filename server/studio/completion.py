@@ -222,7 +222,7 @@ def _share_points(checks: list[dict[str, Any]]) -> None:
 
 def _answers(declaration: dict[str, Any], trial: ExerciseTrial) -> list[list[str]] | None:
     try:
-        return trial.answers(declaration)
+        return trial.answer_written_cases(declaration)
     except MalformedDeclaration:
         return None
 

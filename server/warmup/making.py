@@ -8,7 +8,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from graders.core.answers.retrieval import seed_of
+from graders.core.answers.retrieval import make_seed
 from server.board.catalogue import find_misconception
 from server.course import Course, Module
 from server.course.retrievals import draw_question
@@ -44,7 +44,7 @@ def build_retrieval_question(module: Module, name: str, need: SubjectReviewNeed,
     """Ask a question of a lesson as a choice: numbers that known mistakes lead to are options. None where two options
     read alike."""
     drawn = replace(draw_question(module, name, seed), is_choice=True)
-    words = [drawn.words_of(drawn.answer), *(drawn.words_of(wrong.answer) for wrong in drawn.wrong)][:MAX_OPTIONS]
+    words = [drawn.answer_text(drawn.answer), *(drawn.answer_text(wrong.answer) for wrong in drawn.wrong)][:MAX_OPTIONS]
     if len(set(words)) < max(2, len(words)):
         return None
     whys = ["", *(wrong.why for wrong in drawn.wrong)]
@@ -62,7 +62,7 @@ def build_retrieval_question(module: Module, name: str, need: SubjectReviewNeed,
 
 def daily_subject_seed(class_id: str, day: str, subject: str) -> int:
     """Return the seed of a class, a day and a subject."""
-    return seed_of("warm-up", class_id, day, subject)
+    return make_seed("warm-up", class_id, day, subject)
 
 
 def _shuffle_and_letter_options(options: Sequence[WarmUpOption], seed: int) -> tuple[tuple[WarmUpOption, ...], str]:

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Any, Literal
 
 from graders.core.compare.python_values import MORE, is_numeric, is_python_text, python_text, restore_numbers
-from graders.core.compare.told_apart import NOISE, are_near, number_pair
+from graders.core.compare.told_apart import NOISE, are_near, number_text_pair
 from graders.core.compare.words import number
 
 MAX_ROWS, MAX_COLUMNS, MAX_LIST = 24, 40, 24  # a map of the course is 16 × 24, a scan has 36 rays
@@ -131,7 +131,7 @@ def _format_beside(value: Any, beside: Any) -> str:
         return format_scalar(value)
     if are_near(value, beside, NOISE):
         return format_scalar(value)
-    return number_pair(value, beside)[0]
+    return number_text_pair(value, beside)[0]
 
 
 def _is_summary(value: Mapping[str, Any]) -> bool:

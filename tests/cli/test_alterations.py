@@ -28,14 +28,14 @@ EQUIVALENT = '[[equivalent]]\nfunction = "decale"\nremoved = "if x < 0:"\nadded 
 class Here:
     """Runs programs in this process, as a sandbox would."""
 
-    def programs(self, exercise: str, policy: Policy) -> Any:
+    def program_starter(self, exercise: str, policy: Policy) -> Any:
         return LOCAL
 
 
 class Broken:
     """A sandbox that fails."""
 
-    def programs(self, exercise: str, policy: Policy) -> Any:
+    def program_starter(self, exercise: str, policy: Policy) -> Any:
         raise OSError("plus de place")
 
 
@@ -69,7 +69,7 @@ def tally(one: Exercise) -> alterations.MutantTally:
 
 
 def diffs(found: list[alterations.MutantTrial]) -> list[str]:
-    return [f"{one.alteration.removed[0]} → {one.alteration.added[0]}" for one in found]
+    return [f"{one.alteration.removed_lines[0]} → {one.alteration.added_lines[0]}" for one in found]
 
 
 def test_a_thorough_grader_catches_all(course: Course, tmp_path: Path) -> None:

@@ -71,7 +71,7 @@ def grader(course: Course, course_sandbox: Sandbox) -> SandboxGrader:
 @cache
 def rehearsed(exercise: Exercise) -> Exercise:
     """What is imported at first use costs no submission."""
-    exercise.grader.rehearse()
+    exercise.grader.warm_up()
     return exercise
 
 

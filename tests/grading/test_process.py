@@ -57,7 +57,7 @@ class Rehearsed:
     def __init__(self, told: list[str], name: str, *, fails: bool) -> None:
         self._told, self._name, self._fails = told, name, fails
 
-    def rehearse(self) -> None:
+    def warm_up(self) -> None:
         self._told.append(self._name)
         if self._fails:
             raise ValueError("not this one")

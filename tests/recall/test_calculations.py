@@ -41,7 +41,7 @@ def test_each_mistake_has_a_question_that_tells_it_from_the_right_answer(course:
         letters = right if isinstance(right, list) else [str(right)]
         assert calculations.mark_calculation(asked, letters).is_right, name
         if isinstance(grader, NumericGrader):
-            wrong = [str(grader.mistaken(name, asked.seed, follow=False)[asked.question.id])]
+            wrong = [str(grader.answers_with_mistake(name, asked.seed, follow=False)[asked.question.id])]
         else:
             wrong = [piece.id for piece in asked.question.pieces if piece.id not in letters][:1]
         marked = calculations.mark_calculation(asked, wrong)

@@ -119,8 +119,8 @@ class TrialsOnce(ExerciseTrial):
         run = partial(super().run, data, starter, seeds=seeds, with_changes=with_changes)
         return self._once(run, "run", data, starter, seeds, with_changes)
 
-    def answers(self, data: Mapping[str, Any]) -> list[list[str]] | None:
-        return self._once(partial(super().answers, data), "answers", data)
+    def answer_written_cases(self, data: Mapping[str, Any]) -> list[list[str]] | None:
+        return self._once(partial(super().answer_written_cases, data), "answer_written_cases", data)
 
     def answer_draws(self, data: Mapping[str, Any]) -> list[tuple[str, str]]:
         return self._once(partial(super().answer_draws, data), "answer_draws", data)

@@ -102,8 +102,10 @@ def test_each_call_that_the_guide_shows_gives_what_it_says(studio: Studio, cours
     calls += [f"{call[: call.index('(')]}(cos, 1, 2, 1e-6)" for call in calls if "math.cos" in call]
     trial = ExerciseTrial("l20/essai", *[lambda *_: SandboxPrograms(course_sandbox, TRIAL_POLICY)] * 2)
     functions = " ".join(re.findall(r"^(?:def|class) (\w+)", GUIDE_SOLUTION, re.M))
-    assert trial.answers(declare(functions, GUIDE_SOLUTION, *calls)) == [GUIDE_ANSWERS]
-    assert trial.answers(declare(PROGRAM, "print(int(input()) + int(input()))\n", *program)) == [["'7\\n'"]]
+    assert trial.answer_written_cases(declare(functions, GUIDE_SOLUTION, *calls)) == [GUIDE_ANSWERS]
+    assert trial.answer_written_cases(declare(PROGRAM, "print(int(input()) + int(input()))\n", *program)) == [
+        ["'7\\n'"]
+    ]
 
 
 def test_the_answers_within_eps_of_the_guide_are_judged_as_it_says(course_sandbox: Sandbox) -> None:
@@ -115,7 +117,7 @@ def test_the_answers_within_eps_of_the_guide_are_judged_as_it_says(course_sandbo
     solution = section.split("```python\n")[1].split("```")[0]
     declared = declare("dichotomie", solution, call, tolerance="eps")
     start = partial(SandboxPrograms, course_sandbox, TRIAL_POLICY)
-    assert ExerciseTrial("l20/essai", start, lambda _: start()).answers(declared) == [[answer]]
+    assert ExerciseTrial("l20/essai", start, lambda _: start()).answer_written_cases(declared) == [[answer]]
     grader = DeclaredGrader("l20/essai", read_declaration(declared))
     for given, points in ((right, 20), (wrong, 0)):
         program = f"def dichotomie(f, a, b, eps):\n    return {given}\n".encode()

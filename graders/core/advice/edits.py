@@ -97,7 +97,7 @@ def _dedent_lines(lines: Sequence[str]) -> str:
     return textwrap.dedent("\n".join(lines))
 
 
-def numpy_call(node: ast.expr) -> str:
+def numpy_function_name(node: ast.expr) -> str:
     """Return the name in numpy of the element by element function that is called (`math.cos`, `abs`…), or ""."""
     if not isinstance(node, ast.Call) or node.keywords or any(isinstance(arg, ast.Starred) for arg in node.args):
         return ""
@@ -111,7 +111,7 @@ def numpy_call(node: ast.expr) -> str:
     return ""
 
 
-def functions_of(tree: ast.Module) -> list[ast.FunctionDef]:
+def list_functions(tree: ast.Module) -> list[ast.FunctionDef]:
     return [node for node in ast.walk(tree) if isinstance(node, ast.FunctionDef)]
 
 

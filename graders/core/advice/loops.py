@@ -10,9 +10,9 @@ from dataclasses import dataclass, field
 from graders.core.advice.edits import (
     Advice,
     AdviceKind,
-    functions_of,
+    list_functions,
     make_advice,
-    numpy_call,
+    numpy_function_name,
     replace_expressions,
     replace_statement,
     stored_names,
@@ -68,7 +68,7 @@ class Vectoriser(ast.NodeTransformer):
         return _subscript(node.value, [self.cut or ast.Slice(), *parts[1:]])
 
     def visit_Call(self, node: ast.Call) -> ast.expr:
-        name = numpy_call(node)
+        name = numpy_function_name(node)
         if not name:
             raise CannotVectorise
         function = ast.Attribute(ast.Name("np", ast.Load()), name, ast.Load())
@@ -111,7 +111,7 @@ def list_loop_advice(source: str, tree: ast.Module) -> Iterator[Advice]:
 
 
 def _iter_blocks(tree: ast.Module) -> Iterator[list[ast.stmt]]:
-    for function in functions_of(tree):
+    for function in list_functions(tree):
         for node in ast.walk(function):
             for name in ("body", "orelse"):
                 block = getattr(node, name, None)
@@ -200,7 +200,7 @@ def _vectorise_assignment(loop: Vectoriser, node: ast.stmt) -> ast.stmt:
 
 def list_repeated_work(source: str, tree: ast.Module) -> Iterator[Advice]:
     """Yield the calls that every turn of a loop makes with the same arguments, and so need be made once."""
-    for function in functions_of(tree):
+    for function in list_functions(tree):
         for node in ast.walk(function):
             if isinstance(node, ast.For | ast.While):
                 advice = _hoist_calls_advice(source, function, node)
@@ -261,7 +261,7 @@ def _is_pure(call: ast.Call) -> bool:
         and ast.unparse(call.func.value) in {"np.linalg", "numpy.linalg"}
         and call.func.attr in STEADY
     )
-    if not steady and numpy_call(call) in {"", "abs"}:
+    if not steady and numpy_function_name(call) in {"", "abs"}:
         return False
     simple = (ast.Name, ast.Constant, ast.Attribute, ast.BinOp, ast.UnaryOp, ast.operator, ast.unaryop,
               ast.expr_context, ast.Call)  # fmt: skip

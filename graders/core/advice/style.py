@@ -5,7 +5,7 @@ from __future__ import annotations
 import ast
 from collections.abc import Collection, Iterator
 
-from graders.core.advice.edits import Advice, AdviceKind, functions_of, make_advice, replace_expressions
+from graders.core.advice.edits import Advice, AdviceKind, list_functions, make_advice, replace_expressions
 
 COPY = "Cette copie est de trop : `{inner}` rend déjà un tableau neuf, que rien d’autre ne partage."
 NAME = "`{name}` est une fonction de Python : votre variable la cache dans toute la fonction. Un autre nom l’évite."
@@ -53,7 +53,7 @@ def _makes_new_array(call: ast.Call) -> bool:
 
 def list_hiding_names(source: str, tree: ast.Module, given: Collection[str]) -> Iterator[Advice]:
     """Yield the local variables that hide a function of Python; `given` are the functions that the statement asks."""
-    for function in functions_of(tree):
+    for function in list_functions(tree):
         if any(isinstance(node, ast.FunctionDef | ast.Lambda | ast.Global | ast.Nonlocal) and node is not function
                for node in ast.walk(function)):  # fmt: skip
             continue

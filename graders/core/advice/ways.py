@@ -14,7 +14,7 @@ from graders.core.syntax_trees import parse_source
 MAX_LINES = 60
 
 
-def choose_ways(reference: str, specimens: Mapping[str, str], count: int = 2) -> Sequence[str]:
+def choose_diverse_specimens(reference: str, specimens: Mapping[str, str], count: int = 2) -> Sequence[str]:
     """Return the names of the specimens that differ most from the reference and from one another.
 
     Programs differ by the kinds of nodes of their syntax trees; long ones are left out.
@@ -43,7 +43,7 @@ def _cosine_distance(first: Counter[str], second: Counter[str]) -> float:
     return 1.0 - product / norms if norms else 1.0
 
 
-def without_remarks(source: str) -> str:
+def strip_docstrings_and_comments(source: str) -> str:
     """Return a program without its docstrings and comments, which are for the course's authors."""
     source = source.removeprefix("\ufeff")
     lines: list[str] = []

@@ -31,12 +31,12 @@ class Alteration:
     function: str
 
     @cached_property
-    def removed(self) -> tuple[str, ...]:
+    def removed_lines(self) -> tuple[str, ...]:
         """The removed lines, without indentation."""
         return self._diff_lines("-")
 
     @cached_property
-    def added(self) -> tuple[str, ...]:
+    def added_lines(self) -> tuple[str, ...]:
         """The added lines, without indentation."""
         return self._diff_lines("+")
 
@@ -80,7 +80,12 @@ def sample_alterations(source: str, most: int) -> list[Alteration]:
 
 def _find_changes(text: ProgramText) -> list[tuple[Change, str]]:
     """Return every change by the rules with the function around it, in the order of the lines."""
-    changes = [(change, text.function(node)) for node in text.nodes() for rule in RULES for change in rule(text, node)]
+    changes = [
+        (change, text.enclosing_function_name(node))
+        for node in text.iter_alterable_nodes()
+        for rule in RULES
+        for change in rule(text, node)
+    ]
     changes.sort(key=lambda entry: (entry[0].start, entry[0].end, not entry[0].is_course_mistake, entry[0].text))
     return changes
 

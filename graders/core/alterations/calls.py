@@ -6,11 +6,11 @@ import ast
 import re
 from collections.abc import Iterator
 
-from graders.core.alterations.expressions import DEGREES, name_of
+from graders.core.alterations.expressions import DEGREES, called_name
 from graders.core.alterations.text import Change, ProgramText
 
 
-def words(text: str) -> frozenset[str]:
+def split_words(text: str) -> frozenset[str]:
     """Return a set of names from a text separated by spaces."""
     return frozenset(text.split())
 
@@ -32,7 +32,7 @@ TAKEN_FOR = {
     "tan": "sin",
 }
 #: Functions whose call may be forgotten, leaving the first argument.
-DROPPED = words(
+DROPPED = split_words(
     """
     abs fabs absolute sqrt exp log log1p expm1 clip copy deepcopy array sorted sort round rint floor ceil trunc int
     cumsum unique sign square transpose angle phase radians degrees deg2rad rad2deg unwrap mod fmod remainder
@@ -40,18 +40,18 @@ DROPPED = words(
     """
 )
 #: Methods whose call may be forgotten, leaving the object.
-METHODS = words("copy clip cumsum round transpose conj conjugate ravel flatten sort reverse astype")
+METHODS = split_words("copy clip cumsum round transpose conj conjugate ravel flatten sort reverse astype")
 #: Functions that are symmetric in their arguments.
-SYMMETRIC = words(
+SYMMETRIC = split_words(
     "hypot minimum maximum min max fmin fmax logical_and logical_or logical_xor isclose allclose add multiply"
 )
-COMPOSITION = words("composer compose relatif relative matmul multi_dot")
+COMPOSITION = split_words("composer compose relatif relative matmul multi_dot")
 WRAP = re.compile("ramen|wrap|normalis|normaliz|modulo|arctan2|atan2|angle|phase")
-ANGLE_IN = words("sin cos tan")
-ANGLE_OUT = words("arctan2 atan2 arctan atan arccos acos arcsin asin angle phase")
+ANGLE_IN = split_words("sin cos tan")
+ANGLE_OUT = split_words("arctan2 atan2 arctan atan arccos acos arcsin asin angle phase")
 
 
-def calls(text: ProgramText, node: ast.AST) -> Iterator[Change]:
+def alter_calls(text: ProgramText, node: ast.AST) -> Iterator[Change]:
     """Another function, the call dropped, its arguments swapped, a named one dropped."""
     if not isinstance(node, ast.Call):
         return
@@ -64,14 +64,14 @@ def calls(text: ProgramText, node: ast.AST) -> Iterator[Change]:
 
 
 def _replace_by_confusable_function(text: ProgramText, node: ast.Call) -> Iterator[Change]:
-    other = TAKEN_FOR.get(name_of(node))
+    other = TAKEN_FOR.get(called_name(node))
     if other is not None and (isinstance(node.func, ast.Attribute) or other in ("min", "max", "any", "all")):
         end = text.span(node.func)[1]
-        yield Change(end - len(name_of(node)), end, other, "fonction voisine")
-    if name_of(node) in ("arctan2", "atan2") and len(node.args) == 2:
+        yield Change(end - len(called_name(node)), end, other, "fonction voisine")
+    if called_name(node) in ("arctan2", "atan2") and len(node.args) == 2:
         up, right = (text.source_of(arg) for arg in node.args)
         name = text.source_of(node.func).replace("2", "")
-        yield text.replaced(node, f"{name}(({up}) / ({right}))", "fonction voisine")
+        yield text.replace_node(node, f"{name}(({up}) / ({right}))", "fonction voisine")
 
 
 def _is_method_call(text: ProgramText, node: ast.Call) -> bool:
@@ -92,10 +92,10 @@ def _drop_call_to_argument(text: ProgramText, node: ast.Call) -> Iterator[Change
         elif len(node.args) == 1:
             yield from _drop_call_of_own_function(text, node)
         return
-    if name_of(node) == "array" and isinstance(node.args[0], ast.List | ast.Tuple | ast.ListComp):
+    if called_name(node) == "array" and isinstance(node.args[0], ast.List | ast.Tuple | ast.ListComp):
         return
-    if name_of(node) in DROPPED or WRAP.search(name_of(node)):
-        for argument in node.args[: 2 if name_of(node) in SYMMETRIC else 1]:
+    if called_name(node) in DROPPED or WRAP.search(called_name(node)):
+        for argument in node.args[: 2 if called_name(node) in SYMMETRIC else 1]:
             yield from _replace_call_by_argument(text, node, argument)
     elif len(node.args) == 1:
         yield from _drop_call_of_own_function(text, node)
@@ -104,21 +104,21 @@ def _drop_call_to_argument(text: ProgramText, node: ast.Call) -> Iterator[Change
 def _replace_call_by_argument(text: ProgramText, node: ast.Call, argument: ast.expr) -> Iterator[Change]:
     if isinstance(argument, ast.Starred | ast.GeneratorExp):
         return
-    own = bool(WRAP.search(name_of(node)))
+    own = bool(WRAP.search(called_name(node)))
     remaining = (
         _wrapped_angle_source(text, argument)
-        if name_of(node) in ("arctan2", "atan2", "angle", "phase")
+        if called_name(node) in ("arctan2", "atan2", "angle", "phase")
         else text.source_of(argument)
     )
     if remaining is not None:
-        yield text.replaced(node, f"({remaining})", "normalisation oubliée" if own else "appel oublié", own=own)
+        yield text.replace_node(node, f"({remaining})", "normalisation oubliée" if own else "appel oublié", own=own)
 
 
 def _wrapped_angle_source(text: ProgramText, node: ast.expr) -> str | None:
     """Return x of arctan2(sin x, cos x) or angle(exp(1j x)); None for another argument."""
-    if isinstance(node, ast.Call) and name_of(node) == "sin":
+    if isinstance(node, ast.Call) and called_name(node) == "sin":
         return text.source_of(node.args[0])
-    if isinstance(node, ast.Call) and name_of(node) == "exp" and isinstance(node.args[0], ast.BinOp):
+    if isinstance(node, ast.Call) and called_name(node) == "exp" and isinstance(node.args[0], ast.BinOp):
         return text.source_of(node.args[0].right)
     return None
 
@@ -126,17 +126,17 @@ def _wrapped_angle_source(text: ProgramText, node: ast.expr) -> str | None:
 def _drop_call_of_own_function(text: ProgramText, node: ast.Call) -> Iterator[Change]:
     """Replace a call of a function of the file by its only argument."""
     names = {function.name for function in ast.walk(text.tree) if isinstance(function, ast.FunctionDef)}
-    if name_of(node) in names:
+    if called_name(node) in names:
         yield from _replace_call_by_argument(text, node, node.args[0])
 
 
 def _swap_arguments(text: ProgramText, node: ast.Call) -> Iterator[Change]:
-    if name_of(node) in SYMMETRIC or any(isinstance(arg, ast.Starred) for arg in node.args):
+    if called_name(node) in SYMMETRIC or any(isinstance(arg, ast.Starred) for arg in node.args):
         return
-    own = name_of(node) in COMPOSITION
+    own = called_name(node) in COMPOSITION
     for first, second in zip(node.args, node.args[1:], strict=False):
         if text.source_of(first) != text.source_of(second):
-            yield text.swapped(first, second, "ordre de la composition" if own else "arguments échangés", own=own)
+            yield text.swap_nodes(first, second, "ordre de la composition" if own else "arguments échangés", own=own)
 
 
 def _drop_keyword_argument(text: ProgramText, node: ast.Call) -> Iterator[Change]:
@@ -153,29 +153,29 @@ def _drop_keyword_argument(text: ProgramText, node: ast.Call) -> Iterator[Change
 
 def _shift_range_bounds(text: ProgramText, node: ast.Call) -> Iterator[Change]:
     """A range that begins or ends one off; numbers alone are altered as constants."""
-    if name_of(node) not in ("range", "arange"):
+    if called_name(node) not in ("range", "arange"):
         return
     for argument in node.args[:2]:
         if not isinstance(argument, ast.Constant | ast.Starred):
             for sign in "+-":
-                yield text.replaced(argument, f"{text.source_of(argument)} {sign} 1", "intervalle décalé")
+                yield text.replace_node(argument, f"{text.source_of(argument)} {sign} 1", "intervalle décalé")
     if len(node.args) == 1:
         start = text.span(node.args[0])[0]
         yield Change(start, start, "1, ", "intervalle décalé")
 
 
 def _choose_where_branch(text: ProgramText, node: ast.Call) -> Iterator[Change]:
-    if name_of(node) == "where" and len(node.args) == 3:
+    if called_name(node) == "where" and len(node.args) == 3:
         for argument in node.args[1:]:
-            yield text.replaced(node, f"({text.source_of(argument)})", "branche")
+            yield text.replace_node(node, f"({text.source_of(argument)})", "branche")
 
 
-def transposed(text: ProgramText, node: ast.AST) -> Iterator[Change]:
+def transpose_rotations(text: ProgramText, node: ast.AST) -> Iterator[Change]:
     """The rotation the other way round: the sine of the other sign, a matrix for its transpose."""
-    if isinstance(node, ast.Call) and name_of(node) == "sin" and len(node.args) == 1:
-        yield text.replaced(node, f"(-{text.source_of(node)})", "rotation transposée", own=True)
+    if isinstance(node, ast.Call) and called_name(node) == "sin" and len(node.args) == 1:
+        yield text.replace_node(node, f"(-{text.source_of(node)})", "rotation transposée", own=True)
     if isinstance(node, ast.Attribute) and node.attr == "T":
-        yield text.replaced(
+        yield text.replace_node(
             node,
             text.slice(text.span(node)[0], text.span(node.value)[1]) + _closing_parentheses(text, node),
             "transposée",
@@ -184,7 +184,7 @@ def transposed(text: ProgramText, node: ast.AST) -> Iterator[Change]:
     if isinstance(node, ast.BinOp) and isinstance(node.op, ast.MatMult):
         for side in (node.left, node.right):
             if isinstance(side, ast.Name) and side.id[:1].isupper():
-                yield text.replaced(side, f"{side.id}.T", "transposée", own=True)
+                yield text.replace_node(side, f"{side.id}.T", "transposée", own=True)
 
 
 def _closing_parentheses(text: ProgramText, node: ast.Attribute) -> str:
@@ -192,18 +192,18 @@ def _closing_parentheses(text: ProgramText, node: ast.Attribute) -> str:
     return text.slice(text.span(node.value)[1], text.span(node)[1]).rsplit(".", 1)[0]
 
 
-def degrees(text: ProgramText, node: ast.AST) -> Iterator[Change]:
+def alter_angle_units(text: ProgramText, node: ast.AST) -> Iterator[Change]:
     """An angle in degrees where radians are meant: given to a sine, or got of an arc tangent."""
     if not isinstance(node, ast.Call):
         return
-    if name_of(node) in ANGLE_IN and len(node.args) == 1:
-        yield text.replaced(node.args[0], f"{DEGREES} * ({text.source_of(node.args[0])})", "degrés", own=True)
-    if name_of(node) in ANGLE_OUT:
-        yield text.replaced(node, f"({DEGREES} * {text.source_of(node)})", "degrés", own=True)
-    if name_of(node) == "exp" and any(
+    if called_name(node) in ANGLE_IN and len(node.args) == 1:
+        yield text.replace_node(node.args[0], f"{DEGREES} * ({text.source_of(node.args[0])})", "degrés", own=True)
+    if called_name(node) in ANGLE_OUT:
+        yield text.replace_node(node, f"({DEGREES} * {text.source_of(node)})", "degrés", own=True)
+    if called_name(node) == "exp" and any(
         isinstance(part, ast.Constant) and isinstance(part.value, complex) for part in ast.walk(node)
     ):
-        yield text.replaced(node.args[0], f"{DEGREES} * {text.source_of(node.args[0])}", "degrés", own=True)
+        yield text.replace_node(node.args[0], f"{DEGREES} * {text.source_of(node.args[0])}", "degrés", own=True)
 
 
-RULES = (calls, transposed, degrees)
+RULES = (alter_calls, transpose_rotations, alter_angle_units)

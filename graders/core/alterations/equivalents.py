@@ -34,8 +34,8 @@ class EquivalentMark:
     def matches(self, alteration: Alteration) -> bool:
         return (self.function, self.removed, self.added) == (
             alteration.function,
-            alteration.removed,
-            alteration.added,
+            alteration.removed_lines,
+            alteration.added_lines,
         )
 
 
@@ -88,7 +88,7 @@ def _reject_duplicates(marks: Sequence[EquivalentMark]) -> None:
         seen.add(key)
 
 
-def stale_marks(marks: Sequence[EquivalentMark], found: Sequence[Alteration]) -> Iterator[MalformedExerciseError]:
+def find_stale_marks(marks: Sequence[EquivalentMark], found: Sequence[Alteration]) -> Iterator[MalformedExerciseError]:
     """Yield an error for each mark that matches no alteration."""
     for mark in marks:
         if not any(mark.matches(alteration) for alteration in found):

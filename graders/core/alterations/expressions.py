@@ -45,21 +45,21 @@ AXES = frozenset(map(frozenset, ("xy", "hw", "ij", ("dx", "dy"), ("ligne", "colo
 MAX_SWAPS = 4
 
 
-def numbers(text: ProgramText, node: ast.AST) -> Iterator[Change]:
+def alter_numbers(text: ProgramText, node: ast.AST) -> Iterator[Change]:
     """A number, a little more, a little less, none, of the other sign, twice as much; True for False."""
     if not isinstance(node, ast.Constant) or node.value is None:
         return
     value = node.value
     if isinstance(value, bool):
-        yield text.replaced(node, str(not value), "constante")
+        yield text.replace_node(node, str(not value), "constante")
     elif isinstance(value, complex):
         if not isinstance(text.parent(node), ast.UnaryOp):
-            yield text.replaced(node, f"(-{text.source_of(node)})", "rotation transposée", own=True)
+            yield text.replace_node(node, f"(-{text.source_of(node)})", "rotation transposée", own=True)
     elif isinstance(value, int | float):
         own = _is_axis_number(text, node)
         for other in dict.fromkeys(_iter_other_numbers(text, node, value)):
             written = f"({other!r})" if other < 0 and isinstance(text.parent(node), ast.BinOp) else repr(other)
-            yield text.replaced(node, written, "axe" if own else "constante", own=own)
+            yield text.replace_node(node, written, "axe" if own else "constante", own=own)
 
 
 def _iter_other_numbers(text: ProgramText, node: ast.AST, value: float) -> Iterator[float]:
@@ -100,12 +100,12 @@ def _is_index(text: ProgramText, node: ast.AST) -> bool:
     return isinstance(parent, ast.Slice) or (isinstance(parent, ast.Subscript) and parent.slice is node)
 
 
-def binary(text: ProgramText, node: ast.AST) -> Iterator[Change]:
+def alter_binary_operations(text: ProgramText, node: ast.AST) -> Iterator[Change]:
     """Another operator, an operand alone, the operands of a difference or of a product of matrices swapped."""
     if not isinstance(node, ast.BinOp) or _has_text_operand(node) or type(node.op) not in BINARY:
         return
     spelled, others = BINARY[type(node.op)]
-    start, end = text.token(node.left, node.right, spelled)
+    start, end = text.operator_span(node.left, node.right, spelled)
     for other in others:
         yield Change(start, end, other, "opérateur")
     first, last = text.span(node)
@@ -142,7 +142,8 @@ def is_normalisation(node: ast.BinOp) -> bool:
     """Does it divide by a sum or a norm, or bring an angle back by a remainder?"""
     if isinstance(node.op, ast.Div):
         return not isinstance(node.left, ast.Constant) and any(
-            isinstance(part, ast.Call) and name_of(part) in ("sum", "norm", "hypot") for part in ast.walk(node.right)
+            isinstance(part, ast.Call) and called_name(part) in ("sum", "norm", "hypot")
+            for part in ast.walk(node.right)
         )
     return isinstance(node.op, ast.Mod) and any(_is_pi_or_tau(part) for part in ast.walk(node.right))
 
@@ -151,13 +152,13 @@ def _is_pi_or_tau(node: ast.AST) -> bool:
     return isinstance(node, ast.Attribute) and node.attr in ("pi", "tau")
 
 
-def name_of(call: ast.Call) -> str:
+def called_name(call: ast.Call) -> str:
     """The last word of what is called, "" where it has no name."""
     function = call.func
     return function.attr if isinstance(function, ast.Attribute) else getattr(function, "id", "")
 
 
-def unary(text: ProgramText, node: ast.AST) -> Iterator[Change]:
+def drop_unary_operators(text: ProgramText, node: ast.AST) -> Iterator[Change]:
     """A sign, a « not », a « ~ » dropped."""
     if isinstance(node, ast.UnaryOp):
         first, last = text.span(node)
@@ -165,7 +166,7 @@ def unary(text: ProgramText, node: ast.AST) -> Iterator[Change]:
         yield Change(first, last, text.slice(first + length, last).lstrip(), "signe ou négation oubliés")
 
 
-def comparisons(text: ProgramText, node: ast.AST) -> Iterator[Change]:
+def alter_comparisons(text: ProgramText, node: ast.AST) -> Iterator[Change]:
     """Strict for not strict, the contrary; one of two bounds alone."""
     if not isinstance(node, ast.Compare):
         return
@@ -173,22 +174,22 @@ def comparisons(text: ProgramText, node: ast.AST) -> Iterator[Change]:
     for left, right, op in zip(operands, node.comparators, node.ops, strict=False):
         spelled, others = COMPARED[type(op)]
         for other in others:
-            yield Change(*text.token(left, right, spelled), other, "comparaison")
+            yield Change(*text.operator_span(left, right, spelled), other, "comparaison")
     if len(node.ops) == 2:
         (first, last), (start, end) = text.span(node), text.span(node.comparators[0])
         yield Change(first, last, text.slice(first, end), "borne oubliée")
         yield Change(first, last, text.slice(start, last), "borne oubliée")
 
 
-def booleans(text: ProgramText, node: ast.AST) -> Iterator[Change]:
+def alter_boolean_operations(text: ProgramText, node: ast.AST) -> Iterator[Change]:
     """« and » for « or », one of the conditions dropped."""
     if not isinstance(node, ast.BoolOp):
         return
     spelled, other = ("and", "or") if isinstance(node.op, ast.And) else ("or", "and")
     for left, right in zip(node.values, node.values[1:], strict=False):
-        start, end = text.token(left, right, spelled)
+        start, end = text.operator_span(left, right, spelled)
         yield Change(start, end, other, "et, ou")
-    bounds = [text.token(*pair, spelled) for pair in zip(node.values, node.values[1:], strict=False)]
+    bounds = [text.operator_span(*pair, spelled) for pair in zip(node.values, node.values[1:], strict=False)]
     first, last = text.span(node)
     yield Change(first, bounds[0][1], "", "condition oubliée")
     for index, (start, _) in enumerate(bounds):
@@ -196,14 +197,14 @@ def booleans(text: ProgramText, node: ast.AST) -> Iterator[Change]:
         yield Change(start, stop, "", "condition oubliée")
 
 
-def choices(text: ProgramText, node: ast.AST) -> Iterator[Change]:
+def choose_conditional_branches(text: ProgramText, node: ast.AST) -> Iterator[Change]:
     """One branch of « a if c else b » whatever c."""
     if isinstance(node, ast.IfExp):
-        yield text.replaced(node, f"({text.source_of(node.body)})", "branche")
-        yield text.replaced(node, f"({text.source_of(node.orelse)})", "branche")
+        yield text.replace_node(node, f"({text.source_of(node.body)})", "branche")
+        yield text.replace_node(node, f"({text.source_of(node.orelse)})", "branche")
 
 
-def indices(text: ProgramText, node: ast.AST) -> Iterator[Change]:
+def shift_indices(text: ProgramText, node: ast.AST) -> Iterator[Change]:
     """An index or a bound off by one; row and column swapped."""
     if not isinstance(node, ast.Subscript):
         return
@@ -211,7 +212,7 @@ def indices(text: ProgramText, node: ast.AST) -> Iterator[Change]:
     for part in parts:
         yield from _alter_slice_bounds(text, part) if isinstance(part, ast.Slice) else _shift_index_by_one(text, part)
     if len(parts) == 2 and text.source_of(parts[0]) != text.source_of(parts[1]):
-        yield text.swapped(parts[0], parts[1], "ligne et colonne", own=True)
+        yield text.swap_nodes(parts[0], parts[1], "ligne et colonne", own=True)
 
 
 def _alter_slice_bounds(text: ProgramText, part: ast.Slice) -> Iterator[Change]:
@@ -230,28 +231,38 @@ def _shift_index_by_one(text: ProgramText, node: ast.expr) -> Iterator[Change]:
     bare = node.operand if isinstance(node, ast.UnaryOp) else node
     if not isinstance(bare, ast.Constant | ast.Compare | ast.List | ast.BoolOp):
         for sign in "+-":
-            yield text.replaced(node, f"{text.source_of(node)} {sign} 1", "indice décalé")
+            yield text.replace_node(node, f"{text.source_of(node)} {sign} 1", "indice décalé")
 
 
-def displays(text: ProgramText, node: ast.AST) -> Iterator[Change]:
+def swap_list_neighbours(text: ProgramText, node: ast.AST) -> Iterator[Change]:
     """Two neighbours of a list or a tuple swapped, of what is returned or unpacked too; not those of an index."""
     if not isinstance(node, ast.List | ast.Tuple) or isinstance(text.parent(node), ast.Subscript):
         return
     for first, second in list(zip(node.elts, node.elts[1:], strict=False))[:MAX_SWAPS]:
         if text.source_of(first) != text.source_of(second):
             own = frozenset(text.source_of(display).lower() for display in (first, second)) in AXES
-            yield text.swapped(first, second, "ligne et colonne" if own else "ordre", own=own)
+            yield text.swap_nodes(first, second, "ligne et colonne" if own else "ordre", own=own)
 
 
-def halves_of_a_turn(text: ProgramText, node: ast.AST) -> Iterator[Change]:
+def replace_two_pi_by_pi(text: ProgramText, node: ast.AST) -> Iterator[Change]:
     """π for 2π, where π has a name."""
     if isinstance(node, ast.Attribute) and node.attr == "pi":
-        yield text.replaced(node, f"(2 * {text.source_of(node)})", "constante")
+        yield text.replace_node(node, f"(2 * {text.source_of(node)})", "constante")
     if isinstance(node, ast.Attribute) and node.attr == "tau":
-        yield text.replaced(node, f"({text.source_of(node)} / 2)", "constante")
+        yield text.replace_node(node, f"({text.source_of(node)} / 2)", "constante")
     if isinstance(node, ast.Attribute) and node.attr == "inf":
-        yield text.replaced(node, "0.0", "constante")
+        yield text.replace_node(node, "0.0", "constante")
 
 
 DEGREES = repr(180 / math.pi)
-RULES = (numbers, binary, unary, comparisons, booleans, choices, indices, displays, halves_of_a_turn)
+RULES = (
+    alter_numbers,
+    alter_binary_operations,
+    drop_unary_operators,
+    alter_comparisons,
+    alter_boolean_operations,
+    choose_conditional_branches,
+    shift_indices,
+    swap_list_neighbours,
+    replace_two_pi_by_pi,
+)

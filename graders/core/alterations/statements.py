@@ -6,7 +6,7 @@ import ast
 from collections.abc import Iterator
 
 from graders.core.alterations.calls import WRAP
-from graders.core.alterations.expressions import is_normalisation, name_of
+from graders.core.alterations.expressions import called_name, is_normalisation
 from graders.core.alterations.text import Change, ProgramText
 
 AUGMENTED = {
@@ -20,7 +20,7 @@ AUGMENTED = {
 }
 
 
-def dropped(text: ProgramText, node: ast.AST) -> Iterator[Change]:
+def drop_statements(text: ProgramText, node: ast.AST) -> Iterator[Change]:
     """A statement left out, where the program still runs without it: not the first value that a name is given."""
     if isinstance(node, ast.Assign) and all(_is_assigned_before(text, node, target) for target in node.targets):
         value: ast.expr | None = node.value
@@ -33,7 +33,7 @@ def dropped(text: ProgramText, node: ast.AST) -> Iterator[Change]:
     own = (value is not None and _holds_normalisation(value)) or (
         isinstance(node, ast.AugAssign) and is_normalisation(ast.BinOp(node.target, node.op, node.value))
     )
-    yield text.replaced(node, "pass", "normalisation oubliée" if own else "instruction oubliée", own=own)
+    yield text.replace_node(node, "pass", "normalisation oubliée" if own else "instruction oubliée", own=own)
 
 
 def _is_assigned_before(text: ProgramText, node: ast.Assign, target: ast.expr) -> bool:
@@ -66,21 +66,21 @@ def _name_or_empty(node: ast.AST) -> str:
 def _holds_normalisation(value: ast.expr) -> bool:
     return any(
         (isinstance(node, ast.BinOp) and is_normalisation(node))
-        or (isinstance(node, ast.Call) and bool(WRAP.search(name_of(node))))
+        or (isinstance(node, ast.Call) and bool(WRAP.search(called_name(node))))
         for node in ast.walk(value)
     )
 
 
-def augmented(text: ProgramText, node: ast.AST) -> Iterator[Change]:
+def alter_augmented_assignments(text: ProgramText, node: ast.AST) -> Iterator[Change]:
     """« -= » or « = » for « += », and so on."""
     if isinstance(node, ast.AugAssign) and type(node.op) in AUGMENTED:
         spelled, others = AUGMENTED[type(node.op)]
-        start, end = text.token(node.target, node.value, spelled)
+        start, end = text.operator_span(node.target, node.value, spelled)
         for other in others:
             yield Change(start, end, other, "affectation")
 
 
-def conditions(text: ProgramText, node: ast.AST) -> Iterator[Change]:
+def alter_conditions(text: ProgramText, node: ast.AST) -> Iterator[Change]:
     """A condition that always holds, never does, or is the contrary; a loop that is never entered."""
     tests: list[ast.expr] = []
     if isinstance(node, ast.If | ast.While):
@@ -88,19 +88,19 @@ def conditions(text: ProgramText, node: ast.AST) -> Iterator[Change]:
     elif isinstance(node, ast.comprehension):
         tests = node.ifs
     for test in tests:
-        yield text.replaced(test, "False", "condition")
+        yield text.replace_node(test, "False", "condition")
         if not isinstance(node, ast.While):
-            yield text.replaced(test, "True", "condition")
+            yield text.replace_node(test, "True", "condition")
         if not isinstance(test, ast.Compare):
-            yield text.replaced(test, f"not ({text.source_of(test)})", "condition")
+            yield text.replace_node(test, f"not ({text.source_of(test)})", "condition")
 
 
-def jumps(text: ProgramText, node: ast.AST) -> Iterator[Change]:
+def exchange_break_and_continue(text: ProgramText, node: ast.AST) -> Iterator[Change]:
     """« break » for « continue », and the contrary."""
     if isinstance(node, ast.Break):
-        yield text.replaced(node, "continue", "saut")
+        yield text.replace_node(node, "continue", "saut")
     if isinstance(node, ast.Continue):
-        yield text.replaced(node, "break", "saut")
+        yield text.replace_node(node, "break", "saut")
 
 
-RULES = (dropped, augmented, conditions, jumps)
+RULES = (drop_statements, alter_augmented_assignments, alter_conditions, exchange_break_and_continue)

@@ -36,7 +36,7 @@ class ProgramText:
         self._variables: dict[ast.AST, list[str]] = {}
 
     @classmethod
-    def read(cls, source: str) -> ProgramText | None:
+    def parse_or_none(cls, source: str) -> ProgramText | None:
         """Return the text of a program; None where it cannot be read."""
         try:
             return cls(source)
@@ -71,7 +71,7 @@ class ProgramText:
         """Return the parent of a node; the tree for itself."""
         return self._parents_by_node.get(node, self.tree)
 
-    def function(self, node: ast.AST) -> str:
+    def enclosing_function_name(self, node: ast.AST) -> str:
         """Return the name of the innermost function around a node, "" at the top level."""
         while node is not self.tree:
             node = self.parent(node)
@@ -79,7 +79,7 @@ class ProgramText:
                 return node.name
         return ""
 
-    def variables(self, node: ast.AST) -> list[str]:
+    def visible_variable_names(self, node: ast.AST) -> list[str]:
         """Return the names of the variables of the function around a node, those of the top level outside of one."""
         while node is not self.tree and not isinstance(node, _FUNCTIONS):
             node = self.parent(node)
@@ -90,7 +90,7 @@ class ProgramText:
             self._variables[node] = list(dict.fromkeys([*parameters, *(name for name in names if name in stored)]))
         return self._variables[node]
 
-    def token(self, left: ast.AST, right: ast.AST, spelled: str) -> tuple[int, int]:
+    def operator_span(self, left: ast.AST, right: ast.AST, spelled: str) -> tuple[int, int]:
         """Return the byte range of an operator between its operands; `spelled` has one space between words."""
         start, end = self.span(left)[1], self.span(right)[0]
         gap = re.sub(rb"#[^\n]*", lambda comment: b" " * len(comment[0]), self.raw[start:end])
@@ -98,7 +98,7 @@ class ProgramText:
         assert match is not None, f"{spelled} stands between its operands"
         return start + match.start(), start + match.end()
 
-    def nodes(self) -> Iterator[ast.AST]:
+    def iter_alterable_nodes(self) -> Iterator[ast.AST]:
         """Yield the nodes that may be altered, in any order: no annotations, decorators or docstrings."""
         waiting: list[ast.AST] = [self.tree]
         while waiting:
@@ -108,10 +108,10 @@ class ProgramText:
             yield node
             waiting += (child for name, child in _iter_fields_with_children(node) if name not in _NOT_RUN)
 
-    def replaced(self, node: ast.AST, text: str, operator: str, *, own: bool = False) -> Change:
+    def replace_node(self, node: ast.AST, text: str, operator: str, *, own: bool = False) -> Change:
         return Change(*self.span(node), text, operator, own)
 
-    def swapped(self, first: ast.AST, second: ast.AST, operator: str, *, own: bool = False) -> Change:
+    def swap_nodes(self, first: ast.AST, second: ast.AST, operator: str, *, own: bool = False) -> Change:
         """Return the change that swaps two nodes, given in the order of the source."""
         (start, left), (right, end) = self.span(first), self.span(second)
         return Change(

@@ -4,10 +4,10 @@ The course holds the texts, in `questions.toml`, and passes them as a sheet. `ch
 `numeric`, a grader's folder defines how the data of a variant are drawn and its answers judged.
 """
 
-from graders.core.answers.choice import ChoiceSheet, Option, choice
+from graders.core.answers.choice import ChoiceSheet, Option, make_choice_grader
 from graders.core.answers.judging import AnswersGrader
 from graders.core.answers.numeric import NumericDefinition, numeric
-from graders.core.answers.order import Distractor, OrderSheet, ProofStep, order
+from graders.core.answers.order import Distractor, OrderSheet, ProofStep, make_order_grader
 from graders.core.answers.quantity import Quantity
 from graders.core.answers.question_paper import GivenDatum, Paper, PaperPiece, Question
 from graders.core.answers.reading import canonical_json
@@ -31,7 +31,7 @@ __all__ = [
     "Quantity",
     "Question",
     "canonical_json",
-    "choice",
+    "make_choice_grader",
+    "make_order_grader",
     "numeric",
-    "order",
 ]

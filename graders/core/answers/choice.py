@@ -46,13 +46,13 @@ class ChoiceQuestion:
     section: str = ""
 
     @property
-    def right(self) -> list[str]:
+    def right_option_ids(self) -> list[str]:
         return [option.id for option in self.options if option.right]
 
     def letters(self, seed: int) -> Letters:
         return Letters.from_seed([option.id for option in self.options], seed, self.id)
 
-    def option(self, name: str) -> Option:
+    def find_option(self, name: str) -> Option:
         return next(option for option in self.options if option.id == name)
 
 
@@ -61,7 +61,7 @@ class ChoiceSheet:
     questions: tuple[ChoiceQuestion, ...]
 
 
-def choice(exercise: str, folder: Path, sheet: ChoiceSheet) -> ChoiceGrader:
+def make_choice_grader(exercise: str, folder: Path, sheet: ChoiceSheet) -> ChoiceGrader:
     """Return the grader of a sheet, with the misconceptions in `folder`.
 
     Raises MalformedSheetError, or MalformedExerciseError for the misconceptions.
@@ -76,7 +76,7 @@ def choice(exercise: str, folder: Path, sheet: ChoiceSheet) -> ChoiceGrader:
 
 def _check_options(question: ChoiceQuestion, index: int) -> None:
     ids = [option.id for option in question.options]
-    right = len(question.right)
+    right = len(question.right_option_ids)
     faults = {
         "deux options ont le même nom": len(set(ids)) != len(ids),
         f"elle a plus de {MAX_LETTERS} options": len(ids) > MAX_LETTERS,
@@ -105,7 +105,9 @@ class ChoiceGrader(AnswersGrader):
         return Paper((), tuple(_make_paper_question(question, check.points, seed) for question, check in pairs))
 
     def right_answers(self, seed: int) -> Answers:
-        return {question.id: _letters_of_options(question, question.right, seed) for question in self.questions}
+        return {
+            question.id: _letters_of_options(question, question.right_option_ids, seed) for question in self.questions
+        }
 
     def judge(self, answers: Answers, seed: int) -> Sequence[Finding]:
         pairs = zip(self.questions, self.checks(), strict=True)
@@ -117,13 +119,13 @@ class ChoiceGrader(AnswersGrader):
         ticked = _read_ticked_options(question, raw, letters)
         if isinstance(ticked, str):
             return check.unreadable(ticked, raw)
-        options = [question.option(name) for name in ticked]
+        options = [question.find_option(name) for name in ticked]
         hits = [option for option in options if option.right]
-        if set(ticked) == set(question.right):
+        if set(ticked) == set(question.right_option_ids):
             return check.passed(_join_reasons(options))
         false = _choose_option_to_explain(options)
         slip = false.misconception if false else None
-        share = max(0, 2 * len(hits) - len(options)) / len(question.right) if question.several else 0.0
+        share = max(0, 2 * len(hits) - len(options)) / len(question.right_option_ids) if question.several else 0.0
         return check.failed(
             "\n\n".join(self._iter_explanations(question, options, false)),
             inputs={},
@@ -166,10 +168,10 @@ class ChoiceGrader(AnswersGrader):
     def _right_answers_except(self, question: ChoiceQuestion, ticked: Sequence[str], seed: int) -> Answers:
         return {**self.right_answers(seed), question.id: _letters_of_options(question, ticked, seed)}
 
-    def with_letters(self, answers: Answers, seed: int) -> Answers:
+    def replace_names_by_letters(self, answers: Answers, seed: int) -> Answers:
         return self._replace_letters(answers, lambda question: question.letters(seed).by_name)
 
-    def reletter(self, answers: Answers, old: int, new: int) -> Answers:
+    def translate_letters(self, answers: Answers, old: int, new: int) -> Answers:
         def letters(question: ChoiceQuestion) -> Mapping[str, str]:
             names, fresh = question.letters(old).by_letter, question.letters(new).by_name
             return {letter: fresh[name] for letter, name in names.items()}
@@ -194,7 +196,7 @@ class ChoiceGrader(AnswersGrader):
         for index, question in enumerate(self.questions, 1):
             parts.append(f"**{index}. {question.title}.** {question.text}")
             for letter, name in question.letters(seed).by_letter.items():
-                option = question.option(name)
+                option = question.find_option(name)
                 parts.append(
                     f"{'✓' if option.right else '✗'} **{letter}.** {option.text}\n\n> {quote_markdown(option.why)}"
                 )
@@ -216,7 +218,7 @@ def _make_paper_question(question: ChoiceQuestion, points: float, seed: int) -> 
 
 def _lettered_options(question: ChoiceQuestion, seed: int) -> tuple[PaperPiece, ...]:
     names = question.letters(seed).by_letter
-    return tuple(PaperPiece(letter, question.option(name).text) for letter, name in names.items())
+    return tuple(PaperPiece(letter, question.find_option(name).text) for letter, name in names.items())
 
 
 def _letters_of_options(question: ChoiceQuestion, names: Sequence[str], seed: int) -> str | list[str]:

@@ -35,7 +35,7 @@ class AnswerCheck:
     hint: str | None = None
 
     @property
-    def unaided(self) -> AnswerCheck:
+    def without_hint(self) -> AnswerCheck:
         """The check without its hint, for answers that show nothing of how the question was understood."""
         return replace(self, hint=None)
 
@@ -59,12 +59,12 @@ class AnswerCheck:
 
     def unreadable(self, reason: str, value: Any) -> Finding:
         message = f"Cette réponse n'est pas lue : {reason}."
-        return self.unaided.failed(
+        return self.without_hint.failed(
             message, inputs={}, expected="une réponse lisible", got=display_text(value), cause=Outcome.INVALID_OUTPUT
         )
 
     def blank(self) -> Finding:
-        return self.unaided.failed(NO_ANSWER, cause=Outcome.INVALID_OUTPUT)
+        return self.without_hint.failed(NO_ANSWER, cause=Outcome.INVALID_OUTPUT)
 
 
 @dataclass(frozen=True, eq=False)
@@ -144,7 +144,7 @@ class AnswersGrader(ABC):
         slips = Counter(finding.slip for finding in findings if finding.slip and not finding.passed)
         return self.catalogue[slips.most_common(1)[0][0]].diagnosis if slips else None
 
-    def rehearse(self) -> None:
+    def warm_up(self) -> None:
         self.grade(canonical_json(self.right_answers(0)).encode(), seed=0, version="")
 
     def mistake_ids(self) -> frozenset[str]:
@@ -164,22 +164,22 @@ class AnswersGrader(ABC):
 
         def write(seed: int) -> bytes:
             try:
-                answers = self.with_letters(read_answers(source), seed)
+                answers = self.replace_names_by_letters(read_answers(source), seed)
             except UnreadableAnswersError:
                 return source
             return canonical_json(answers).encode("utf-8", "surrogatepass") if answers is not None else source
 
         return write
 
-    def with_letters(self, answers: Answers, seed: int) -> Answers | None:
+    def replace_names_by_letters(self, answers: Answers, seed: int) -> Answers | None:
         """Translate answers from the course's names to the letters of a variant; None where nothing has a letter."""
         return None
 
-    def sample(self, wording: str) -> str:
+    def fill_with_sample_numbers(self, wording: str) -> str:
         """Return a text of the sheet with the numbers of some variant."""
         return wording
 
-    def reletter(self, answers: Answers, old: int, new: int) -> Answers:
+    def translate_letters(self, answers: Answers, old: int, new: int) -> Answers:
         """Translate answers from the letters of one variant to those of another."""
         return answers
 

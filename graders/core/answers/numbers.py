@@ -65,7 +65,7 @@ def read_number(text: str) -> float:
     if not tokens:
         raise NotANumberError("la réponse est vide")
     try:
-        value = _ExpressionParser(tokens).whole()
+        value = _ExpressionParser(tokens).parse_whole_text()
     except ZeroDivisionError as error:
         raise NotANumberError("ce calcul divise par zéro") from error
     except OverflowError as error:
@@ -126,7 +126,7 @@ class _ExpressionParser:
     def __init__(self, tokens: list[str]) -> None:
         self._tokens, self._place, self._depth = tokens, 0, 0
 
-    def whole(self) -> float:
+    def parse_whole_text(self) -> float:
         value = self._parse_sum()
         if self._peek_token() is not None:
             raise NotANumberError("il manque une opération entre deux nombres, ou une parenthèse est de trop")

@@ -159,7 +159,7 @@ class NumericGrader(AnswersGrader):
         seed: int,
     ) -> Finding:
         right = dealt.right[quantity.id]
-        if quantity.same(value, right):
+        if quantity.is_within_tolerance(value, right):
             return check.passed()
         followed = _evaluate_formula(quantity.expected, dealt.data, own)
         worked = value != 0.0  # zeros follow from zeros without any calculation
@@ -168,12 +168,17 @@ class NumericGrader(AnswersGrader):
             "expected": self._expected_interval_text(quantity.id, right, seed),
             "got": display_text(raw),
         }
-        if worked and followed is not None and not quantity.same(followed, right) and quantity.same(value, followed):
+        if (
+            worked
+            and followed is not None
+            and not quantity.is_within_tolerance(followed, right)
+            and quantity.is_within_tolerance(value, followed)
+        ):
             return check.failed(FOLLOWED, points=PARTIAL_CREDIT * quantity.points, **shown_as)
         few = parse_decimal(raw, value)
-        if few is not None and few.rounds(right):
+        if few is not None and few.is_rounding_of(right):
             message, wanted, points = self._judge_rounded_value(quantity, few, dealt, own)
-            return check.unaided.failed(message, points=points, **{**shown_as, "expected": wanted})
+            return check.without_hint.failed(message, points=points, **{**shown_as, "expected": wanted})
         slip = self._find_slip(quantity, value, dealt, own)
         if slip:
             return check.failed(self.catalogue[slip].brief, slip=slip, **shown_as)
@@ -189,7 +194,7 @@ class NumericGrader(AnswersGrader):
         digits = max(few.decimals + 1, decimals_for(quantity.tolerance(dealt.right[quantity.id])))
         wanted = f"au moins {digits} chiffre{'s' if digits > 1 else ''} après la virgule"
         doubtful = any(
-            few.rounds(wrong) for name in quantity.slips for wrong in _slip_values(quantity, name, dealt, own)
+            few.is_rounding_of(wrong) for name in quantity.slips for wrong in _slip_values(quantity, name, dealt, own)
         )
         message = f"{DOUBTFUL if doubtful else ROUNDED} : donnez {wanted}."
         return message, f"un nombre avec {wanted}", 0.0 if doubtful else PARTIAL_CREDIT * quantity.points
@@ -197,7 +202,7 @@ class NumericGrader(AnswersGrader):
     def _find_slip(self, quantity: Quantity, value: float, dealt: NumericVariant, own: Values) -> str | None:
         """The slip that gives this value, from the right earlier values or from the student's own."""
         for name in quantity.slips:
-            if any(quantity.same(value, wrong) for wrong in _slip_values(quantity, name, dealt, own)):
+            if any(quantity.is_within_tolerance(value, wrong) for wrong in _slip_values(quantity, name, dealt, own)):
                 return name
         return None
 
@@ -209,11 +214,11 @@ class NumericGrader(AnswersGrader):
 
     def wrong_answers(self) -> Iterator[tuple[str, str | None, Callable[[int], Answers]]]:
         for name in self.catalogue:
-            yield f"erreur {name}", name, partial(self.mistaken, name, follow=False)
-            yield f"erreur {name}, la suite à l'avenant", name, partial(self.mistaken, name)
+            yield f"erreur {name}", name, partial(self.answers_with_mistake, name, follow=False)
+            yield f"erreur {name}, la suite à l'avenant", name, partial(self.answers_with_mistake, name)
         yield "tout faux", None, lambda seed: {quantity.id: 1234.5 for quantity in self.quantities}
 
-    def mistaken(self, name: str, seed: int, *, follow: bool = True) -> Answers:
+    def answers_with_mistake(self, name: str, seed: int, *, follow: bool = True) -> Answers:
         """The answers of someone who makes this mistake wherever it can be made; `follow`: and goes on from there."""
         dealt = _deal_variant(self, seed)
         own: dict[str, float] = {}
@@ -243,7 +248,7 @@ class NumericGrader(AnswersGrader):
             parts.append(f"Réponse : **{value} {question.unit}**".rstrip("* ") + "**")
         return "\n\n".join(parts)
 
-    def sample(self, wording: str) -> str:
+    def fill_with_sample_numbers(self, wording: str) -> str:
         dealt = _deal_variant(self, 0)
         return self.sheet.fill_placeholders(wording, {**dealt.data, **dealt.right})
 
@@ -278,11 +283,12 @@ def _try_deal(grader: NumericGrader, data: Data) -> NumericVariant | None:
 
 def _are_well_separated(quantity: Quantity, right: float, slips: Iterable[float]) -> bool:
     values = [right, *slips]
-    if not all(map(math.isfinite, values)) or quantity.same(values[0], 0.0, MIN_SEPARATION):
+    if not all(map(math.isfinite, values)) or quantity.is_within_tolerance(values[0], 0.0, MIN_SEPARATION):
         return False
     pairs = ((value, other) for index, value in enumerate(values) for other in values[:index])
     return not any(
-        quantity.same(value, other, MIN_SEPARATION) or quantity.same(other, value, MIN_SEPARATION)
+        quantity.is_within_tolerance(value, other, MIN_SEPARATION)
+        or quantity.is_within_tolerance(other, value, MIN_SEPARATION)
         for value, other in pairs
     )
 
@@ -318,8 +324,8 @@ def _read_number_or_reason(raw: Any) -> float | str:
 
 
 def _wrong_value_message(quantity: Quantity, value: float, right: float) -> str:
-    if quantity.same(-value, right):
+    if quantity.is_within_tolerance(-value, right):
         return "Au signe près, c'est la bonne valeur."
-    if quantity.same(value, right, NEARLY_RIGHT):
+    if quantity.is_within_tolerance(value, right, NEARLY_RIGHT):
         return "Vous êtes tout près : gardez plus de chiffres dans vos calculs, et n'arrondissez qu'à la fin."
     return "Ce n'est pas la bonne valeur."

@@ -53,7 +53,7 @@ class OrderSheet:
         return (*self.steps, *self.distractors)
 
 
-def order(exercise: str, folder: Path, sheet: OrderSheet) -> OrderGrader:
+def make_order_grader(exercise: str, folder: Path, sheet: OrderSheet) -> OrderGrader:
     """Return the grader of a sheet, with the misconceptions in `folder`.
 
     Raises MalformedSheetError, or MalformedExerciseError for the misconceptions.
@@ -166,10 +166,10 @@ class OrderGrader(AnswersGrader):
         yield "à l'envers", None, partial(self._answers_of_steps, names[::-1])
         yield "sans la fin", None, partial(self._answers_of_steps, names[:-1])
 
-    def with_letters(self, answers: Answers, seed: int) -> Answers:
+    def replace_names_by_letters(self, answers: Answers, seed: int) -> Answers:
         return {name: rename_items(value, self.letters(seed).by_name) for name, value in answers.items()}
 
-    def reletter(self, answers: Answers, old: int, new: int) -> Answers:
+    def translate_letters(self, answers: Answers, old: int, new: int) -> Answers:
         fresh = self.letters(new).by_name
         letters = {letter: fresh[name] for letter, name in self.letters(old).by_letter.items()}
         return {name: rename_items(value, letters) for name, value in answers.items()}

@@ -29,7 +29,7 @@ class Quantity:
     angle: bool = False
     slips: Mapping[str, Formula] = field(default_factory=dict)
 
-    def same(self, value: float, other: float, times: float = 1.0) -> bool:
+    def is_within_tolerance(self, value: float, other: float, times: float = 1.0) -> bool:
         """Whether `value` is `other`, within so many `times` the tolerance on `other`."""
         gap = math.remainder(value - other, 2.0 * math.pi) if self.angle else value - other
         return abs(gap) <= times * self.tolerance(other)

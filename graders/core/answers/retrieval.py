@@ -50,7 +50,7 @@ class RetrievalQuestion:
     def offers_options(self) -> bool:
         return self.is_choice or isinstance(self.answer, str)
 
-    def words_of(self, answer: Answer) -> str:
+    def answer_text(self, answer: Answer) -> str:
         """Return an answer as it is written for a reader."""
         words = answer if isinstance(answer, str) else number(answer, 4)
         return f"{words}\u00a0{self.unit}" if self.unit and not isinstance(answer, str) else words
@@ -58,7 +58,7 @@ class RetrievalQuestion:
     def options(self, seed: int) -> Sequence[tuple[str, str]]:
         """Return the options of a choice as letters and words, in the order that a seed gives them."""
         by_letter = self._option_letters(seed).by_letter
-        answers = {str(place): self.words_of(answer) for place, answer in enumerate(self._all_answers)}
+        answers = {str(place): self.answer_text(answer) for place, answer in enumerate(self._all_answers)}
         return [(letter, answers[place]) for letter, place in by_letter.items()]
 
     def mark(self, typed: str, seed: int) -> Marking:
@@ -94,7 +94,7 @@ class RetrievalQuestion:
     def _mark_answer_at(self, place: int | None) -> Marking:
         if place == 0:
             return Marking(True, self.why)
-        right = f"La réponse était {self.words_of(self.answer)}."
+        right = f"La réponse était {self.answer_text(self.answer)}."
         if self.offers_options and isinstance(self.answer, str):
             right = f"La réponse était : « {self.answer} »."
         reason = "" if place is None else self.wrong[place - 1].why
@@ -116,12 +116,12 @@ class UnreadableAnswerError(Exception):
 DrawQuestion = Callable[[np.random.Generator], RetrievalQuestion]
 
 
-def draw(question: DrawQuestion, seed: int) -> RetrievalQuestion:
+def draw_question(question: DrawQuestion, seed: int) -> RetrievalQuestion:
     """Return a question with the numbers of a seed."""
     return question(np.random.default_rng(seed))
 
 
-def seed_of(*parts: str) -> int:
+def make_seed(*parts: str) -> int:
     """Return the seed of an account, a question and a day, as texts."""
     return int.from_bytes(blake2b("\0".join(parts).encode(), digest_size=6).digest(), "big")
 
@@ -142,7 +142,7 @@ def find_question_fault(question: RetrievalQuestion) -> str:
 def _find_choice_fault(question: RetrievalQuestion, answers: Sequence[Answer]) -> str:
     if not FEWEST_OPTIONS <= len(answers) <= MOST_OPTIONS:
         return f"de {FEWEST_OPTIONS} à {MOST_OPTIONS} réponses proposées ; il y en a {len(answers)}"
-    words = [question.words_of(answer) for answer in answers]
+    words = [question.answer_text(answer) for answer in answers]
     return "deux réponses proposées s’écrivent pareil" if len(set(words)) < len(words) else ""
 
 

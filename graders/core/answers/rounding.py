@@ -19,7 +19,7 @@ class TypedDecimal:
     value: float
     decimals: int
 
-    def rounds(self, value: float) -> bool:
+    def is_rounding_of(self, value: float) -> bool:
         """Whether this is `value`, rounded or truncated at the last typed digit."""
         unit = 10.0**-self.decimals
         rounded = abs(self.value - value) <= (0.5 + _DUST) * unit

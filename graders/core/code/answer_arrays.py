@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from graders.core.code.probes import TOLERANCE, ProbeAnswer, ProbeFault, same_probe_answer
-from graders.core.contract.values import Floats, UnreadableError, near, read_array
+from graders.core.contract.values import Floats, UnreadableError, are_elements_close, read_array
 
 Shape = tuple[int, ...]
 
@@ -48,14 +48,14 @@ class AnswerSequence:
         count = min(len(self.arrays), len(other.arrays))
         if not count or self._array_shapes is None or self._array_shapes != other._array_shapes:
             return [self.agrees_at(other, k) for k in range(count)]
-        same = near(self._all_numbers, other._all_numbers, TOLERANCE)
+        same = are_elements_close(self._all_numbers, other._all_numbers, TOLERANCE)
         return list(map(bool, np.logical_and.reduceat(same, self._begin_offsets)))
 
     def agrees_at(self, other: AnswerSequence, k: int) -> bool:
         """Whether the k-th answers agree."""
         own, others = self.arrays[k], other.arrays[k]
         if own is not None and others is not None:
-            return own.shape == others.shape and bool(near(own, others, TOLERANCE).all())
+            return own.shape == others.shape and bool(are_elements_close(own, others, TOLERANCE).all())
         return own is others and same_probe_answer(self.answers[k], other.answers[k])
 
 
@@ -82,7 +82,7 @@ class AnswerColumn:
         if array.shape not in self._rows:
             return []
         indices = self._places[array.shape]
-        same = near(self._rows[array.shape], array.ravel(), TOLERANCE).all(axis=1)
+        same = are_elements_close(self._rows[array.shape], array.ravel(), TOLERANCE).all(axis=1)
         return [indices[k] for k in np.flatnonzero(same)]
 
 

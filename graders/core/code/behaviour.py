@@ -34,7 +34,7 @@ from graders.core.code.probes import read_compared_part
 from graders.core.code.recording import CallRecorder
 from graders.core.code.runner import Runner
 from graders.core.code.stored_answers import StoredAnswer, same_answer, to_stored_answer, truncate_answers
-from graders.core.compare.words import tidy, to_jsonable
+from graders.core.compare.words import remove_rounding_noise, to_jsonable
 from graders.core.contract.local import LocalProgram
 from graders.core.contract.outcomes import Outcome
 from graders.core.contract.program import Answer, KitSettings, Programs, Reply, StudentFault
@@ -262,8 +262,10 @@ class BehaviourObserver:
             at = series.preserved_arguments.index(modified_argument_names(series, answer)[0])
             return Example(series.function, inputs, to_jsonable(args[at]), to_jsonable((answer.arguments or ())[at]))
         solved = None if self._has_several_right_answers(series) else self._solution_answer(series, args)
-        expected = tidy(to_jsonable(solved.value)) if isinstance(solved, Reply) else None
-        got = tidy(to_jsonable(answer.value)) if isinstance(answer, Reply) else str(answer)[:MAX_MESSAGE]
+        expected = remove_rounding_noise(to_jsonable(solved.value)) if isinstance(solved, Reply) else None
+        got = (
+            remove_rounding_noise(to_jsonable(answer.value)) if isinstance(answer, Reply) else str(answer)[:MAX_MESSAGE]
+        )
         return Example(series.function, inputs, expected, got)
 
     def _has_several_right_answers(self, series: CallSeries) -> bool:

@@ -54,7 +54,7 @@ def find_changes(
     """
     if len(source) > MAX_SOURCE:
         return []
-    text = ProgramText.read(source)
+    text = ProgramText.parse_or_none(source)
     if text is None:
         return []
     nodes = sorted(_iter_reachable_nodes(text, functions, excluded), key=lambda node: getattr(node, "lineno", 0))
@@ -106,7 +106,7 @@ def _iter_reachable_nodes(text: ProgramText, functions: Sequence[str], apart: Co
             waiting += names & defined.keys() - reached
     others = {node for name, node in every.items() if name not in reached}
     left_out = {part for node in others for part in ast.walk(node)}
-    yield from (node for node in text.nodes() if node not in left_out)
+    yield from (node for node in text.iter_alterable_nodes() if node not in left_out)
 
 
 def locate_loop_counters(text: ProgramText) -> list[tuple[int, bytes]]:
@@ -129,7 +129,7 @@ def insert_variable_recorder(source: str, line: int) -> tuple[str, list[str]] | 
 
     None where no simple statement begins there.
     """
-    text = ProgramText.read(source)
+    text = ProgramText.parse_or_none(source)
     if text is None:
         return None
     statement = next(
@@ -146,7 +146,7 @@ def insert_variable_recorder(source: str, line: int) -> tuple[str, list[str]] | 
     counters = [(start, f"{NOTE}; ".encode())]
     read = sorted((node for node in ast.walk(statement) if isinstance(node, ast.Name)), key=text.span)
     names = [node.id for node in read]
-    known = [name for name in dict.fromkeys(names) if name in text.variables(statement)]
+    known = [name for name in dict.fromkeys(names) if name in text.visible_variable_names(statement)]
     return insert_with_loop_counters(text, counters), known
 
 
@@ -159,7 +159,7 @@ def insert_with_loop_counters(text: ProgramText, added: Sequence[tuple[int, byte
 
 def add_loop_counters(source: str) -> str:
     """Return a program whose loops count their turns; as it is where it does not parse."""
-    text = ProgramText.read(source)
+    text = ProgramText.parse_or_none(source)
     if text is None:
         return source
     return _apply_with_counters(text, Change(0, 0, "", ""), locate_loop_counters(text))

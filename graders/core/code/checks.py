@@ -22,9 +22,9 @@ from graders.core.code.shared_results import SHARED, find_changed_result
 from graders.core.code.simplifying import fails_alike, shrink_and_reject
 from graders.core.compare import words as render
 from graders.core.compare.comparison import Comparator, Mismatch, compare
-from graders.core.compare.python_values import in_counterexample
-from graders.core.compare.shrinking import Shrinker, neighbours
-from graders.core.compare.told_apart import text_pair
+from graders.core.compare.python_values import to_counterexample_value
+from graders.core.compare.shrinking import Shrinker, iter_simpler_arguments
+from graders.core.compare.told_apart import value_text_pair
 from graders.core.contract.findings import FigureData
 from graders.core.contract.outcomes import Outcome
 from graders.core.contract.program import Answer, KitSettings, PlannedCalls, Reply, StudentFault
@@ -231,7 +231,6 @@ class Cases(Check):
     """
 
     reports_call: ClassVar[bool] = True
-
     names: tuple[str, ...]
     cases: Callable[[np.random.Generator], Iterable[Arguments]]
     expected: Callable[..., Value]
@@ -299,26 +298,27 @@ class Cases(Check):
             simpler = self._find_failure(args, answer)
             return simpler if simpler is not None and fails_alike(failure, simpler) else None
 
+        simpler_args = partial(iter_simpler_arguments, self.shrinkers)
         shrink_and_reject(
-            bench, self.function, failure, failure.args, partial(neighbours, self.shrinkers), judge, self._rejection,
+            bench, self.function, failure, failure.args, simpler_args, judge, self._rejection,
             arguments=lambda args: args, fair=self.valid, stops=lambda it: it.fault is not None and it.fault.fatal,
         )  # fmt: skip
 
     def _rejection(self, failure: Failure) -> Rejection:
         inputs = dict(zip(self.names, failure.args, strict=True))
-        shown = {name: in_counterexample(value) for name, value in inputs.items()}
-        expected, call = in_counterexample(failure.expected), (self.function, failure.args)
+        shown = {name: to_counterexample_value(value) for name, value in inputs.items()}
+        expected, call = to_counterexample_value(failure.expected), (self.function, failure.args)
         if failure.fault:
             return fault_rejection(failure.fault, inputs=shown, expected=expected, call=call)
         assert failure.mismatch is not None
         inputs_text = " ; ".join(f"{name} = {render.text(value)}" for name, value in inputs.items())
-        expected_text, got_text = text_pair(failure.expected, failure.got)
+        expected_text, got_text = value_text_pair(failure.expected, failure.got)
         message = f"Pour {inputs_text}, on attend {expected_text} et {self.function} renvoie {got_text}."
         return Rejection(
             f"{message} {failure.mismatch.message}".rstrip(),
             inputs=shown,
             expected=expected,
-            got=in_counterexample(failure.got),
+            got=to_counterexample_value(failure.got),
             slip=failure.mismatch.slip,
             cause=failure.mismatch.cause,
             figure=self.figure_data(failure.args, failure.expected, failure.got),

@@ -13,7 +13,7 @@ from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 from graders.core.code.checks import Cases, Check, Untouched
-from graders.core.compare.forms import ValueForm, text_list, with_tolerance
+from graders.core.compare.forms import ValueForm, join_with_and, with_tolerance
 from graders.core.syntax_trees import parse_source
 
 #: The types of what programs are given.
@@ -62,11 +62,11 @@ class FunctionContract:
     def _iter_labelled_lines(self) -> Iterator[tuple[str, str]]:
         intact = " Vos arguments doivent rester intacts." if self.untouched else ""
         yield "Reçoit", f"{_parameters_text(self.takes)}. {PLAIN}{intact}"
-        yield "Sans valeur donnée", text_list([f"{name} vaut {value}" for name, value in self.defaults] or [""])
+        yield "Sans valeur donnée", join_with_and([f"{name} vaut {value}" for name, value in self.defaults] or [""])
         lasting = " Un résultat renvoyé ne doit plus changer." if self.untouched else ""
-        yield "Renvoie", f"{self.returns.words}.{lasting}"
-        yield "Convient", self.returns.also
-        yield "Précision", self.returns.told_precision()
+        yield "Renvoie", f"{self.returns.description}.{lasting}"
+        yield "Convient", self.returns.accepted_alternatives
+        yield "Précision", self.returns.precision_text()
         yield "Jugé aussi", " ; ".join(edge.words for edge in self.boundaries if edge.holds)
         yield "Libre", " ; ".join(f"{edge.words} : {edge.free}" for edge in self.boundaries if edge.free)
         yield "Votre fichier", self.relaunched
@@ -76,8 +76,8 @@ def _parameters_text(takes: Mapping[str, ValueForm]) -> str:
     """« a et b, une pose (3,) ; L, un nombre »."""
     groups: dict[str, list[str]] = {}
     for name, form in takes.items():
-        groups.setdefault(form.words, []).append(name)
-    return " ; ".join(f"{text_list(names)} : {words}" for words, names in groups.items())
+        groups.setdefault(form.description, []).append(name)
+    return " ; ".join(f"{join_with_and(names)} : {words}" for words, names in groups.items())
 
 
 def add_defaults_and_tolerances(

@@ -12,8 +12,8 @@ from collections.abc import Callable, Sequence
 import numpy as np
 
 from graders.core.code.seen_facts import FactKind, FunctionTrial, ReturnedValue, SeenFact, sentence_subject, value_text
-from graders.core.compare.changed_arguments import variations
-from graders.core.compare.near_calls import near_calls
+from graders.core.compare.changed_arguments import iter_argument_variations
+from graders.core.compare.near_calls import iter_near_calls
 from graders.core.compare.series import same
 from graders.core.contract.values import Arguments, Floats
 
@@ -38,7 +38,7 @@ def find_contrast(trial: FunctionTrial, views: Sequence[ReturnedValue], run: Ask
         wrong = [k for k, is_wrong in enumerate(trial.make_series(view).wrong) if is_wrong]
         for number in sorted(wrong, key=trial.count_argument_numbers)[:MAX_FAILED]:
             failed = trial.calls[number]
-            near = list(near_calls(trial.names, failed))
+            near = list(iter_near_calls(trial.names, failed))
             calls = [failed, *(each.call for each in near), failed]
             mine, its = run(calls), solve(calls)
             if len(mine) < len(calls) or len(its) < len(calls) or _are_equal_to_the_digit(view, mine[0], its[0]):
@@ -72,7 +72,11 @@ def _influential_arguments(
     names: tuple[str, ...], call: Arguments, right: Sequence[Floats] | None, view: ReturnedValue, solve: Ask
 ) -> frozenset[int]:
     """Return the indices of the arguments of which some variation changes the right answer to a call."""
-    varied = [(index, other) for index, change in variations(names, call) if (other := change.apply(call)) is not None]
+    varied = [
+        (index, other)
+        for index, change in iter_argument_variations(names, call)
+        if (other := change.apply(call)) is not None
+    ]
     answers = solve([other for _, other in varied])
     return frozenset(
         index

@@ -36,7 +36,7 @@ from graders.core.code.seen_facts import (
     replaced_argument_fact,
     sentence_subject,
 )
-from graders.core.compare.changed_arguments import ArgumentChange, replacements, variations
+from graders.core.compare.changed_arguments import ArgumentChange, iter_argument_replacements, iter_argument_variations
 from graders.core.compare.compound_forms import TupleForm
 from graders.core.compare.forms import ArrayForm
 from graders.core.compare.series import MANY_CALLS, MIN_WRONG, Series, is_constant, same
@@ -117,7 +117,7 @@ class Experimenter:
         if not views:
             return
         pivot = trial.plainest_call_number(k for k, wrong in enumerate(trial.make_series(views[0]).wrong) if wrong)
-        changes = list(replacements(trial.names, trial.calls[pivot]))
+        changes = list(iter_argument_replacements(trial.names, trial.calls[pivot]))
         asked = [change.apply(trial.calls[pivot]) for change in changes]
         answers = iter(self._solution_answers(trial, [call for call in asked if call is not None]))
         seen = [None if call is None else next(answers, None) for call in asked]
@@ -157,7 +157,7 @@ class Experimenter:
         """An argument that a result must feel and does not, or must not feel and does."""
         if not views:
             return
-        changes = list(variations(trial.names, trial.calls[0]))
+        changes = list(iter_argument_variations(trial.names, trial.calls[0]))
         answers = self._answer_varied_calls(source, trial, changes)
         for view in views:
             told: set[int] = set()

@@ -306,7 +306,7 @@ class CodeGrader:
         for mutant, unfinished in self.prober.unfinished_mutants() if self.prober else ():
             yield from ((by_id[name], unfinished) for name in mutant.ids if name in by_id)
 
-    def rehearse(self) -> None:
+    def warm_up(self) -> None:
         """Warm up: grade the solution and a mistake in this process, so that imports and compilations are done.
 
         The misconceptions that take too much are found meanwhile, before a submission waits for them. A `long` exercise

@@ -23,7 +23,7 @@ from graders.core.code.grading import CodeGrader
 from graders.core.code.student_form import rewrite_as_student_form
 from graders.core.compare.comparison import compare
 from graders.core.compare.forms import ArrayForm, IndicesForm, NumberForm, ValueForm, WholeForm, shape_text
-from graders.core.compare.shrinking import neighbours
+from graders.core.compare.shrinking import iter_simpler_arguments
 from graders.core.contract.program import Answer, KitSettings, Program, Programs, StudentFault
 from graders.core.contract.streams import stream
 from graders.core.contract.values import Arguments, Value
@@ -78,7 +78,7 @@ class Hunt:
             if name not in values and name in optional:
                 break
             if name not in values:
-                raise InputFault(name, f"Donnez aussi {name} : {form.words}.")
+                raise InputFault(name, f"Donnez aussi {name} : {form.description}.")
             args = (*args, _read_typed_value(name, form, values[name], sizes))
         if measure_input(args).numbers > MAX_TYPED:
             raise InputFault(next(iter(self.contract.takes)), f"C’est trop long : {MAX_TYPED} nombres au plus en tout.")
@@ -142,7 +142,7 @@ def _is_typeable_form(form: ValueForm) -> bool:
 
 def _read_typed_value(name: str, form: ValueForm, value: Value, sizes: dict[str, int]) -> Value:
     """Return one typed value in the form of an argument. Raises InputFault."""
-    wanted = f"{name} doit être {form.words}"
+    wanted = f"{name} doit être {form.description}"
     try:
         array = np.asarray(value, dtype=np.float64)
     except (TypeError, ValueError, OverflowError):
@@ -161,7 +161,7 @@ def _read_typed_value(name: str, form: ValueForm, value: Value, sizes: dict[str,
         if array.ndim != 1 or np.any(array != np.round(array)):
             raise InputFault(name, f"{wanted} : une liste d’entiers, comme [0, 2].")
         return [int(item) for item in array]
-    if not form.holds(array, sizes):
+    if not form.matches(array, sizes):
         raise InputFault(name, f"{wanted}, et vous donnez {_typed_shape_text(array)}.{_sizes_text(sizes)}")
     return array
 
@@ -279,7 +279,7 @@ def _shrink_input(hunt: Hunt, ground: HuntPrograms, wrong: Program, check: Cases
     """Return a simpler input that still shows the mistake, tried in batches."""
     tries = 0
     while tries < MAX_SHRINKS:
-        simpler = (candidate for candidate in neighbours(check.shrinkers, args) if check.valid(candidate))
+        simpler = (candidate for candidate in iter_simpler_arguments(check.shrinkers, args) if check.valid(candidate))
         showing: list[Arguments] = []
         while not showing and tries < MAX_SHRINKS and (batch := list(islice(simpler, SHRINK_BATCH))):
             tries += len(batch)

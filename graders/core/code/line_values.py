@@ -26,7 +26,7 @@ class LineEvidence(Enum):
 
 def insert_line_recorder(source: str, line: int) -> str | None:
     """Return a program that shows what the statement of a line sets or returns; None where no simple one is there."""
-    text = ProgramText.read(source)
+    text = ProgramText.parse_or_none(source)
     statements = _iter_assignments_and_returns(text) if text is not None else ()
     found = [node for node in statements if node.lineno <= line <= (node.end_lineno or 0)]
     return None if text is None or not found else _insert_value_recorders(text, found[-1:])
@@ -34,7 +34,7 @@ def insert_line_recorder(source: str, line: int) -> str | None:
 
 def insert_all_recorders(source: str) -> str | None:
     """Return a program that shows what each of its statements sets or returns."""
-    text = ProgramText.read(source)
+    text = ProgramText.parse_or_none(source)
     return None if text is None else _insert_value_recorders(text, list(_iter_assignments_and_returns(text)))
 
 

@@ -45,7 +45,7 @@ def _iter_broken_promises(
     for args in calls.values():
         sizes: dict[str, int] = {}
         pairs = zip(contract.takes.items(), args, strict=False)
-        odd = [name for (name, form), value in pairs if not form.holds(value, sizes)]
+        odd = [name for (name, form), value in pairs if not form.matches(value, sizes)]
         if odd or len(args) > len(contract.takes) or len(args) < len(contract.takes) - len(contract.defaults):
             words = ", ".join(odd) or f"{len(args)} arguments"
             yield f"{contract.function} : les vérifications ne donnent pas ce que le contrat annonce ({words})"

@@ -12,7 +12,7 @@ from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass
 
 from graders.core.code.call_graph import find_callers
-from graders.core.compare.forms import text_list
+from graders.core.compare.forms import join_with_and
 from graders.core.syntax_trees import parse_or_none
 
 #: Names that a line reads that are told; lines where one name is read.
@@ -93,7 +93,7 @@ def _last_computed_text(
             if above and above[-1] not in lines:
                 told.setdefault(name, above[-1])
     where = [f"{name} (ligne {line})" for name, line in list(told.items())[:MAX_NAMES]]
-    return text_list(where) if where else ""
+    return join_with_and(where) if where else ""
 
 
 def _counter_uses_text(scope: ast.AST, statements: Sequence[ast.stmt]) -> str:
@@ -109,7 +109,9 @@ def _counter_uses_text(scope: ast.AST, statements: Sequence[ast.stmt]) -> str:
                 found |= uses
     if not found or len(found) > MAX_USES:
         return ""
-    return f"{text_list(counted)} {'servent' if len(counted) > 1 else 'sert'} {_line_numbers_text(sorted(found), 'à')}"
+    return (
+        f"{join_with_and(counted)} {'servent' if len(counted) > 1 else 'sert'} {_line_numbers_text(sorted(found), 'à')}"
+    )
 
 
 def _function_around(tree: ast.Module, line: int) -> ast.FunctionDef | None:
@@ -175,4 +177,4 @@ def _line_numbers_text(lines: Sequence[int], preposition: str = "") -> str:
     """« ligne 36 », « lignes 36 et 38 »; « à la ligne 36 », « aux lignes 36 et 38 »."""
     noun = "lignes" if len(lines) > 1 else "ligne"
     article = {"": "", "à": "aux " if len(lines) > 1 else "à la "}[preposition]
-    return f"{article}{noun} {text_list([str(line) for line in lines])}"
+    return f"{article}{noun} {join_with_and([str(line) for line in lines])}"

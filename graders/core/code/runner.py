@@ -23,7 +23,7 @@ from graders.core.contract.program import (
     Programs,
     Reply,
     StudentFault,
-    clock_of,
+    clock_of_programs,
 )
 from graders.core.contract.values import Arguments, Value
 
@@ -63,7 +63,7 @@ class Runner:
         budget: Budget = DEFAULT_BUDGET,
     ) -> None:
         self.reenacting, self.budget = reenacting, budget
-        self.clock = clock_of(programs)
+        self.clock = clock_of_programs(programs)
         self._started_at, self._answer_count = self.clock(), 0
         self.programs = programs
         self._source = source

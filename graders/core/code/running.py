@@ -10,8 +10,8 @@ from graders.core.code.checks import Check, Rejection, fault_rejection
 from graders.core.code.runner import Runner
 from graders.core.code.simplifying import PendingShrink, run_and_shrink, shrink_all
 from graders.core.compare.slips import SLIPS
-from graders.core.compare.told_apart import tidy_pair
-from graders.core.compare.words import to_jsonable, whole_jsonable
+from graders.core.compare.told_apart import remove_noise_from_pair
+from graders.core.compare.words import to_complete_jsonable, to_jsonable
 from graders.core.contract.findings import Finding
 from graders.core.contract.outcomes import Outcome
 from graders.core.contract.program import KitSettings, PlannedCalls, StudentFault
@@ -142,10 +142,10 @@ def make_failed_finding(check: Check, rejection: Rejection) -> Finding:
     counterexample = None
     if rejection.inputs is not None:
         inputs = {name: to_jsonable(value) for name, value in rejection.inputs.items()}
-        shown = tidy_pair(to_jsonable(rejection.expected), to_jsonable(rejection.got))
+        shown = remove_noise_from_pair(to_jsonable(rejection.expected), to_jsonable(rejection.got))
         counterexample = Counterexample(inputs, *shown)
     # A drawing of a part would be a drawing of something else.
-    figure = None if rejection.figure is None else whole_jsonable(rejection.figure, limit=FIGURE_ITEMS)
+    figure = None if rejection.figure is None else to_complete_jsonable(rejection.figure, limit=FIGURE_ITEMS)
     result = CheckResult(
         id=check.id,
         title=check.title,
@@ -167,7 +167,7 @@ def _side_program_json(kit: KitSettings | None) -> dict[str, Any] | None:
     """Return as JSON the map, range and seed of a side program; None for the main one, whose seed tells them."""
     if kit is None or "libres" not in kit.parameters:
         return None
-    settings: dict[str, Any] | None = whole_jsonable(dict(kit.parameters), limit=MAX_KIT_ITEMS)
+    settings: dict[str, Any] | None = to_complete_jsonable(dict(kit.parameters), limit=MAX_KIT_ITEMS)
     return settings
 
 

@@ -13,7 +13,14 @@ import numpy as np
 
 from graders.core.compare import words as render
 from graders.core.compare.changed_arguments import ArgumentChange
-from graders.core.compare.series import MANY_CALLS, MIN_WRONG, Series, same, tell_answers, tell_relations
+from graders.core.compare.series import (
+    MANY_CALLS,
+    MIN_WRONG,
+    Series,
+    same,
+    tell_own_relations,
+    tell_relations,
+)
 from graders.core.contract.program import KitSettings
 from graders.core.contract.values import Arguments, Floats, Value
 from graders.typography import elided
@@ -153,7 +160,7 @@ NOT_FELT = "Que faudrait-il retrancher, diviser ou ramener, pour que cela ne com
 
 def find_relation(trial: FunctionTrial, view: ReturnedValue) -> SeenFact | None:
     series = trial.make_series(view)
-    tell = tell_relations if trial.unique and len(trial.calls) >= MANY_CALLS else tell_answers
+    tell = tell_relations if trial.unique and len(trial.calls) >= MANY_CALLS else tell_own_relations
     relation = next(tell(series), None)
     if relation is None:
         return None

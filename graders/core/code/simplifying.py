@@ -64,7 +64,7 @@ class PendingShrink(Exception):
 
     def next_calls(self, limit: int) -> PlannedCalls | None:
         """Return the next calls of the search, at most `limit`; None when it is over."""
-        cases = self.search.questions(limit)
+        cases = self.search.next_cases(limit)
         return PlannedCalls(self.function, list(map(self._arguments, cases))) if cases else None
 
     def rejection(self) -> Exception:
@@ -118,7 +118,7 @@ def shrink_all(
         if not due:
             return
         for (pending, _), answers in zip(due, answer_batches([calls for _, calls in due]), strict=True):
-            pending.search.take(answers)
+            pending.search.store_answers(answers)
 
 
 def run_and_shrink(run: Callable[[Bench], None], bench: Bench) -> None:

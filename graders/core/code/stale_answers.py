@@ -22,7 +22,7 @@ from graders.core.code.probes import Probes, same_probe_answer
 from graders.core.code.runner import Runner
 from graders.core.code.running import make_failed_finding
 from graders.core.code.stateless import may_change_state
-from graders.core.compare.python_values import in_counterexample
+from graders.core.compare.python_values import to_counterexample_value
 from graders.core.contract.findings import Finding
 from graders.core.contract.program import Answer, PlannedCalls, Reply, StudentFault, flatten_blocks
 from graders.core.contract.values import Arguments, Value
@@ -112,9 +112,9 @@ def _rejection(answer: StaleAnswer, known: Sequence[str]) -> Rejection:
         f"Après un appel où seul {names[answer.index]} était différent, {answer.function} renvoie de nouveau le "
         "résultat de cet appel. Dans un programme relancé, appelée avec ces arguments d’abord, elle renvoie autre "
         "chose : elle garde des résultats d’un appel à l’autre, et les reprend sans regarder cet argument.",
-        inputs={name: in_counterexample(value) for name, value in zip(names, answer.args, strict=True)},
-        expected=in_counterexample(answer.fresh),
-        got=in_counterexample(answer.stale),
+        inputs={name: to_counterexample_value(value) for name, value in zip(names, answer.args, strict=True)},
+        expected=to_counterexample_value(answer.fresh),
+        got=to_counterexample_value(answer.stale),
         slip=MEMORY,
         sign=(answer.function, MEMORY),
     )

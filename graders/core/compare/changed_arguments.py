@@ -31,7 +31,7 @@ class ArgumentChange:
     apply: Callable[[Arguments], Arguments | None]
 
 
-def replacements(names: tuple[str, ...], call: Arguments) -> Iterator[ArgumentChange]:
+def iter_argument_replacements(names: tuple[str, ...], call: Arguments) -> Iterator[ArgumentChange]:
     """Yield what may have been read in the place of an argument of calls like this one, said after « comme si »."""
     for index, (name, value) in enumerate(zip(names, call, strict=False)):
         if _is_number(value):
@@ -45,14 +45,14 @@ def replacements(names: tuple[str, ...], call: Arguments) -> Iterator[ArgumentCh
                 yield ArgumentChange(words, _ArgumentExchange(first, second))
 
 
-def variations(names: tuple[str, ...], call: Arguments) -> Iterator[tuple[int, ArgumentChange]]:
+def iter_argument_variations(names: tuple[str, ...], call: Arguments) -> Iterator[tuple[int, ArgumentChange]]:
     """Yield variations of each argument of calls like this one, with its index, said after « quand »."""
     for index, (name, value) in enumerate(zip(names, call, strict=False)):
         if _is_number(value):
             changes: list[tuple[str, Change]] = [(f"{name} change", lambda x: x * 1.25 + 0.1)]
             if isinstance(value, int):
                 changes = [(f"{name} change", lambda x: x + 1)]
-        elif _is_array(value) and are_shares(value):
+        elif _is_array(value) and are_probabilities(value):
             changes = [(f"{name} change", _change_shares)]
         elif _is_array(value):
             changes = [
@@ -72,7 +72,7 @@ def variations(names: tuple[str, ...], call: Arguments) -> Iterator[tuple[int, A
         yield from ((index, change) for change in _changes_of_argument(index, value, iter(changes)))
 
 
-def are_shares(value: Floats) -> bool:
+def are_probabilities(value: Floats) -> bool:
     """Whether numbers are probabilities or weights of sum 1: they are given as such alone."""
     return value.size > 1 and bool(np.all(value >= 0.0)) and abs(float(value.sum()) - 1.0) < SUM_ONE
 

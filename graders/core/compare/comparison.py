@@ -16,13 +16,13 @@ import numpy as np
 from graders.core.compare import words as render
 from graders.core.compare.relations import tell_relation
 from graders.core.compare.slips import shape_slip, value_slip
-from graders.core.compare.told_apart import instead
+from graders.core.compare.told_apart import got_instead_of_expected_text
 from graders.core.contract.outcomes import Outcome
 from graders.core.contract.values import (
     Floats,
     UnreadableError,
     Value,
-    is_single,
+    is_single_number_array,
     read_array,
     read_indices,
     read_scalar,
@@ -78,7 +78,7 @@ class RowComparator(ABC):
 
 
 def row_errors(expected: Floats, got: Floats, tolerance: float) -> Floats:
-    """Return the error of each row in multiples of the tolerance of `close`; inf where a number is NaN."""
+    """Return the error of each row in multiples of the tolerance of `are_close`; inf where a number is NaN."""
     with np.errstate(invalid="ignore", over="ignore"):
         gaps = np.abs(got - expected) / (tolerance * np.maximum(1.0, np.abs(expected)))
     gaps[np.isnan(gaps)] = np.inf
@@ -91,7 +91,7 @@ def unreadable(error: UnreadableError) -> Mismatch:
     return Mismatch(reason[0].upper() + reason[1:] + ".", cause=Outcome.INVALID_OUTPUT)
 
 
-def close(expected: Floats, got: Floats, tolerance: float = TOLERANCE) -> bool:
+def are_close(expected: Floats, got: Floats, tolerance: float = TOLERANCE) -> bool:
     """Whether arrays agree as the contract says: relative or absolute `tolerance` by element, never for NaN."""
     with np.errstate(invalid="ignore", over="ignore"):
         return bool((np.abs(got - expected) <= tolerance * np.maximum(1.0, np.abs(expected))).all())
@@ -109,11 +109,11 @@ class CloseTo(RowComparator):
             array = read_array(got)
         except UnreadableError as error:
             return unreadable(error)
-        if not wanted.ndim and is_single(got):
+        if not wanted.ndim and is_single_number_array(got):
             array = array.reshape(())
         if array.shape != wanted.shape:
             return wrong_shape(wanted, array)
-        if close(wanted, array, self.tolerance):
+        if are_close(wanted, array, self.tolerance):
             return None
         return Mismatch(lambda: worst_difference(wanted, array), value_slip(wanted, array))
 
@@ -185,5 +185,6 @@ def worst_difference(expected: Floats, got: Floats) -> str:
     where = np.unravel_index(int(np.argmax(gaps)), gaps.shape) if gaps.ndim else ()
     position = f" à l'indice {', '.join(str(int(i)) for i in where)}" if where else ""
     relation = tell_relation(expected, got)
-    worst = f"L'écart le plus grand est{position} : {instead(float(expected[where]), float(got[where]))}."
+    values = got_instead_of_expected_text(float(expected[where]), float(got[where]))
+    worst = f"L'écart le plus grand est{position} : {values}."
     return f"{worst} {relation}" if relation else worst

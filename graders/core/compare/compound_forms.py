@@ -8,7 +8,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from graders.core.compare.forms import NOTHING, TEXT, ArrayForm, NumberForm, Outsider, Recast, ValueForm
+from graders.core.compare.forms import NOTHING, TEXT, AcceptedVariant, ArrayForm, NumberForm, RefusedAnswer, ValueForm
 from graders.core.contract.values import Value
 
 
@@ -21,9 +21,9 @@ class TupleForm(ValueForm):
     _COUNTS: ClassVar[dict[int, str]] = {2: "la paire", 3: "le triplet"}
 
     @property
-    def words(self) -> str:
+    def description(self) -> str:
         names = ", ".join(self.parts)
-        inside = " ; ".join(f"{name}, {form.words}" for name, form in self.parts.items())
+        inside = " ; ".join(f"{name}, {form.description}" for name, form in self.parts.items())
         return f"{self._COUNTS[len(self.parts)]} ({names}) : {inside}"
 
     @property
@@ -31,42 +31,42 @@ class TupleForm(ValueForm):
         return all(isinstance(form, NumberForm) for form in self.parts.values())
 
     @property
-    def also(self) -> str:
+    def accepted_alternatives(self) -> str:
         whole = "tuple, liste ou tableau" if self._holds_numbers_only else "tuple ou liste"
         nested = any(isinstance(form, ArrayForm) for form in self.parts.values())
         return f"{whole}, dans cet ordre{' ; pour un tableau, des listes conviennent' if nested else ''}"
 
-    def holds(self, value: Value, sizes: dict[str, int]) -> bool:
+    def matches(self, value: Value, sizes: dict[str, int]) -> bool:
         return type(value) is tuple and all(
-            form.holds(item, sizes) for form, item in zip(self.parts.values(), value, strict=True)
+            form.matches(item, sizes) for form, item in zip(self.parts.values(), value, strict=True)
         )
 
-    def recast(self, value: Value) -> Iterator[Recast]:
-        series = [list(form.recast(item)) for form, item in zip(self.parts.values(), value, strict=True)]
+    def accepted_variants(self, value: Value) -> Iterator[AcceptedVariant]:
+        series = [list(form.accepted_variants(item)) for form, item in zip(self.parts.values(), value, strict=True)]
         for k in range(max(map(len, series))):
             turn = [forms[k % len(forms)] for forms in series]
             name = ", ".join(f"{part} : {recast.name}" for part, recast in zip(self.parts, turn, strict=True))
             items = [recast.value for recast in turn]
-            yield Recast(f"un tuple ({name})", tuple(items))
-            yield Recast(f"une liste ({name})", items)
+            yield AcceptedVariant(f"un tuple ({name})", tuple(items))
+            yield AcceptedVariant(f"une liste ({name})", items)
         if self._holds_numbers_only:
-            yield Recast("un tableau", np.array([float(np.asarray(item).item()) for item in value]))
+            yield AcceptedVariant("un tableau", np.array([float(np.asarray(item).item()) for item in value]))
 
-    def outside(self, value: Value) -> Iterator[Outsider]:
+    def refused_answers(self, value: Value) -> Iterator[RefusedAnswer]:
         whole = (*self.parts, "paire", "triplet", "deux")
         for outsider in (NOTHING, TEXT):
             yield outsider._replace(words=(*outsider.words, *whole))
-        yield Outsider("une valeur de moins", tuple(value)[:-1], whole)
-        yield Outsider("une valeur de trop", (*value, 0.0), whole)
+        yield RefusedAnswer("une valeur de moins", tuple(value)[:-1], whole)
+        yield RefusedAnswer("une valeur de trop", (*value, 0.0), whole)
         for k, (name, form) in enumerate(self.parts.items()):
-            for outsider in form.outside(value[k]):
+            for outsider in form.refused_answers(value[k]):
                 items = [*value[:k], outsider.value, *value[k + 1 :]]
-                yield Outsider(f"{name} : {outsider.name}", tuple(items), (name, *outsider.words))
+                yield RefusedAnswer(f"{name} : {outsider.name}", tuple(items), (name, *outsider.words))
 
-    def told_precision(self) -> str:
-        told = {name: form.told_precision() for name, form in self.parts.items()}
+    def precision_text(self) -> str:
+        told = {name: form.precision_text() for name, form in self.parts.items()}
         if len(set(told.values())) == 1 or self.precision or self.tolerance is not None:
-            return super().told_precision() or next(iter(told.values()))
+            return super().precision_text() or next(iter(told.values()))
         return " ".join(f"{name} : {text[0].lower()}{text[1:]}" for name, text in told.items() if text)
 
 
@@ -77,22 +77,22 @@ class OtherForm(ValueForm):
     told: str
     accepts: str = ""
     given: Callable[[Value], bool] = lambda value: True
-    recasts: Callable[[Value], Iterator[Recast]] = lambda value: iter(())
-    outsiders: Callable[[Value], Iterator[Outsider]] = lambda value: iter((NOTHING, TEXT))
+    recasts: Callable[[Value], Iterator[AcceptedVariant]] = lambda value: iter(())
+    outsiders: Callable[[Value], Iterator[RefusedAnswer]] = lambda value: iter((NOTHING, TEXT))
 
     @property
-    def words(self) -> str:
+    def description(self) -> str:
         return self.told
 
     @property
-    def also(self) -> str:
+    def accepted_alternatives(self) -> str:
         return self.accepts
 
-    def holds(self, value: Value, sizes: dict[str, int]) -> bool:
+    def matches(self, value: Value, sizes: dict[str, int]) -> bool:
         return self.given(value)
 
-    def recast(self, value: Value) -> Iterator[Recast]:
+    def accepted_variants(self, value: Value) -> Iterator[AcceptedVariant]:
         return self.recasts(value)
 
-    def outside(self, value: Value) -> Iterator[Outsider]:
+    def refused_answers(self, value: Value) -> Iterator[RefusedAnswer]:
         return self.outsiders(value)

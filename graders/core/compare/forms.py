@@ -28,14 +28,14 @@ _SUPERSCRIPTS = str.maketrans("0123456789-", "⁰¹²³⁴⁵⁶⁷⁸⁹⁻")
 _TYPES = {"float64": "réels", "bool": "booléens", "int64": "entiers"}
 
 
-class Recast(NamedTuple):
+class AcceptedVariant(NamedTuple):
     """An answer in another form, which `name` says in French."""
 
     name: str
     value: Value
 
 
-class Outsider(NamedTuple):
+class RefusedAnswer(NamedTuple):
     """An answer outside a form, and words of which its refusal must hold one."""
 
     name: str
@@ -43,8 +43,8 @@ class Outsider(NamedTuple):
     words: tuple[str, ...]
 
 
-NOTHING = Outsider("None", None, ("return", "None"))
-TEXT = Outsider("un texte", "résultat", ("texte", "nombres"))
+NOTHING = RefusedAnswer("None", None, ("return", "None"))
+TEXT = RefusedAnswer("un texte", "résultat", ("texte", "nombres"))
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -56,27 +56,27 @@ class ValueForm(ABC):
 
     @property
     @abstractmethod
-    def words(self) -> str:
+    def description(self) -> str:
         """The form, as « un tableau (n, 3) »."""
 
     @property
-    def also(self) -> str:
+    def accepted_alternatives(self) -> str:
         """The other forms that are accepted, as an end of « Convient : »; empty where there are none."""
         return ""
 
     @abstractmethod
-    def holds(self, value: Value, sizes: dict[str, int]) -> bool:
+    def matches(self, value: Value, sizes: dict[str, int]) -> bool:
         """Whether a value that programs are given has exactly this form; `sizes` are those of the letters so far."""
 
     @abstractmethod
-    def recast(self, value: Value) -> Iterator[Recast]:
+    def accepted_variants(self, value: Value) -> Iterator[AcceptedVariant]:
         """Yield a right answer in each form that is accepted."""
 
-    def outside(self, value: Value) -> Iterator[Outsider]:
+    def refused_answers(self, value: Value) -> Iterator[RefusedAnswer]:
         """Yield answers that must be refused for their form."""
         yield from (NOTHING, TEXT)
 
-    def told_precision(self) -> str:
+    def precision_text(self) -> str:
         """Return how near an answer must be, in French; empty where nothing is said of it."""
         return self.precision or ("" if self.tolerance is None else tolerance_text(self.tolerance))
 
@@ -113,36 +113,36 @@ class NumberForm(ValueForm):
     called: str = "un nombre"
 
     @property
-    def words(self) -> str:
+    def description(self) -> str:
         return self.called
 
     @property
-    def also(self) -> str:
+    def accepted_alternatives(self) -> str:
         return "flottant ou entier, de Python ou de numpy ; tableau 0-d, (1,) ou (1, 1)"
 
-    def holds(self, value: Value, sizes: dict[str, int]) -> bool:
+    def matches(self, value: Value, sizes: dict[str, int]) -> bool:
         return type(value) is float
 
-    def recast(self, value: Value) -> Iterator[Recast]:
+    def accepted_variants(self, value: Value) -> Iterator[AcceptedVariant]:
         number = float(np.asarray(value).item())
-        yield Recast("un flottant", number)
-        yield Recast("un flottant de numpy", np.float64(number))
-        yield Recast("un tableau 0-d", np.array(number))
-        yield Recast("un tableau (1,)", np.array([number]))
-        yield Recast("un tableau (1, 1)", np.array([[number]]))
+        yield AcceptedVariant("un flottant", number)
+        yield AcceptedVariant("un flottant de numpy", np.float64(number))
+        yield AcceptedVariant("un tableau 0-d", np.array(number))
+        yield AcceptedVariant("un tableau (1,)", np.array([number]))
+        yield AcceptedVariant("un tableau (1, 1)", np.array([[number]]))
         if number == round(number) and abs(number) < 2**53:
-            yield Recast("un entier", round(number))
-            yield Recast("un entier de numpy", np.int64(round(number)))
+            yield AcceptedVariant("un entier", round(number))
+            yield AcceptedVariant("un entier de numpy", np.int64(round(number)))
         if self.tolerance is not None:
-            yield Recast("à la précision demandée", moved(number, self.tolerance))
+            yield AcceptedVariant("à la précision demandée", move_within_tolerance(number, self.tolerance))
 
-    def outside(self, value: Value) -> Iterator[Outsider]:
+    def refused_answers(self, value: Value) -> Iterator[RefusedAnswer]:
         number = float(np.asarray(value).item())
-        yield from super().outside(value)
-        yield Outsider("une liste d’un nombre", [number], ("(1,)", "tableau", "forme"))
-        yield Outsider("deux nombres", (number, number), ("(2,)", "tableau", "forme", "2 valeurs"))
-        yield Outsider("un nombre complexe", complex(number, 1.0), ("réels",))
-        yield Outsider("nan", math.nan, ("nan", "fini"))
+        yield from super().refused_answers(value)
+        yield RefusedAnswer("une liste d’un nombre", [number], ("(1,)", "tableau", "forme"))
+        yield RefusedAnswer("deux nombres", (number, number), ("(2,)", "tableau", "forme", "2 valeurs"))
+        yield RefusedAnswer("un nombre complexe", complex(number, 1.0), ("réels",))
+        yield RefusedAnswer("nan", math.nan, ("nan", "fini"))
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -152,13 +152,13 @@ class WholeForm(NumberForm):
     called: str = "un entier"
 
     @property
-    def also(self) -> str:
+    def accepted_alternatives(self) -> str:
         return "entier de Python ou de numpy, flottant entier (3.0), tableau 0-d, (1,) ou (1, 1)"
 
-    def holds(self, value: Value, sizes: dict[str, int]) -> bool:
+    def matches(self, value: Value, sizes: dict[str, int]) -> bool:
         return type(value) is int
 
-    def told_precision(self) -> str:
+    def precision_text(self) -> str:
         return ""
 
 
@@ -174,51 +174,51 @@ class ArrayForm(ValueForm):
     names: tuple[str, ...] = ()
 
     @property
-    def words(self) -> str:
+    def description(self) -> str:
         return f"{self.called} {shape_text(self.shape)}{_dtype_suffix(self.dtype)}"
 
     @property
-    def also(self) -> str:
+    def accepted_alternatives(self) -> str:
         nested = " imbriqués" if len(self.shape) > 1 else ""
         half = " ; −π comme π pour un demi-tour" if self.angle is not None else ""
         return f"tableau numpy, liste ou tuple{nested}, de flottants ou d’entiers{half}"
 
-    def holds(self, value: Value, sizes: dict[str, int]) -> bool:
+    def matches(self, value: Value, sizes: dict[str, int]) -> bool:
         array = type(value) is np.ndarray and str(value.dtype) == self.dtype and value.ndim == len(self.shape)
         return array and all(_fits_size(size, got, sizes) for size, got in zip(self.shape, value.shape, strict=True))
 
-    def recast(self, value: Value) -> Iterator[Recast]:
+    def accepted_variants(self, value: Value) -> Iterator[AcceptedVariant]:
         array = np.asarray(value, dtype=np.float64)
-        yield Recast("un tableau", array)
-        yield Recast("une liste", array.tolist())
-        yield Recast("un tuple", nested_tuple(array))
-        yield Recast("une liste de nombres ou de lignes de numpy", list(array))
-        yield Recast("une vue", np.asarray(array[::-1])[::-1])
-        yield Recast("un tableau rangé par colonnes", np.asfortranarray(array))
+        yield AcceptedVariant("un tableau", array)
+        yield AcceptedVariant("une liste", array.tolist())
+        yield AcceptedVariant("un tuple", nested_tuple(array))
+        yield AcceptedVariant("une liste de nombres ou de lignes de numpy", list(array))
+        yield AcceptedVariant("une vue", np.asarray(array[::-1])[::-1])
+        yield AcceptedVariant("un tableau rangé par colonnes", np.asfortranarray(array))
         if np.array_equal(array, np.round(array)):
-            yield Recast("un tableau d’entiers", array.astype(np.int64))
+            yield AcceptedVariant("un tableau d’entiers", array.astype(np.int64))
         if self.angle is not None:
-            yield Recast("l’autre demi-tour", other_half_turn(array, self.angle))
+            yield AcceptedVariant("l’autre demi-tour", flip_half_turns(array, self.angle))
         if self.tolerance is not None:
-            near = moved(array, self.tolerance)
+            near = move_within_tolerance(array, self.tolerance)
             if self.angle is not None:  # absolute, and within [-pi, pi]
                 angles = array[..., self.angle]
                 near[..., self.angle] = angles - np.sign(angles) * WELL_WITHIN * self.tolerance
-            yield Recast("à la précision demandée", near)
+            yield AcceptedVariant("à la précision demandée", near)
             if self.tolerance >= ENOUGH_FOR_SINGLE:
-                yield Recast("en float32", array.astype(np.float32))
+                yield AcceptedVariant("en float32", array.astype(np.float32))
 
-    def outside(self, value: Value) -> Iterator[Outsider]:
+    def refused_answers(self, value: Value) -> Iterator[RefusedAnswer]:
         array = np.asarray(value, dtype=np.float64)
         named = ("forme", "tableau", "pose", "nombre", "valeurs", "lignes", "suite")
-        yield from super().outside(value)
-        yield Outsider("un seul nombre", 1.0, named)
-        yield Outsider("un axe de trop", array[None, None], named)
+        yield from super().refused_answers(value)
+        yield RefusedAnswer("un seul nombre", 1.0, named)
+        yield RefusedAnswer("un axe de trop", array[None, None], named)
         if len(array) > 1 and not isinstance(self.shape[0], str):
-            yield Outsider("un élément de moins", array[1:], named)
-        yield Outsider("des nombres complexes", array + 1j, ("réels",))
+            yield RefusedAnswer("un élément de moins", array[1:], named)
+        yield RefusedAnswer("des nombres complexes", array + 1j, ("réels",))
         if array.size:
-            yield Outsider("des nan", np.full_like(array, np.nan), ("nan", "fini"))
+            yield RefusedAnswer("des nan", np.full_like(array, np.nan), ("nan", "fini"))
 
 
 def _dtype_suffix(dtype: str) -> str:
@@ -233,31 +233,31 @@ class IndicesForm(ValueForm):
     may_be_empty: bool = True
 
     @property
-    def words(self) -> str:
+    def description(self) -> str:
         return self.called
 
     @property
-    def also(self) -> str:
+    def accepted_alternatives(self) -> str:
         empty = ", vide s’il n’y en a pas" if self.may_be_empty else ""
         return f"liste, tuple ou tableau à une dimension{empty} ; entiers, ou flottants entiers (3.0)"
 
-    def holds(self, value: Value, sizes: dict[str, int]) -> bool:
+    def matches(self, value: Value, sizes: dict[str, int]) -> bool:
         return type(value) is list and all(type(item) is int for item in value)
 
-    def recast(self, value: Value) -> Iterator[Recast]:
+    def accepted_variants(self, value: Value) -> Iterator[AcceptedVariant]:
         indices = [int(item) for item in value]
-        yield Recast("une liste", indices)
-        yield Recast("un tuple", tuple(indices))
-        yield Recast("un tableau d’entiers", np.array(indices, dtype=np.int64))
-        yield Recast("une liste d’entiers de numpy", [np.int64(item) for item in indices])
-        yield Recast("un tableau de flottants entiers", np.array(indices, dtype=np.float64))
+        yield AcceptedVariant("une liste", indices)
+        yield AcceptedVariant("un tuple", tuple(indices))
+        yield AcceptedVariant("un tableau d’entiers", np.array(indices, dtype=np.int64))
+        yield AcceptedVariant("une liste d’entiers de numpy", [np.int64(item) for item in indices])
+        yield AcceptedVariant("un tableau de flottants entiers", np.array(indices, dtype=np.float64))
 
-    def outside(self, value: Value) -> Iterator[Outsider]:
+    def refused_answers(self, value: Value) -> Iterator[RefusedAnswer]:
         named = ("indices", "indice")
-        yield from super().outside(value)
-        yield Outsider("un seul nombre", 1, named)
-        yield Outsider("un tableau à deux dimensions", np.array([list(value)]), named)
-        yield Outsider("des nombres qui ne sont pas entiers", [item + 0.5 for item in value] or [0.5], named)
+        yield from super().refused_answers(value)
+        yield RefusedAnswer("un seul nombre", 1, named)
+        yield RefusedAnswer("un tableau à deux dimensions", np.array([list(value)]), named)
+        yield RefusedAnswer("des nombres qui ne sont pas entiers", [item + 0.5 for item in value] or [0.5], named)
 
 
 def _fits_size(size: Size, got: int, sizes: dict[str, int]) -> bool:
@@ -274,12 +274,12 @@ def nested_tuple(array: Floats) -> Value:
     return tuple(map(nested_tuple, array)) if array.ndim > 1 else tuple(array.tolist())
 
 
-def moved(value: Value, tolerance: float) -> Value:
+def move_within_tolerance(value: Value, tolerance: float) -> Value:
     """Return numbers moved by a good part of the tolerance."""
     return value + WELL_WITHIN * tolerance * np.maximum(1.0, np.abs(value))
 
 
-def other_half_turn(array: Floats, place: int) -> Floats:
+def flip_half_turns(array: Floats, place: int) -> Floats:
     """Return the same angles, those of half a turn with their other sign."""
     turned = array.copy()
     angles = turned[..., place]
@@ -287,7 +287,7 @@ def other_half_turn(array: Floats, place: int) -> Floats:
     return turned
 
 
-def text_list(items: Sequence[str]) -> str:
+def join_with_and(items: Sequence[str]) -> str:
     """« a, b et c »."""
     return items[0] if len(items) == 1 else f"{', '.join(items[:-1])} et {items[-1]}"
 

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from graders.core.compare.changed_arguments import are_shares
+from graders.core.compare.changed_arguments import are_probabilities
 from graders.core.contract.values import Arguments, Floats, Value
 from graders.typography import elided
 
@@ -27,7 +27,7 @@ class NearCall:
     call: Arguments
 
 
-def near_calls(names: tuple[str, ...], call: Arguments) -> Iterator[NearCall]:
+def iter_near_calls(names: tuple[str, ...], call: Arguments) -> Iterator[NearCall]:
     """Yield calls like this one in all but one number, then in all but one row of an array, or those off a diagonal.
 
     Symmetric arrays stay so, their diagonals stay positive, and shares of 1 are left alone.
@@ -61,7 +61,7 @@ def _simpler_numbers(old: float) -> list[float]:
 def _iter_array_changes(name: str, old: Floats) -> Iterator[tuple[int, str, Floats]]:
     is_square = old.ndim == 2 and old.shape[0] == old.shape[1] > 1
     is_symmetric = is_square and np.array_equal(old, old.T)
-    is_share = old.ndim == 1 and are_shares(old)
+    is_share = old.ndim == 1 and are_probabilities(old)
     if old.size <= MAX_ENTRIES and not is_share:
         for place in np.ndindex(old.shape):
             if is_symmetric and place[0] > place[1]:

@@ -14,7 +14,7 @@ from typing import Any, Literal
 import numpy as np
 
 from graders.core.compare.comparison import TOLERANCE, Mismatch
-from graders.core.compare.python_values import Opaque, Raised, python_pair, python_text
+from graders.core.compare.python_values import OpaqueObject, RaisedException, python_text, python_text_pair
 from graders.core.contract.outcomes import Outcome
 from graders.core.contract.values import Value
 
@@ -42,8 +42,8 @@ class SamePlainValue:
 
     def __call__(self, expected: Value, got: Value) -> Mismatch | None:
         expected, got = _without_numpy_types(expected), _without_numpy_types(got)
-        if isinstance(got, Opaque):
-            return Mismatch(f"On attend {nature(expected)}, pas un objet {got}.", cause=Outcome.INVALID_OUTPUT)
+        if isinstance(got, OpaqueObject):
+            return Mismatch(f"On attend {nature_text(expected)}, pas un objet {got}.", cause=Outcome.INVALID_OUTPUT)
         sentence = self._find_difference(expected, got)
         return None if sentence is None else Mismatch(sentence, _find_slip(expected, got))
 
@@ -93,7 +93,7 @@ class SamePlainValue:
     def _text_difference(self, expected: str, got: str, path: str) -> str | None:
         if expected == got or (not self.spaces and _without_spaces_and_case(expected) == _without_spaces_and_case(got)):
             return None
-        if isinstance(expected, Raised):
+        if isinstance(expected, RaisedException):
             return f"On attend l’exception {expected}, et c’est {got} qui est levée."
         if _without_spaces_and_case(expected) == _without_spaces_and_case(got):
             return f"{_place_text(path)}Seuls les espaces ou les majuscules diffèrent : {_pair_text(expected, got)}."
@@ -153,9 +153,9 @@ class SamePlainValue:
         return any(self._find_nested_difference(item, other, "[]") is None for other in items)
 
 
-def nature(value: Value) -> str:
+def nature_text(value: Value) -> str:
     """Return what kind of value this is, in French with its article: « une liste », « un texte »."""
-    if isinstance(value, Raised):
+    if isinstance(value, RaisedException):
         return f"l’exception {value}"
     if value is None:
         return "None"
@@ -220,7 +220,7 @@ def _item_count_text(count: int) -> str:
 
 
 def _pair_text(expected: Value, got: Value) -> str:
-    wanted, obtained = python_pair(expected, got)
+    wanted, obtained = python_text_pair(expected, got)
     return f"{obtained} au lieu de {wanted}"
 
 
@@ -230,12 +230,12 @@ def _value_difference_sentence(expected: Value, got: Value, path: str) -> str:
 
 def _wrong_nature_sentence(expected: Value, got: Value, path: str) -> str:
     if got is None:
-        return f"{_place_text(path)}On attend {nature(expected)}, et la fonction ne renvoie rien (None)."
-    if isinstance(got, Raised):
-        return f"On attend {nature(expected)}, et l’exception {got} est levée."
-    if isinstance(expected, Raised):
-        return f"On attend {nature(expected)}, et aucune exception n’est levée."
-    return f"{_place_text(path)}On attend {nature(expected)}, pas {nature(got)}."
+        return f"{_place_text(path)}On attend {nature_text(expected)}, et la fonction ne renvoie rien (None)."
+    if isinstance(got, RaisedException):
+        return f"On attend {nature_text(expected)}, et l’exception {got} est levée."
+    if isinstance(expected, RaisedException):
+        return f"On attend {nature_text(expected)}, et aucune exception n’est levée."
+    return f"{_place_text(path)}On attend {nature_text(expected)}, pas {nature_text(got)}."
 
 
 def _missing_items_text(noun: str, items: list[Value]) -> str:

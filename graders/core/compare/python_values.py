@@ -26,13 +26,13 @@ DIGITS = 6
 MAX_BITS = 4000
 
 
-class Opaque(str):
+class OpaqueObject(str):
     """The name of a type whose objects cannot be sent, such as « Pile »; written « un objet Pile »."""
 
     __slots__ = ()
 
 
-class Raised(str):
+class RaisedException(str):
     """The name of an exception that a call raised, such as « ValueError »; a value like any other for a comparator."""
 
     __slots__ = ()
@@ -55,7 +55,7 @@ def python_text(value: Value, digits: int | None = DIGITS) -> str:
     return _write_value(value, _LineBudget(digits), 1)
 
 
-def python_pair(value: Value, other: Value, digits: int = DIGITS) -> tuple[str, str]:
+def python_text_pair(value: Value, other: Value, digits: int = DIGITS) -> tuple[str, str]:
     """Return two values in Python's notation, with as many digits as tell them apart, else with their types."""
     for count in (digits, None):
         texts = python_text(value, count), python_text(other, count)
@@ -97,9 +97,9 @@ def _is_text_or_bytes(value: Value) -> bool:
 
 def _simple_value_text(value: Value) -> str:
     """Return a value without parts: a text, True, None, or the name of what cannot be shown."""
-    if isinstance(value, Opaque):
+    if isinstance(value, OpaqueObject):
         return f"un objet {value}"
-    if isinstance(value, Raised):
+    if isinstance(value, RaisedException):
         return f"l’exception {value}"
     if _is_text_or_bytes(value):
         return _quote_text(value)
@@ -167,7 +167,7 @@ def _is_beyond_json(value: Value) -> bool:
     return needs_quotes(value) and type(value) is not str
 
 
-def in_counterexample(value: Value) -> Value:
+def to_counterexample_value(value: Value) -> Value:
     """Return a value as a counterexample holds it: itself, or its Python text (see `needs_quotes`)."""
     return python_text(value, None) if needs_quotes(value) else value
 

@@ -76,7 +76,7 @@ class ShrinkSearch(Generic[CaseT, AnswerT, FailureT]):
         self._deadline: float | None = None
         self._questions: list[_TriedCase[CaseT, AnswerT, FailureT]] = []
 
-    def questions(self, limit: int = 1 << 30) -> list[CaseT]:
+    def next_cases(self, limit: int = 1 << 30) -> list[CaseT]:
         """Return the next batch of inputs, at most `limit`; empty when the search is over."""
         if self._deadline is None:
             self._deadline = self._clock() + self.seconds
@@ -90,7 +90,7 @@ class ShrinkSearch(Generic[CaseT, AnswerT, FailureT]):
         self._asked += len(self._questions)
         return [question.case for question in self._questions]
 
-    def take(self, answers: Sequence[AnswerT]) -> None:
+    def store_answers(self, answers: Sequence[AnswerT]) -> None:
         """Store the answers to the last batch, in order; without any answer, the search is over."""
         for question, answer in zip(self._questions, answers, strict=False):
             question.answers = (answer,)

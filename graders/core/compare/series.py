@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from graders.core.compare.forms import text_list
+from graders.core.compare.forms import join_with_and
 from graders.core.compare.invariants import tell_invariants, tell_sizes
 from graders.core.compare.words import number
 from graders.core.contract.values import Arguments, Floats
@@ -63,7 +63,7 @@ def tell_relations(series: Series) -> Iterator[Relation]:
             yield from (Relation(words, says_what=False) for words in find(series))
 
 
-def tell_answers(series: Series) -> Iterator[Relation]:
+def tell_own_relations(series: Series) -> Iterator[Relation]:
     """Yield what holds of a program's own answers, whatever the right ones are."""
     if sum(series.wrong) >= MIN_WRONG:
         yield from map(Relation, _tell_returned_arguments(series))
@@ -301,12 +301,12 @@ def _tell_wrong_rows_or_columns(series: Series) -> Iterator[str]:
     if all(got.ndim == 2 for got, _ in pairs):
         columns = {tuple(np.flatnonzero(_differing_rows(got.T, right.T)).tolist()) for got, right in pairs}
         if len(columns) == 1 and 0 < len(only := columns.pop()) < pairs[0][0].shape[1]:
-            told = text_list([*map(str, only)])
+            told = join_with_and([*map(str, only)])
             yield f"n’est faux que dans {'la colonne' if len(only) == 1 else 'les colonnes'} {told} {seen}"
     elif len(set(lengths)) == 1 and 1 < lengths[0] <= 6:
         places = {tuple(rows.tolist()) for rows in wrong_rows}
         if len(places) == 1 and 0 < len(only := places.pop()) < lengths[0]:
-            told = text_list([*map(str, only)])
+            told = join_with_and([*map(str, only)])
             yield f"n’est faux qu’{'à l’indice' if len(only) == 1 else 'aux indices'} {told} {seen}"
 
 

@@ -26,7 +26,7 @@ class Budget:
     seconds: float = 0.25
 
 
-def keep(value: Value) -> Iterator[Value]:
+def keep_unchanged(value: Value) -> Iterator[Value]:
     """Leave an argument as it is."""
     return iter(())
 
@@ -39,10 +39,10 @@ def shrink_number(value: float) -> Iterator[float]:
 @lru_cache(maxsize=4096)
 def _simpler_numbers(value: float) -> Sequence[float]:
     numbers = (0.0, 1.0, float(round(value)), round(2.0 * value) / 2.0, round(value, 1))
-    return [number for number in numbers if complexity(number) < complexity(value)]
+    return [number for number in numbers if reading_cost(number) < reading_cost(value)]
 
 
-def complexity(value: float) -> float:
+def reading_cost(value: float) -> float:
     """Return the reading cost of a number: 0 < 1 < small integers < halves < one decimal < anything else."""
     if not math.isfinite(value):
         return 100.0
@@ -63,7 +63,7 @@ def shrink_array(value: Value) -> Iterator[Value]:
             yield simpler
 
 
-def neighbours(shrinkers: Sequence[Shrinker], arguments: Arguments) -> Iterator[Arguments]:
+def iter_simpler_arguments(shrinkers: Sequence[Shrinker], arguments: Arguments) -> Iterator[Arguments]:
     """Yield the arguments with one of them simplified."""
     for position, shrinker in enumerate(shrinkers):
         for candidate in shrinker(arguments[position]):
@@ -79,7 +79,7 @@ def shrink_text(value: str) -> Iterator[str]:
                 yield value[:at] + simpler + value[at + 1 :]
 
 
-def shrink_list(item: Shrinker = keep) -> Callable[[Value], Iterator[Value]]:
+def shrink_list(item: Shrinker = keep_unchanged) -> Callable[[Value], Iterator[Value]]:
     """Return the shrinker of lists and tuples whose items `item` shrinks: fewer items, then simpler ones."""
 
     def shrink(value: Value) -> Iterator[Value]:
@@ -92,7 +92,7 @@ def shrink_list(item: Shrinker = keep) -> Callable[[Value], Iterator[Value]]:
     return shrink
 
 
-def shrink_dict(item: Shrinker = keep) -> Callable[[Value], Iterator[Value]]:
+def shrink_dict(item: Shrinker = keep_unchanged) -> Callable[[Value], Iterator[Value]]:
     """Return the shrinker of dictionaries whose values `item` shrinks: fewer keys, then simpler values."""
 
     def shrink(value: Value) -> Iterator[Value]:

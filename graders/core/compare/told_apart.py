@@ -11,8 +11,8 @@ from typing import Any
 
 import numpy as np
 
-from graders.core.compare.python_values import is_numeric, python_pair
-from graders.core.compare.words import MINUS, NumberText, fraction_of_pi, number, text, tidy
+from graders.core.compare.python_values import is_numeric, python_text_pair
+from graders.core.compare.words import MINUS, NumberText, fraction_of_pi, number, remove_rounding_noise, text
 from graders.core.contract.values import Value
 
 DIGITS, MOST_DIGITS = 6, 17
@@ -26,7 +26,7 @@ _LONGEST_INT = 256
 _TYPES = {bool: "booléen", int: "entier", float: "flottant", complex: "complexe"}
 
 
-def number_pair(value: complex, other: complex, digits: int = DIGITS) -> tuple[str, str]:
+def number_text_pair(value: complex, other: complex, digits: int = DIGITS) -> tuple[str, str]:
     """Return two numbers in French: `digits` digits, or as many more as their texts need to differ.
 
     Equal numbers are told apart by the sign of zero, else by their types, else not at all.
@@ -50,18 +50,18 @@ def number_pair(value: complex, other: complex, digits: int = DIGITS) -> tuple[s
     return texts[0], texts[1]
 
 
-def angle_pair(value: float, other: float) -> tuple[str, str]:
+def angle_text_pair(value: float, other: float) -> tuple[str, str]:
     """Return two angles in radians with their degrees: « π/2 rad (90°) »."""
-    radians, degrees = number_pair(value, other), number_pair(math.degrees(value), math.degrees(other), 4)
+    radians, degrees = number_text_pair(value, other), number_text_pair(math.degrees(value), math.degrees(other), 4)
     first, second = (f"{rad} rad ({deg}°)" for rad, deg in zip(radians, degrees, strict=True))
     return first, second
 
 
-def text_pair(value: Value, other: Value, *, digits: int = DIGITS) -> tuple[str, str]:
+def value_text_pair(value: Value, other: Value, *, digits: int = DIGITS) -> tuple[str, str]:
     """Return two plain values as lines: each number beside its counterpart has the digits that tell them apart."""
     if not (is_numeric(value) and is_numeric(other)):
         texts = text(value, digits=digits), text(other, digits=digits)
-        return texts if texts[0] != texts[1] else python_pair(value, other, digits)
+        return texts if texts[0] != texts[1] else python_text_pair(value, other, digits)
     texts = text(value, digits=digits), text(other, digits=digits)
     for noise in (NOISE, 0.0):
         left, right = _pair_values(value, other, digits, noise)
@@ -71,13 +71,13 @@ def text_pair(value: Value, other: Value, *, digits: int = DIGITS) -> tuple[str,
     return texts
 
 
-def tidy_pair(expected: Any, got: Any) -> tuple[Any, Any]:
+def remove_noise_from_pair(expected: Any, got: Any) -> tuple[Any, Any]:
     """Return two JSON values without rounding noise, unless it is the only difference of the two."""
-    tidied = tidy(expected), tidy(got)
+    tidied = remove_rounding_noise(expected), remove_rounding_noise(got)
     return (expected, got) if tidied[0] == tidied[1] and expected != got else tidied
 
 
-def tell_gap(expected: float, got: float) -> str:
+def gap_text(expected: float, got: float) -> str:
     """« à 4·10⁻⁹ près », with the usual cause where the numbers show it; empty unless they look alike."""
     gap = abs(got - expected)
     if not 0.0 < gap <= NEAR * max(1.0, abs(expected)):
@@ -87,17 +87,17 @@ def tell_gap(expected: float, got: float) -> str:
     return f"à {mantissa}·10{str(int(exponent)).translate(_SUPERSCRIPTS)} près{f', {cause}' if cause else ''}"
 
 
-def instead(expected: float, got: float, digits: int = DIGITS) -> str:
+def got_instead_of_expected_text(expected: float, got: float, digits: int = DIGITS) -> str:
     """« 0,9999991 au lieu de 1 (à 9·10⁻⁷ près) »."""
-    wanted, obtained = number_pair(expected, got, digits)
-    gap = tell_gap(expected, got)
+    wanted, obtained = number_text_pair(expected, got, digits)
+    gap = gap_text(expected, got)
     return f"{obtained} au lieu de {wanted}{f' ({gap})' if gap else ''}"
 
 
-def angle_instead(expected: float, got: float) -> str:
+def angle_instead_of_expected_text(expected: float, got: float) -> str:
     """« −2,14159266 rad (−122,7°) au lieu de −2,14159265 rad (…) (à 7·10⁻⁹ près) »."""
-    wanted, obtained = angle_pair(expected, got)
-    gap = tell_gap(expected, got)
+    wanted, obtained = angle_text_pair(expected, got)
+    gap = gap_text(expected, got)
     return f"{obtained} au lieu de {wanted}{f' ({gap})' if gap else ''}"
 
 
@@ -119,10 +119,10 @@ def _is_nan(value: complex) -> bool:
 
 def _are_written_alike(value: complex, other: complex) -> bool:
     """Whether two numbers are too near for six digits, although one of them may be named as a fraction of π."""
-    return not isinstance(value, complex) and not isinstance(other, complex) and number_alike(value, other)
+    return not isinstance(value, complex) and not isinstance(other, complex) and are_numbers_written_alike(value, other)
 
 
-def number_alike(value: float, other: float) -> bool:
+def are_numbers_written_alike(value: float, other: float) -> bool:
     """Whether two numbers are written alike with six digits."""
     return _number_with_digits(value, DIGITS) == _number_with_digits(other, DIGITS)
 
@@ -160,7 +160,7 @@ def _pair_values(value: Any, other: Any, digits: int, noise: float) -> tuple[Any
     if _is_number(value) and _is_number(other):
         if are_near(value, other, noise):
             return value, other
-        first, second = number_pair(value, other, digits)
+        first, second = number_text_pair(value, other, digits)
         return NumberText(first), NumberText(second)
     value, other = (it.tolist() if isinstance(it, np.ndarray) and it.size <= _LARGEST else it for it in (value, other))
     if isinstance(value, list | tuple) and isinstance(other, list | tuple) and len(value) == len(other):

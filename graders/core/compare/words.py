@@ -60,7 +60,7 @@ def to_jsonable(value: Value, *, limit: int = MAX_ITEMS) -> Any:
     return _to_bounded_json(value, _RemainingRoom(limit, LEVELS * limit))
 
 
-def whole_jsonable(value: Value, *, limit: int) -> Any:
+def to_complete_jsonable(value: Value, *, limit: int) -> Any:
     """Return `to_jsonable(value)`; None where something would be left out."""
     room = _RemainingRoom(limit, LEVELS * limit)
     written = _to_bounded_json(value, room)
@@ -99,7 +99,7 @@ def _finite_number_row(array: Floats, room: _RemainingRoom) -> list[float]:
     return items
 
 
-def tidy(value: Any) -> Any:
+def remove_rounding_noise(value: Any) -> Any:
     """Return JSON without rounding noise: 6.1e-17 and -0.0 become 0.0, 0.9999999999999999 becomes 1.0.
 
     For expected and obtained values; inputs, which may be typed in again, keep all their digits.
@@ -107,8 +107,8 @@ def tidy(value: Any) -> Any:
     if isinstance(value, float):
         return 0.0 if abs(value) < NEGLIGIBLE else float(f"{value:.14g}")
     if isinstance(value, list):
-        return [tidy(item) for item in value]
-    return {key: tidy(item) for key, item in value.items()} if isinstance(value, dict) else value
+        return [remove_rounding_noise(item) for item in value]
+    return {key: remove_rounding_noise(item) for key, item in value.items()} if isinstance(value, dict) else value
 
 
 def _scalar_to_json(value: Value, room: _RemainingRoom) -> Any:

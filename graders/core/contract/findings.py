@@ -6,7 +6,7 @@ from collections.abc import Hashable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
-from graders.core.contract.outcomes import Outcome, most_telling
+from graders.core.contract.outcomes import Outcome, most_telling_outcome
 from graders.core.contract.verdict import CheckResult, Diagnosis, Verdict
 
 #: Data of a drawing: plain values, JSON once they are recorded.
@@ -59,7 +59,7 @@ def make_verdict(
     timings: Mapping[str, float],
 ) -> Verdict:
     """Return the verdict of the findings; its outcome is that of highest precedence. Raises ValueError for none."""
-    outcome = most_telling(finding.cause for finding in findings)
+    outcome = most_telling_outcome(finding.cause for finding in findings)
     return Verdict(
         exercise, version, outcome, seed, [finding.result for finding in findings], diagnosis, stdout, timings
     )

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 
-from graders.core.contract.outcomes import Outcome, Wording, most_telling
+from graders.core.contract.outcomes import Outcome, Wording, most_telling_outcome
 from graders.core.contract.verdict import CheckResult, Verdict
 
 _MISSING_NAME = re.compile(r"La fonction «\s(\w+)\s» est attendue")
@@ -25,7 +25,7 @@ def headline(verdict: Verdict) -> Wording:
     if not written:
         wording = verdict.outcome.wording()
         return Wording(wording.title, f"{_missing_functions_sentence(names)}." if names else wording.sentence)
-    wording = most_telling(written).wording()
+    wording = most_telling_outcome(written).wording()
     return Wording(
         wording.title, f"{wording.sentence} {_missing_functions_sentence(names)}." if names else wording.sentence
     )

@@ -26,7 +26,7 @@ def find_kits(module: Path) -> dict[str, Files]:
     return {module.name: own} | {folder.name: own | dict(_iter_python_files(folder)) for folder in folders}
 
 
-def kits_for(module: Path) -> dict[str, Files]:
+def find_available_kits(module: Path) -> dict[str, Files]:
     """Return the files of each kit that an exercise of a module may ask for."""
     return find_kits(module) | {SCENARIOS: {f"{SCENARIOS}.py": SCENARIO_FILE}}
 
@@ -45,6 +45,6 @@ def _iter_python_files(folder: Path) -> Iterator[tuple[str, Path]]:
         yield path.relative_to(folder).as_posix(), path
 
 
-def module_name(path: str) -> str:
+def kit_module_name(path: str) -> str:
     """Return the name by which a file of a kit is imported."""
     return path.removesuffix(".py").removesuffix("/__init__").replace("/", ".")

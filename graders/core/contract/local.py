@@ -17,7 +17,7 @@ import numpy as np
 
 import graders
 from graders.core.contract.copies import copy_value
-from graders.core.contract.kits import PLAIN, find_kits, module_name
+from graders.core.contract.kits import PLAIN, find_kits, kit_module_name
 from graders.core.contract.outcomes import Outcome
 from graders.core.contract.program import (
     Answer,
@@ -71,7 +71,7 @@ def _import_kit_modules(name: str) -> Mapping[str, types.ModuleType]:
     """
     home = _owning_module_folder(name)
     files = find_kits(home)[name]
-    names = [module_name(path) for path in files]
+    names = [kit_module_name(path) for path in files]
     folders = [str(home / "kit" / name), str(home / "kit")]
     with _IMPORTING:
         sys.path[:0] = folders

@@ -195,7 +195,7 @@ class Outcome(StrEnum):
         return self.row.answers if kind == "answers" and self.row.answers is not None else self.row.code
 
 
-def most_telling(causes: Iterable[Outcome]) -> Outcome:
+def most_telling_outcome(causes: Iterable[Outcome]) -> Outcome:
     """The outcome of a whole whose parts ended so: what is ours wins over everything, OK over nothing.
 
     Raises ValueError where there is no part: nothing was judged.
@@ -203,10 +203,10 @@ def most_telling(causes: Iterable[Outcome]) -> Outcome:
     return min(causes, key=lambda cause: cause.rank)
 
 
-def blamed_on(blame: Blame) -> tuple[Outcome, ...]:
+def outcomes_blamed_on(blame: Blame) -> tuple[Outcome, ...]:
     """The outcomes that somebody is answerable for."""
     return tuple(outcome for outcome in Outcome if outcome.blame is blame)
 
 
 #: Failures that open hints: a file that Python cannot read says nothing of what its author has understood.
-OPENS_HINTS = frozenset(blamed_on(Blame.STUDENT)) - {Outcome.SYNTAX_ERROR}
+OPENS_HINTS = frozenset(outcomes_blamed_on(Blame.STUDENT)) - {Outcome.SYNTAX_ERROR}

@@ -176,6 +176,6 @@ class Programs(Protocol):
         ...
 
 
-def clock_of(programs: Programs) -> Callable[[], float]:
+def clock_of_programs(programs: Programs) -> Callable[[], float]:
     """Return the clock, in seconds, by which the time of these programs is bounded."""
     return programs.clock if isinstance(programs, StoppablePrograms) else time.monotonic

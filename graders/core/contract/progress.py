@@ -27,7 +27,7 @@ class Progress:
     left: tuple[str, ...]
 
 
-def progress(before: Verdict, now: Verdict) -> Progress | None:
+def measure_progress(before: Verdict, now: Verdict) -> Progress | None:
     """Return the progress between two verdicts; None for an error of ours, full marks, or no change."""
     if not before.outcome.counts or not now.outcome.counts or now.outcome is Outcome.OK:
         return None

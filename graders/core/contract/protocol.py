@@ -57,7 +57,7 @@ class Grader(Protocol):
         which receives the judgement without it.
         """
 
-    def rehearse(self) -> None:
+    def warm_up(self) -> None:
         """Warm up: do once everything that is slow the first time."""
 
     def known_submissions(self) -> Iterator[KnownSubmission]:

@@ -80,12 +80,12 @@ def _to_float_or_infinity(number: float) -> float:
 def read_scalar(value: Value) -> float:
     """Read a number, or an array of one number such as (1, 1), as a float. Raises UnreadableError."""
     array = read_array(value)
-    if array.shape != () and not is_single(value):
+    if array.shape != () and not is_single_number_array(value):
         raise UnreadableError(f"la fonction renvoie un tableau de forme {array.shape} au lieu d'un seul nombre")
     return float(array.item())
 
 
-def is_single(value: Value) -> bool:
+def is_single_number_array(value: Value) -> bool:
     """Whether a value is an array of numpy that holds one number, such as a product of matrices gives."""
     return isinstance(value, np.ndarray) and value.size == 1
 
@@ -174,10 +174,10 @@ def same_value(left: Value, right: Value, *, tolerance: float = 1e-7) -> bool:
         a, b = read_array(left), read_array(right)
     except UnreadableError:
         return _same_items(left, right, tolerance)
-    return a.shape == b.shape and bool(near(a, b, tolerance).all())
+    return a.shape == b.shape and bool(are_elements_close(a, b, tolerance).all())
 
 
-def near(a: Floats, b: Floats, tolerance: float) -> NDArray[np.bool_]:
+def are_elements_close(a: Floats, b: Floats, tolerance: float) -> NDArray[np.bool_]:
     """`np.isclose(a, b, tolerance, tolerance, equal_nan=True)`, much faster on the small arrays of a diagnosis."""
     with np.errstate(invalid="ignore", over="ignore"):
         close = (np.abs(a - b) <= tolerance + tolerance * np.abs(b)) & np.isfinite(b)

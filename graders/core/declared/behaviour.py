@@ -13,8 +13,8 @@ from graders.core.contract.program import Programs, StudentFault
 from graders.core.contract.values import Value
 from graders.core.declared.declaration import DeclaredCheck
 from graders.core.declared.grading import PROBE_SEED, DeclaredGrader
-from graders.core.declared.judging import Failure, is_answered, judge
-from graders.core.declared.playing import Played, Player
+from graders.core.declared.judging import FailedCase, is_answered, judge
+from graders.core.declared.playing import PlayedScenario, Player
 from graders.core.declared.probe_answers import PROBE_DIGITS
 from graders.core.declared.scenarios import Scenario
 
@@ -28,7 +28,7 @@ class DeclaredObserver:
     def __init__(self, grader: DeclaredGrader) -> None:
         self._grader = grader
         self._cases = grader.probe_cases()
-        self._right: list[Played] | None = None
+        self._right: list[PlayedScenario] | None = None
 
     def observe(self, source: bytes, programs: Programs) -> Behaviour:
         """Return the behaviour of a file's program. It is launched twice; unstable answers do not count."""
@@ -38,7 +38,7 @@ class DeclaredObserver:
             return Behaviour((), is_loadable=False)
         if self._right is None:
             self._right = self._play_probes(self._grader.solution.encode(), programs)
-        answers, failures = list[StoredAnswer](), dict[int, Failure]()
+        answers, failures = list[StoredAnswer](), dict[int, FailedCase]()
         for k, (played, repeated) in enumerate(zip(first, second, strict=True)):
             stored = _to_stored_played(played)
             answers.append(stored if same_answer(stored, _to_stored_played(repeated)) else UNSTABLE)
@@ -53,17 +53,17 @@ class DeclaredObserver:
             example=self._choose_example([(self._cases[k][0], failure) for k, failure in failures.items()]),
         )
 
-    def _play_probes(self, source: bytes, programs: Programs) -> list[Played]:
+    def _play_probes(self, source: bytes, programs: Programs) -> list[PlayedScenario]:
         """Return what a file's program does with each probe. Raises StudentFault where it does not load."""
         with closing(Player(programs, source, self._grader.kit(PROBE_SEED))) as player:
             return player.start([case.scenario for _, case in self._cases])
 
-    def _judge_probe(self, k: int, played: Played) -> Failure | None:
+    def _judge_probe(self, k: int, played: PlayedScenario) -> FailedCase | None:
         assert self._right is not None
         check, case = self._cases[k]
         return judge(check, case, self._right[k], played) if is_answered(self._right[k]) else None
 
-    def _choose_example(self, failures: Sequence[tuple[DeclaredCheck, Failure]]) -> Example | None:
+    def _choose_example(self, failures: Sequence[tuple[DeclaredCheck, FailedCase]]) -> Example | None:
         """Return the shortest failing case, preferably without an exception."""
         if not failures:
             return None
@@ -78,7 +78,7 @@ def _text_length(scenario: Scenario) -> int:
     return len(scenario.text())
 
 
-def _to_stored_played(played: Played) -> StoredAnswer:
+def _to_stored_played(played: PlayedScenario) -> StoredAnswer:
     if played.fault is not None:
         return to_stored_answer(f"faute {played.fault.exception or played.fault.outcome.value}")
     written = [dict(played.written)] if played.written else []

@@ -13,13 +13,13 @@ from dataclasses import dataclass
 
 from graders.core.alterations.alterations import Alteration
 from graders.core.alterations.text import Change, ProgramText
-from graders.core.compare.python_values import MORE, Opaque, Raised
+from graders.core.compare.python_values import MORE, OpaqueObject, RaisedException
 from graders.core.contract.values import Value
 from graders.core.declared.declaration import DeclaredCheck, is_whole_program
 from graders.core.declared.judging import Case
-from graders.core.declared.playing import Played
+from graders.core.declared.playing import PlayedScenario
 from graders.core.declared.scenario_values import NestedCall, Reference, value_text
-from graders.core.declared.state_changes import STALE, forget_calls, insert_first
+from graders.core.declared.state_changes import STALE, insert_first, iter_forgetful_changes
 from graders.core.syntax_trees import evaluate_literal, parse_source
 
 CONSTANT, UNREAD, PREPARED = "résultat constant", "paramètre non lu", "paramètre modifié"
@@ -42,7 +42,7 @@ class SeenCall:
     value: Value = None
     refuses: Callable[[Value], bool] | None = None
 
-    def argument(self, position: int, name: str) -> list[Value]:
+    def argument_values(self, position: int, name: str) -> list[Value]:
         """Return the argument of a parameter; none where it is not given, or no plain data and no function."""
         argument = self.arguments.get(position, self.arguments.get(name))
         return [] if argument is None or isinstance(argument, NestedCall | Reference) else [argument]
@@ -60,7 +60,7 @@ class BodyChange:
     is_asked: bool
 
 
-def see_calls(known: Sequence[tuple[DeclaredCheck, Case, Played]]) -> Iterator[SeenCall]:
+def iter_seen_calls(known: Sequence[tuple[DeclaredCheck, Case, PlayedScenario]]) -> Iterator[SeenCall]:
     """Yield the calls of the known cases, by the last part of what is called: « empiler » of « p.empiler »."""
     for check, case, right in known:
         last = len(case.scenario.statements) - 1
@@ -76,13 +76,13 @@ def see_calls(known: Sequence[tuple[DeclaredCheck, Case, Played]]) -> Iterator[S
                 statement.callee.rpartition(".")[2],
                 arguments,
                 value,
-                _make_refusal_test(check.for_case(case.scenario), right, step) if is_seen else None,
+                _make_refusal_test(check.with_tolerance_of_case(case.scenario), right, step) if is_seen else None,
             )
 
 
-def _make_refusal_test(check: DeclaredCheck, right: Played, step: int) -> Callable[[Value], bool]:
+def _make_refusal_test(check: DeclaredCheck, right: PlayedScenario, step: int) -> Callable[[Value], bool]:
     """Return whether a value in place of the solution's answer in a step fails the check."""
-    if step >= len(right.values) or isinstance(right.values[step], Raised):
+    if step >= len(right.values) or isinstance(right.values[step], RaisedException):
         return lambda _: True  # an exception is expected
     return lambda other: check.comparator(right.values[step], other) is not None
 
@@ -126,7 +126,7 @@ def _iter_forgetful_classes(
 ) -> Iterator[tuple[Change, ast.FunctionDef, str]]:
     for node in text.tree.body:
         if isinstance(node, ast.ClassDef) and node.name in functions:
-            yield from forget_calls(text, node)
+            yield from iter_forgetful_changes(text, node)
 
 
 @dataclass(frozen=True)
@@ -183,7 +183,7 @@ def _iter_constant_bodies(
             )
             yield _replace_body(text, method.node, f"return {constant}"), f"`{method.name}` {words}"
     for position, parameter in enumerate(method.parameters):
-        given = [(refuses, call.argument(position, parameter.arg)) for call, refuses in asked]
+        given = [(refuses, call.argument_values(position, parameter.arg)) for call, refuses in asked]
         if not any(arguments and refuses(arguments[0]) for refuses, arguments in given):
             change = _replace_body(text, method.node, f"return {parameter.arg}")
             yield change, f"`{method.name}` renvoie `{parameter.arg}`"
@@ -191,7 +191,7 @@ def _iter_constant_bodies(
 
 def _literal_texts(values: Sequence[Value]) -> list[str]:
     """Return some of the values as literals."""
-    texts = (value_text(value, None) for value in values if not isinstance(value, Opaque | Raised))
+    texts = (value_text(value, None) for value in values if not isinstance(value, OpaqueObject | RaisedException))
     return [text for text in dict.fromkeys(texts) if _is_literal(text)][:MAX_VALUES]
 
 
@@ -216,7 +216,7 @@ def _iter_bodies_ignoring_parameter(
     defaults = method.node.args.defaults
     by_default = dict(zip([each.arg for each in reversed(method.parameters)], reversed(defaults), strict=False))
     for position, parameter in enumerate(method.parameters):
-        values = [argument for call in seen for argument in call.argument(position, parameter.arg)]
+        values = [argument for call in seen for argument in call.argument_values(position, parameter.arg)]
         usual = Counter(filter(_is_writable_value, (value_text(value, None) for value in values))).most_common(1)
         default = text.source_of(by_default[parameter.arg]) if parameter.arg in by_default else ""
         value = default or (usual[0][0] if usual else "")
@@ -230,7 +230,7 @@ def _iter_bodies_preparing_parameter(
 ) -> Iterator[tuple[Change, str]]:
     """Yield bodies that first change what is given: a text in lower case, a list in order or without repetitions."""
     for position, parameter in enumerate(method.parameters):
-        values = [argument for call in seen for argument in call.argument(position, parameter.arg)]
+        values = [argument for call in seen for argument in call.argument_values(position, parameter.arg)]
         name = parameter.arg
         if not values or not _is_parameter_read(method, parameter):
             continue

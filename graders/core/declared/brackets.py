@@ -8,8 +8,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from graders.core.declared.doubts import FEWEST, only_call, ordered_pairs
-from graders.core.declared.playing import Played
+from graders.core.declared.doubts import FEWEST, ordered_pairs, single_positional_call
+from graders.core.declared.playing import PlayedScenario
 from graders.core.declared.scenario_values import FunctionSource, Reference
 from graders.core.declared.scenarios import Scenario
 
@@ -21,7 +21,7 @@ DOUBT = "Dans vos exemples, {function} change de signe entre {low} et {high}."
 
 
 @dataclass(frozen=True)
-class Bracket:
+class IntervalBracket:
     """The arguments of a function `name` that are a function and the ends of an interval, by their positions."""
 
     name: str
@@ -30,19 +30,19 @@ class Bracket:
     high: int
 
     @property
-    def program(self) -> str:
+    def end_values_program(self) -> str:
         """A program that gives the values at both ends in place of the answer."""
         return _PROGRAM.format(name=self.name, function=self.function, low=self.low, high=self.high)
 
-    def doubt(self, names: Sequence[str]) -> str:
+    def doubt_text(self, names: Sequence[str]) -> str:
         """Return why the statement may exclude a case without a change of sign, in French."""
         function, low, high = (names[at] for at in (self.function, self.low, self.high))
         return DOUBT.format(function=function, low=low, high=high)
 
 
-def find_bracket(examples: Sequence[Scenario], names: Sequence[str]) -> Bracket | None:
+def find_bracket(examples: Sequence[Scenario], names: Sequence[str]) -> IntervalBracket | None:
     """Return the interval of a function that all examples of one call have; `names` are the parameters."""
-    calls = [call for call in map(only_call, examples) if call is not None]
+    calls = [call for call in map(single_positional_call, examples) if call is not None]
     kinds = {(call.callee, len(call.arguments)) for call in calls}
     if len(calls) < max(FEWEST, len(examples)) or len(kinds) > 1 or len(calls[0].arguments) > len(names):
         return None
@@ -51,10 +51,10 @@ def find_bracket(examples: Sequence[Scenario], names: Sequence[str]) -> Bracket 
         at for at, column in enumerate(columns) if all(isinstance(it, FunctionSource | Reference) for it in column)
     ]
     pair = next(((low, high) for low, high in ordered_pairs(columns) if high == low + 1), None)
-    return Bracket(calls[0].callee, functions[0], *pair) if functions and pair else None
+    return IntervalBracket(calls[0].callee, functions[0], *pair) if functions and pair else None
 
 
-def changes_sign(played: Played) -> bool:
+def changes_sign(played: PlayedScenario) -> bool:
     """Whether the values at both ends have other signs, or one of them is zero."""
     values = played.values[-1] if played.values and played.fault is None else None
     return isinstance(values, list) and len(values) == 2 and values[0] * values[1] <= 0

@@ -20,11 +20,20 @@ TEXT_METHODS = frozenset({"lower", "upper", "casefold", "strip", "lstrip", "rstr
 def change_calls(source: str) -> list[Alteration]:
     """Return the program changed at one location each. Raises SyntaxError for an invalid source."""
     text = ProgramText(source)
-    changes = [(node, other, operator) for node in text.nodes() for other, operator in _iter_replacements(text, node)]
+    changes = [
+        (node, other, operator)
+        for node in text.iter_alterable_nodes()
+        for other, operator in _iter_replacements(text, node)
+    ]
     changes.sort(key=lambda change: text.span(change[0]))
     return [
         Alteration(
-            source, text.apply(text.replaced(node, other, kind)), kind, False, _first_line(node), text.function(node)
+            source,
+            text.apply(text.replace_node(node, other, kind)),
+            kind,
+            False,
+            _first_line(node),
+            text.enclosing_function_name(node),
         )
         for node, other, kind in changes
     ]  # fmt: skip

@@ -9,12 +9,12 @@ from typing import Any
 
 import numpy as np
 
-from graders.core.compare.python_values import Raised
+from graders.core.compare.python_values import RaisedException
 from graders.core.contract.values import Value
 from graders.core.declared.imports import ALWAYS, Imports, import_advice
 from graders.core.declared.malformed import MalformedDeclaration
-from graders.core.declared.notation import call_inside, parse_python, refusal
-from graders.core.declared.powers import TOO_LARGE, small_power
+from graders.core.declared.notation import parse_python, refusal_error, unwrap_call
+from graders.core.declared.powers import TOO_LARGE, bounded_power
 from graders.core.declared.scenario_values import FunctionSource, NestedCall, Reference
 from graders.core.declared.scenarios import PREPARATIONS, PRINT, PROGRAM, Statement
 
@@ -58,7 +58,7 @@ def parse_expected(text: str) -> Value:
     """Read a literal, or the name of an exception of Python, which is expected. Raises MalformedDeclaration."""
     kind = getattr(builtins, text.strip(), None)
     if isinstance(kind, type) and issubclass(kind, BaseException):
-        return Raised(text.strip())
+        return RaisedException(text.strip())
     tree = _parse_case(text)
     if len(tree.body) != 1 or not isinstance(tree.body[0], ast.Expr):
         raise MalformedDeclaration(f"« {text.strip()[:80]} » n’est pas une valeur")
@@ -103,7 +103,7 @@ class _CaseReader:
         elif isinstance(node, ast.Expr):
             expression = node.value
         else:
-            raise refusal(node, "écrivez des appels, ou « nom = … »")
+            raise refusal_error(node, "écrivez des appels, ou « nom = … »")
         read = self._read_expression(expression, into)
         if into:
             self._assigned.add(into)
@@ -111,7 +111,7 @@ class _CaseReader:
         return read
 
     def _read_expression(self, node: ast.expr, into: str) -> Statement:
-        node = call_inside(node, self._functions)
+        node = unwrap_call(node, self._functions)
         callee = self._callee_text(node.func) if isinstance(node, ast.Call) else None
         if callee is None:
             return Statement("value", into, value=self.value(node))
@@ -125,7 +125,7 @@ class _CaseReader:
 
     def _read_arguments(self, node: ast.Call) -> tuple[tuple[Value, ...], tuple[tuple[str, Value], ...]]:
         if any(isinstance(argument, ast.Starred) for argument in node.args) or not all(it.arg for it in node.keywords):
-            raise refusal(node, "« * » et « ** » ne se lisent pas ici")
+            raise refusal_error(node, "« * » et « ** » ne se lisent pas ici")
         named = tuple((str(key.arg), self.value(key.value)) for key in node.keywords)
         return tuple(map(self.value, node.args)), named
 
@@ -151,9 +151,9 @@ class _CaseReader:
             return node.id
         if not self._is_known_name(node.id) and not self._has_run:
             known = ", ".join(sorted(self._functions))
-            raise refusal(node, f"« {node.id} » n’est pas une de vos fonctions ({known})")
+            raise refusal_error(node, f"« {node.id} » n’est pas une de vos fonctions ({known})")
         if any(name.startswith("__") for name in path):
-            raise refusal(node, "pas de nom qui commence par deux soulignés")
+            raise refusal_error(node, "pas de nom qui commence par deux soulignés")
         return ".".join([node.id, *path])
 
     def value(self, node: ast.expr) -> Value:
@@ -174,9 +174,9 @@ class _CaseReader:
         reader = readers.get(type(node))
         if isinstance(node, ast.Compare) and len(node.ops) == 1 and isinstance(node.ops[0], ast.Eq):
             sides = (ast.unparse(side)[:80] for side in (node.left, node.comparators[0]))
-            raise refusal(node, "écrivez {} comme appel, et {} comme résultat attendu".format(*sides))
+            raise refusal_error(node, "écrivez {} comme appel, et {} comme résultat attendu".format(*sides))
         if reader is None:
-            raise refusal(node, "ce n’est ni un nombre, ni un texte, ni une liste, ni une fonction « lambda »")
+            raise refusal_error(node, "ce n’est ni un nombre, ni un texte, ni une liste, ni une fonction « lambda »")
         return reader(node)
 
     def _read_lambda(self, node: ast.Lambda) -> FunctionSource:
@@ -186,18 +186,18 @@ class _CaseReader:
         left = [name for name in names if name not in imported and not hasattr(builtins, name)]
         unknown = next((name for name in left if not self._is_known_name(name) and not self._has_run), None)
         if unknown is not None:
-            raise refusal(node, f"« {unknown} » n’est pas connu ici : {import_advice(unknown)}")
+            raise refusal_error(node, f"« {unknown} » n’est pas connu ici : {import_advice(unknown)}")
         imports = tuple((name, *self._imports[name]) for name in imported if name not in ALWAYS)
         return FunctionSource(ast.unparse(node), imports, tuple(left))
 
     def _read_constant(self, node: ast.Constant) -> Value:
         if node.value is ...:
-            raise refusal(node, "« ... » n’est pas une valeur")
+            raise refusal_error(node, "« ... » n’est pas une valeur")
         return node.value
 
     def _read_dict(self, node: ast.Dict) -> Value:
         if None in node.keys:
-            raise refusal(node, "« ** » ne se lit pas ici")
+            raise refusal_error(node, "« ** » ne se lit pas ici")
         pairs = zip(node.keys, node.values, strict=True)
         return {_require_hashable(node, self.value(key)): self.value(item) for key, item in pairs if key is not None}
 
@@ -213,10 +213,10 @@ class _CaseReader:
             operand = self.value(node.operand)
             if isinstance(node.op, ast.USub) and _is_number(operand):
                 return -operand
-            raise refusal(node, "seul le signe « - » se lit devant un nombre")
+            raise refusal_error(node, "seul le signe « - » se lit devant un nombre")
         left, right = self.value(node.left), self.value(node.right)
         if not (_is_number(left) and _is_number(right)):
-            raise refusal(node, "un calcul n’a ici que des nombres")
+            raise refusal_error(node, "un calcul n’a ici que des nombres")
         if isinstance(node.op, ast.Add):
             return left + right
         if isinstance(node.op, ast.Sub):
@@ -226,11 +226,11 @@ class _CaseReader:
         if isinstance(node.op, ast.Div) and right != 0:
             return left / right
         if isinstance(node.op, ast.Pow):
-            power = small_power(left, right)
+            power = bounded_power(left, right)
             if _is_number(power):
                 return power
-            raise refusal(node, TOO_LARGE)
-        raise refusal(node, "ce calcul ne se lit pas ici : écrivez-le avec +, -, *, / et **")
+            raise refusal_error(node, TOO_LARGE)
+        raise refusal_error(node, "ce calcul ne se lit pas ici : écrivez-le avec +, -, *, / et **")
 
     def _read_name(self, node: ast.Name | ast.Attribute) -> Value:
         text = ast.unparse(node)
@@ -243,7 +243,7 @@ class _CaseReader:
             return self._variables[text]
         if first in self._assigned or text in self._functions or (self._has_run and first.isidentifier()):
             if "__" in text:
-                raise refusal(node, "pas de nom qui contient deux soulignés")
+                raise refusal_error(node, "pas de nom qui contient deux soulignés")
             return Reference(text)
         if first in self._imports:
             return Reference(text, self._resolve_import(node, text))
@@ -256,7 +256,7 @@ class _CaseReader:
         """Return the module and the attribute of what an imported name, or a path below it, stands for."""
         first, _, rest = text.partition(".")
         if "__" in rest:
-            raise refusal(node, "pas de nom qui contient deux soulignés")
+            raise refusal_error(node, "pas de nom qui contient deux soulignés")
         module, attribute = self._imports[first]
         return module, ".".join(filter(None, (attribute, rest)))
 
@@ -296,14 +296,16 @@ class _CaseReader:
             if maker == "bytes" and len(arguments) == 1 and isinstance(arguments[0], list):
                 return bytes(arguments[0])
         except (TypeError, ValueError) as error:
-            raise refusal(node, str(error)) from error
-        raise refusal(node, "de fonctions de Python, seules set, bytes, np.array, np.zeros, np.ones se lisent ici")
+            raise refusal_error(node, str(error)) from error
+        raise refusal_error(
+            node, "de fonctions de Python, seules set, bytes, np.array, np.zeros, np.ones se lisent ici"
+        )
 
 
 def _make_array(node: ast.Call, content: Value) -> Value:
     array = np.array(content, dtype=_read_dtype(node))
     if array.dtype.hasobject:
-        raise refusal(node, "un tableau ne tient ici que des nombres, des booléens ou des textes")
+        raise refusal_error(node, "un tableau ne tient ici que des nombres, des booléens ou des textes")
     return array
 
 
@@ -313,7 +315,7 @@ def _read_dtype(node: ast.Call) -> Any:
         return None
     kinds = {"float": float, "int": int, "bool": bool, "complex": complex}
     if set(named) != {"dtype"} or named["dtype"] not in kinds:
-        raise refusal(node, "dtype=float, int, bool ou complex")
+        raise refusal_error(node, "dtype=float, int, bool ou complex")
     return kinds[named["dtype"]]
 
 
@@ -330,7 +332,7 @@ def _require_texts(node: ast.Call, kind: str, arguments: Sequence[Any], into: st
     plain = all(isinstance(value, str | int | float) for value in arguments)
     if into or not plain or (kind == "file" and len(arguments) != 2):
         words = 'écrivez clavier("3", "4"), fichier("notes.txt", "12\\n"), arguments("-v") ou programme("3", "4")'
-        raise refusal(node, words)
+        raise refusal_error(node, words)
 
 
 def _is_number(value: Value) -> bool:
@@ -341,7 +343,7 @@ def _require_hashable(node: ast.expr, value: Value) -> Value:
     try:
         hash(value)
     except TypeError:
-        raise refusal(
+        raise refusal_error(
             node, "une liste, un ensemble ou un dictionnaire ne peut pas être ici : prenez un n-uplet"
         ) from None
     return value

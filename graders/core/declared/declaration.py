@@ -52,25 +52,25 @@ class DrawnCases:
     functions: tuple[str, ...]
     imports: Imports = field(default_factory=dict)
 
-    def case(self, variables: Variables) -> DrawnCase:
+    def make_case(self, variables: Variables) -> DrawnCase:
         read = parse_scenario(self.call, self.functions, variables=variables, imports=self.imports)
         return DrawnCase(variables, Scenario(read))
 
     def draw(self, rng: np.random.Generator) -> Iterator[DrawnCase]:
         """Yield the cases of one grading."""
         for _ in range(self.count):
-            yield self.case(self.draws.draw(rng))
+            yield self.make_case(self.draws.draw(rng))
 
-    def simpler(self, case: DrawnCase) -> Iterator[DrawnCase]:
+    def iter_simpler_cases(self, case: DrawnCase) -> Iterator[DrawnCase]:
         """Yield allowed cases that are simpler in one variable."""
-        return map(self.case, self.draws.simpler(case.variables))
+        return map(self.make_case, self.draws.iter_simpler_variables(case.variables))
 
 
 @dataclass(frozen=True)
 class DeclaredCheck:
     """A check: cases written by hand, then drawn ones, compared with the solution's answers.
 
-    `tolerance`, where there is one, depends on the case: see `for_case`.
+    `tolerance`, where there is one, depends on the case: see `with_tolerance_of_case`.
     """
 
     id: str
@@ -83,11 +83,11 @@ class DeclaredCheck:
     watched: Watched = "value"
     tolerance: CaseTolerance | None = None
 
-    def for_case(self, case: Scenario) -> DeclaredCheck:
+    def with_tolerance_of_case(self, case: Scenario) -> DeclaredCheck:
         """Return the check with the tolerance of a case, where that depends on what the case gives."""
         if self.tolerance is None:
             return self
-        return replace(self, comparator=replace(self.comparator, tolerance=self.tolerance.of(case)))
+        return replace(self, comparator=replace(self.comparator, tolerance=self.tolerance.tolerance_of_scenario(case)))
 
 
 @dataclass(frozen=True)
@@ -281,7 +281,7 @@ def _read_drawn_cases(table: _TableReader, functions: tuple[str, ...], imports: 
         drawn = DrawnCases(parse_draws(text, conditions), call, count, functions, imports)
         next(drawn.draw(np.random.default_rng(0)))
     except MalformedDeclaration as error:
-        raise error.at(table.at("tirages")) from error
+        raise error.below_place(table.at("tirages")) from error
     return drawn
 
 
@@ -289,7 +289,7 @@ def _read_case(text: str, functions: tuple[str, ...], imports: Imports, place: s
     try:
         return parse_scenario(text, functions, imports=imports)
     except MalformedDeclaration as error:
-        raise error.at(place) from error
+        raise error.below_place(place) from error
 
 
 def _read_expected(text: str, watched: Watched, place: str) -> tuple[Value, ...]:
@@ -304,7 +304,7 @@ def _read_expected(text: str, watched: Watched, place: str) -> tuple[Value, ...]
     except MalformedDeclaration as error:
         if watched == "printed":
             return (text,)
-        raise error.at(place) from error
+        raise error.below_place(place) from error
     return (expected if watched != "printed" or isinstance(expected, str) else text,)
 
 
@@ -312,7 +312,7 @@ def _read_tolerance(text: str, solution: str, place: str) -> CaseTolerance | Non
     try:
         return CaseTolerance.read(text, solution) if text else None
     except MalformedDeclaration as error:
-        raise error.at(place) from error
+        raise error.below_place(place) from error
 
 
 def _read_rules(words: Sequence[str], place: str, *, required: bool) -> Iterator[Rule]:
@@ -320,7 +320,7 @@ def _read_rules(words: Sequence[str], place: str, *, required: bool) -> Iterator
         try:
             yield Rule.read(word, required=required)
         except MalformedDeclaration as error:
-            raise error.at(f"{place}[{index}]") from error
+            raise error.below_place(f"{place}[{index}]") from error
 
 
 def _read_mistake(place: str, data: object) -> DeclaredMistake:

@@ -22,7 +22,7 @@ def find_doubt(
     Only cases of one call are looked at: of a class, any order of calls may be right. The sign of arguments at the
     positions `free` does not count.
     """
-    call = only_call(scenario)
+    call = single_positional_call(scenario)
     columns = None if call is None else _argument_columns_of_like_calls(call, examples)
     if call is None or columns is None:
         return ""
@@ -37,7 +37,7 @@ def find_doubt(
 
 def has_other_shape(scenario: Scenario, examples: Sequence[Scenario]) -> bool:
     """Whether a case has lists in a list, or rows of other lengths, where no example has: no such input is meant."""
-    call = only_call(scenario)
+    call = single_positional_call(scenario)
     columns = None if call is None else _argument_columns_of_like_calls(call, examples)
     if call is None or columns is None:
         return False
@@ -50,7 +50,7 @@ def has_other_shape(scenario: Scenario, examples: Sequence[Scenario]) -> bool:
 
 def _argument_columns_of_like_calls(call: Statement, examples: Sequence[Scenario]) -> list[tuple[Value, ...]] | None:
     """Return each argument's values in the examples that call alike; None where these are too few."""
-    others = [other for other in map(only_call, examples) if other is not None]
+    others = [other for other in map(single_positional_call, examples) if other is not None]
     alike = [
         other for other in others if other.callee == call.callee and _argument_count(other) == _argument_count(call)
     ]
@@ -73,7 +73,7 @@ def ordered_pairs(columns: Sequence[Sequence[Value]]) -> Iterator[tuple[int, int
             yield first, second
 
 
-def only_call(scenario: Scenario) -> Statement | None:
+def single_positional_call(scenario: Scenario) -> Statement | None:
     """Return the call of a case that is one call by position; None for another case."""
     (first, *others) = scenario.statements
     return None if others or not first.callee or first.named else first

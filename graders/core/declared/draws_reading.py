@@ -25,7 +25,7 @@ from graders.core.declared.generators import (
     Generator,
 )
 from graders.core.declared.malformed import MalformedDeclaration
-from graders.core.declared.notation import parse_python, refusal
+from graders.core.declared.notation import parse_python, refusal_error
 
 #: Characters of a declaration of draws.
 MAX_TEXT = 2000
@@ -39,7 +39,7 @@ def parse_draws(text: str, conditions: Sequence[str] = ()) -> Draws:
     known: set[str] = set()
     for node in _parse_draws_text(text).body:
         if not (isinstance(node, ast.Assign) and len(node.targets) == 1 and isinstance(node.targets[0], ast.Name)):
-            raise refusal(node, "écrivez « nom = entier(0, 9) »")
+            raise refusal_error(node, "écrivez « nom = entier(0, 9) »")
         name = node.targets[0].id
         generators.append((name, _DrawsReader(known).generator(node.value)))
         known.add(name)
@@ -74,13 +74,13 @@ class _DrawsReader:
 
     def generator(self, node: ast.expr) -> Generator:
         if not (isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and node.func.id in _GENERATORS):
-            raise refusal(node, f"de générateurs, il y a {', '.join(_GENERATORS)}")
+            raise refusal_error(node, f"de générateurs, il y a {', '.join(_GENERATORS)}")
         reader = _GENERATORS[node.func.id]
         named = {str(key.arg): key.value for key in node.keywords}
         try:
             return reader(self, node.args, named)
         except (IndexError, KeyError, TypeError, ValueError) as error:
-            raise refusal(node, f"paramètres de {node.func.id} : {_USAGE[node.func.id]}") from error
+            raise refusal_error(node, f"paramètres de {node.func.id} : {_USAGE[node.func.id]}") from error
 
     def bounds(self, nodes: Sequence[ast.expr], default: tuple[float, float] | None = None) -> tuple[Bound, Bound]:
         if not nodes and default is not None:
@@ -103,7 +103,7 @@ class _DrawsReader:
         read = reader(node) if reader else None
         if read is None:
             known = ", ".join(sorted(self._known)) or "aucune"
-            raise refusal(node, f"ici, des nombres, les variables tirées avant ({known}), {_EXPRESSIONS}")
+            raise refusal_error(node, f"ici, des nombres, les variables tirées avant ({known}), {_EXPRESSIONS}")
         return read
 
     def _compile_constant(self, node: ast.Constant) -> Callable[[Mapping[str, Value]], Any] | None:
@@ -141,7 +141,7 @@ class _DrawsReader:
         parts = [self.expression(part) for part in (node.left, *node.comparators)]
         known = [_COMPARISONS[type(comparison)] for comparison in node.ops if type(comparison) in _COMPARISONS]
         if len(known) < len(node.ops):
-            raise refusal(node, "comparez par <, <=, >, >=, ==, != ou in")
+            raise refusal_error(node, "comparez par <, <=, >, >=, ==, != ou in")
 
         def compare(variables: Mapping[str, Value]) -> bool:
             values = [part(variables) for part in parts]

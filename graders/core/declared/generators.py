@@ -38,7 +38,7 @@ class Generator(ABC):
     def contains(self, value: Value, variables: Variables) -> bool:
         """Whether it may draw this value."""
 
-    def simpler(self, value: Value) -> Iterator[Value]:
+    def iter_simpler_values(self, value: Value) -> Iterator[Value]:
         """Yield simpler values, which it may draw or not."""
         return shrink_plain_value(value)
 
@@ -125,7 +125,7 @@ class DrawnWords(Generator):
             return False
         return self.gaps or value == " ".join(value.split())
 
-    def simpler(self, value: Value) -> Iterator[Value]:
+    def iter_simpler_values(self, value: Value) -> Iterator[Value]:
         """Yield texts with a word less, then with fewer letters."""
         words = value.split(" ")
         yield from (" ".join([*words[:at], *words[at + 1 :]]) for at in range(len(words)) if len(words) > 1)
@@ -243,7 +243,7 @@ class DrawnChoice(Generator):
     def contains(self, value: Value, variables: Variables) -> bool:
         return any(type(value) is type(option) and value == option for option in self.options)
 
-    def simpler(self, value: Value) -> Iterator[Value]:
+    def iter_simpler_values(self, value: Value) -> Iterator[Value]:
         return iter(self.options[: self.options.index(value)] if value in self.options else ())
 
 
@@ -279,10 +279,10 @@ class Draws:
     def _meets_conditions(self, variables: Variables) -> bool:
         return all(condition(variables) for condition in self.conditions)
 
-    def simpler(self, variables: Variables) -> Iterator[Variables]:
+    def iter_simpler_variables(self, variables: Variables) -> Iterator[Variables]:
         """Yield allowed values with one variable simplified."""
         for name, generator in self.generators:
-            for simpler in generator.simpler(variables[name]):
+            for simpler in generator.iter_simpler_values(variables[name]):
                 changed = {**variables, name: simpler}
                 if self.allows(changed):
                     yield changed

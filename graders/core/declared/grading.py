@@ -16,11 +16,11 @@ from pathlib import Path
 
 from graders.core.code.calling import shorten_repeated_reasons
 from graders.core.code.folder import Specimen, read_specimens
-from graders.core.compare.python_values import python_pair
+from graders.core.compare.python_values import python_text_pair
 from graders.core.contract.findings import Finding, Judgement, make_verdict
 from graders.core.contract.kits import SCENARIOS
 from graders.core.contract.outcomes import Outcome
-from graders.core.contract.program import KitSettings, PreparablePrograms, Programs, StudentFault, clock_of
+from graders.core.contract.program import KitSettings, PreparablePrograms, Programs, StudentFault, clock_of_programs
 from graders.core.contract.protocol import KnownSubmission, WhileNaming, no_early_verdict
 from graders.core.contract.streams import stream
 from graders.core.contract.values import Value
@@ -28,13 +28,21 @@ from graders.core.contract.verdict import CheckResult, Diagnosis
 from graders.core.declared.case_reading import parse_scenario
 from graders.core.declared.declaration import Declaration, DeclaredCheck
 from graders.core.declared.figure_data import describe_figure
-from graders.core.declared.judging import Case, Failure, expected_is_given, fails_alike, is_answered, judge, observed
+from graders.core.declared.judging import (
+    Case,
+    FailedCase,
+    fails_alike,
+    gives_expected_value,
+    is_answered,
+    judge,
+    observed_value,
+)
 from graders.core.declared.malformed import MalformedDeclaration
-from graders.core.declared.playing import Played, Player
+from graders.core.declared.playing import PlayedScenario, Player
 from graders.core.declared.probe_answers import find_mistake, probe_answer
 from graders.core.declared.scenario_values import Reference
 from graders.core.declared.scenarios import Scenario
-from graders.core.declared.shared_state import fail_alone
+from graders.core.declared.shared_state import replay_failure_alone
 from graders.core.declared.wording import failed_finding, failure_message, fault_finding, slip_diagnosis
 from graders.core.syntax_trees import parse_source
 
@@ -94,7 +102,9 @@ class DeclaredGrader:
             programs.prepare(self.solution.encode(), kit, LAUNCHES)
         student, solution = Player(programs, source, kit), Player(programs, self.solution.encode(), kit)
         try:
-            findings = shorten_repeated_reasons(self._judge_file(source, student, solution, cases, clock_of(programs)))
+            findings = shorten_repeated_reasons(
+                self._judge_file(source, student, solution, cases, clock_of_programs(programs))
+            )
             stdout = student.stdout()
             checked = time.perf_counter()
             diagnosis = None
@@ -131,7 +141,7 @@ class DeclaredGrader:
         except StudentFault as fault:
             return [fault_finding(check, fault) for check in checks]
         right = self._play_solution(solution, cases)
-        broken = next(filter(None, (rule.broken_at(source) for rule in self.declaration.rules)), None)
+        broken = next(filter(None, (rule.find_breach(source) for rule in self.declaration.rules)), None)
         findings, at = [], 0
         for check in checks:
             span = slice(at, at + len(cases[check.id]))
@@ -144,11 +154,11 @@ class DeclaredGrader:
             if failure is None:
                 findings.append(Finding(CheckResult(check.id, check.title, True, check.points, check.points)))
                 continue
-            simplest = self.simplest(check, failure, student, solution, clock, clock() + SIMPLER_SECONDS)
-            findings.append(self.describe_failure(check, *fail_alone(check, simplest, source, student)))
+            simplest = self.find_simplest_failure(check, failure, student, solution, clock, clock() + SIMPLER_SECONDS)
+            findings.append(self.describe_failure(check, *replay_failure_alone(check, simplest, source, student)))
         return findings
 
-    def _play_solution(self, solution: Player, cases: Mapping[str, Sequence[Case]]) -> list[Played]:
+    def _play_solution(self, solution: Player, cases: Mapping[str, Sequence[Case]]) -> list[PlayedScenario]:
         """Return what the solution does in each case. Raises SolutionFault where it is not what the author says."""
         pairs = [(check, case.scenario) for check in self.declaration.checks for case in cases[check.id]]
         right = solution.play([scenario for _, scenario in pairs])
@@ -156,29 +166,29 @@ class DeclaredGrader:
             if not is_answered(played):
                 raise SolutionFault(f"{scenario.text()} : {played.fault.message if played.fault else ''}")
             last = len(scenario.statements) - 1
-            if scenario.expected and not expected_is_given(
-                check.for_case(scenario), scenario.expected[0], played, last
+            if scenario.expected and not gives_expected_value(
+                check.with_tolerance_of_case(scenario), scenario.expected[0], played, last
             ):
-                given = observed(check, played, last)
-                wanted, obtained = python_pair(scenario.expected[0], given)
+                given = observed_value(check, played, last)
+                wanted, obtained = python_text_pair(scenario.expected[0], given)
                 raise SolutionFault(f"{scenario.text()} : la solution donne {obtained}, et « attendus » dit {wanted}")
         return right
 
-    def simplest(
+    def find_simplest_failure(
         self,
         check: DeclaredCheck,
-        failure: Failure,
+        failure: FailedCase,
         student: Player,
         solution: Player,
         clock: Callable[[], float],
         until: float,
-    ) -> Failure:
+    ) -> FailedCase:
         """Return the simplest failure found from one, within bounds; the same kind of failure throughout."""
         left = MAX_SIMPLER
         while failure.case.drawn is not None and check.drawn is not None and left > 0 and clock() < until:
             if failure.got.fault is not None and failure.got.fault.fatal:
                 break
-            simpler = check.drawn.simpler(failure.case.drawn)
+            simpler = check.drawn.iter_simpler_cases(failure.case.drawn)
             batch = [
                 Case(each.scenario, each) for each, _ in zip(simpler, range(min(left, SIMPLER_AT_ONCE)), strict=False)
             ]
@@ -193,19 +203,19 @@ class DeclaredGrader:
             failure = better
         return failure
 
-    def describe_failure(self, check: DeclaredCheck, failure: Failure, note: str = "") -> Finding:
+    def describe_failure(self, check: DeclaredCheck, failure: FailedCase, note: str = "") -> Finding:
         """Return the finding of a failing case; `note` ends its words."""
         scenario, fault = failure.case.scenario, failure.got.fault
         statement = scenario.statements[min(failure.step, len(scenario.statements) - 1)]
         inputs = self._counterexample_inputs(scenario)
-        expected = observed(check, failure.right, failure.step)
+        expected = observed_value(check, failure.right, failure.step)
         if failure.mismatch is None:
             assert fault is not None
             found = fault_finding(check, fault, inputs=inputs, expected=expected, case=scenario)
             message = "\n".join(filter(None, (found.result.message, note)))
             return replace(found, result=replace(found.result, message=message))
-        got = observed(check, failure.got, failure.step)
-        message = failure_message(check, failure, statement, python_pair(expected, got))
+        got = observed_value(check, failure.got, failure.step)
+        message = failure_message(check, failure, statement, python_text_pair(expected, got))
         return failed_finding(
             check,
             " ".join(filter(None, (message, failure.mismatch.message, note))),
@@ -224,7 +234,7 @@ class DeclaredGrader:
         first = scenario.statements[0]
         names = self.parameters.get(first.callee, ())
         if scenario.runs_program:
-            given = {"ce que l’on tape": list(scenario.typed or ())}
+            given = {"ce que l’on tape": list(scenario.typed_lines or ())}
         elif len(scenario.statements) == 1 and len(first.arguments) <= len(names) and not first.named:
             given = dict(zip(names, first.arguments, strict=False))
         else:
@@ -243,7 +253,7 @@ class DeclaredGrader:
             if isinstance(node, ast.FunctionDef)
         }
 
-    def solution_fault(self, programs: Programs, seed: int) -> str:
+    def find_solution_fault(self, programs: Programs, seed: int) -> str:
         """Return why the solution does not answer as it must, for its author; empty where it does."""
         player = Player(programs, self.solution.encode(), self.kit(seed))
         try:
@@ -272,7 +282,7 @@ class DeclaredGrader:
     def probe_cases(self) -> list[tuple[DeclaredCheck, Case]]:
         """Return the cases of the probes, with their checks."""
         return [
-            (check.for_case(case.scenario), case)
+            (check.with_tolerance_of_case(case.scenario), case)
             for check in self.declaration.checks
             for case in (
                 *map(Case, check.cases),
@@ -313,7 +323,7 @@ class DeclaredGrader:
         words = f"{mistake.explanation}\n\n{mistake.question}"
         return Diagnosis(mistake.id, mistake.title, words, explains=(explains,), certain=True)
 
-    def rehearse(self) -> None:
+    def warm_up(self) -> None:
         """Nothing is slow the first time: no code of the author runs here."""
 
     def mistake_ids(self) -> frozenset[str]:

@@ -21,7 +21,7 @@ from graders.core.contract.values import Value
 from graders.core.declared.case_reading import parse_scenario
 from graders.core.declared.declaration import DeclaredCheck, DeclaredMistake
 from graders.core.declared.grading import PROBE_SEED, DeclaredGrader
-from graders.core.declared.judging import Case, Failure, judge, observed
+from graders.core.declared.judging import Case, FailedCase, judge, observed_value
 from graders.core.declared.malformed import MalformedDeclaration
 from graders.core.declared.playing import Player
 from graders.core.declared.scenario_values import FunctionSource, Reference, value_text
@@ -51,7 +51,7 @@ class HuntedArgument:
     values: tuple[Value, ...]
 
     @property
-    def words(self) -> str:
+    def description(self) -> str:
         kinds = [words for kind, words in KINDS if any(_is_instance_of_kind(value, kind) for value in self.values)]
         return " ou ".join(kinds) or "une valeur"
 
@@ -82,7 +82,7 @@ class DeclaredHunt:
     function: str
     arguments: tuple[HuntedArgument, ...]
 
-    def program(self, seed: int) -> str:
+    def wrong_program_source(self, seed: int) -> str:
         """Return the wrong program as a student would write it."""
         return rewrite_as_student_form(self.mistake.program, self.function, seed, public=self.grader.functions)
 
@@ -92,10 +92,10 @@ class DeclaredHunt:
         for argument in self.arguments:
             text = typed.get(argument.name, "").strip()
             if not text:
-                raise InputFault(argument.name, f"Donnez aussi {argument.name} : {argument.words}.")
+                raise InputFault(argument.name, f"Donnez aussi {argument.name} : {argument.description}.")
             value = _read_value(argument.name, text, self.grader)
             if not argument.accepts(value):
-                raise InputFault(argument.name, f"{argument.name} doit être {argument.words}.")
+                raise InputFault(argument.name, f"{argument.name} doit être {argument.description}.")
             values.append(value)
         return Case(Scenario((Statement("call", "", self.function, tuple(values)),)))
 
@@ -139,7 +139,7 @@ def _is_one_call(scenario: Scenario) -> bool:
 
 
 @dataclass(frozen=True)
-class HuntShow:
+class HuntTrialAnswers:
     """Answers to an input: `expected` and `got` as Python writes them, `fault` where the wrong program stops."""
 
     shows: bool
@@ -148,7 +148,7 @@ class HuntShow:
     fault: str = ""
 
 
-class DeclaredHuntGround:
+class DeclaredHuntPrograms:
     """The solution and the wrong program of a hunt, in the sandbox; to be closed."""
 
     def __init__(self, hunt: DeclaredHunt, programs: Programs) -> None:
@@ -181,30 +181,30 @@ class DeclaredHuntGround:
     def _calls_hunted_function(self, case: Case) -> bool:
         return _is_one_call(case.scenario) and case.scenario.function == self._hunt.function
 
-    def _find_simplest(self, failure: Failure) -> Failure:
+    def _find_simplest(self, failure: FailedCase) -> FailedCase:
         hunt, until = self._hunt, time.monotonic() + SIMPLER_SECONDS
-        return hunt.grader.simplest(hunt.check, failure, self._wrong, self._right, time.monotonic, until)
+        return hunt.grader.find_simplest_failure(hunt.check, failure, self._wrong, self._right, time.monotonic, until)
 
-    def try_case(self, case: Case) -> HuntShow:
+    def try_case(self, case: Case) -> HuntTrialAnswers:
         """Return what an input shows. Raises OutsideStatement where the solution gives no value."""
         check = self._hunt.check
         (right,), (got,) = self._right.play([case.scenario]), self._wrong.play([case.scenario])
         if right.fault is not None or right.raised is not None:
             raise InputOutsideStatement
         failure = judge(check, case, right, got)
-        expected = python_text(observed(check, right, 0))
+        expected = python_text(observed_value(check, right, 0))
         if got.fault is not None:
-            return HuntShow(shows=True, expected=expected, got="", fault=got.fault.message.partition("\n")[0])
-        return HuntShow(failure is not None, expected, python_text(observed(check, got, 0)))
+            return HuntTrialAnswers(shows=True, expected=expected, got="", fault=got.fault.message.partition("\n")[0])
+        return HuntTrialAnswers(failure is not None, expected, python_text(observed_value(check, got, 0)))
 
 
-def try_hunt(hunt: DeclaredHunt, programs: Programs, case: Case) -> HuntShow:
+def try_hunt(hunt: DeclaredHunt, programs: Programs, case: Case) -> HuntTrialAnswers:
     """Try one input on both programs. Raises OutsideStatement."""
-    with closing(DeclaredHuntGround(hunt, programs)) as ground:
+    with closing(DeclaredHuntPrograms(hunt, programs)) as ground:
         return ground.try_case(case)
 
 
-def _call_text_length(failure: Failure) -> int:
+def _call_text_length(failure: FailedCase) -> int:
     return len(failure.case.scenario.text())
 
 

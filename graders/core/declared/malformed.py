@@ -10,6 +10,6 @@ class MalformedDeclaration(Exception):
         super().__init__(f"{place} : {message}" if place else message)
         self.message, self.place = message, place
 
-    def at(self, place: str) -> MalformedDeclaration:
+    def below_place(self, place: str) -> MalformedDeclaration:
         """Return the same error below a place."""
         return MalformedDeclaration(self.message, f"{place}.{self.place}" if self.place else place)

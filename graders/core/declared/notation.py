@@ -18,12 +18,12 @@ def parse_python(text: str, *, described: str = "") -> ast.Module:
         raise MalformedDeclaration(f"« {text.strip()[:80]} »{described} : {detail}") from error
 
 
-def refusal(node: ast.AST, reason: str) -> MalformedDeclaration:
+def refusal_error(node: ast.AST, reason: str) -> MalformedDeclaration:
     """Return the error of a part of a text."""
     return MalformedDeclaration(f"« {ast.unparse(node)[:80]} » : {reason}")
 
 
-def call_inside(node: ast.expr, functions: Collection[str]) -> ast.expr:
+def unwrap_call(node: ast.expr, functions: Collection[str]) -> ast.expr:
     """Return the call of one of `functions` inside list(…) or tuple(…), which read what it gives; else the node.
 
     Raises MalformedDeclaration for such a call inside another function of Python.
@@ -37,5 +37,5 @@ def call_inside(node: ast.expr, functions: Collection[str]) -> ast.expr:
         return inner
     if node.func.id in ("sorted", "len", "sum", "set", "max", "min", "next", "str", "repr", "round"):
         asked = ", et choisissez « Ordre : il est libre » si l’ordre ne compte pas" if node.func.id == "sorted" else ""
-        raise refusal(node, f"appelez votre fonction seule, {ast.unparse(inner)[:80]}{asked}")
+        raise refusal_error(node, f"appelez votre fonction seule, {ast.unparse(inner)[:80]}{asked}")
     return node

@@ -7,7 +7,7 @@ import itertools
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
-from graders.core.compare.python_values import Raised
+from graders.core.compare.python_values import RaisedException
 from graders.core.contract.outcomes import Outcome
 from graders.core.contract.program import KitSettings, PlannedCalls, Program, Programs, Reply, StudentFault
 from graders.core.contract.values import Value
@@ -20,7 +20,7 @@ UNREADABLE = StudentFault(Outcome.INVALID_OUTPUT, "la fonction renvoie une valeu
 
 
 @dataclass(frozen=True)
-class Played:
+class PlayedScenario:
     """What a program did in one scenario: the values of its statements, what it printed; `fault` where it stopped.
 
     `screen` is what was printed with the prompts of `input` and what was typed; `written` are the files it wrote.
@@ -33,12 +33,12 @@ class Played:
     written: Mapping[str, str] = field(default_factory=dict)
 
     @property
-    def raised(self) -> Raised | None:
+    def raised(self) -> RaisedException | None:
         """The exception with which the scenario ended."""
         if self.fault is not None:
-            return Raised(self.fault.exception) if self.fault.exception else None
+            return RaisedException(self.fault.exception) if self.fault.exception else None
         last = self.values[-1] if self.values else None
-        return last if isinstance(last, Raised) else None
+        return last if isinstance(last, RaisedException) else None
 
 
 def is_exception(name: str, expected: str) -> bool:
@@ -56,14 +56,14 @@ class Player:
         self._launches = 0
         self._functions = frozenset[str]()
         self._dead: StudentFault | None = None
-        self._answered: dict[int, tuple[Scenario, Played]] = {}
+        self._answered: dict[int, tuple[Scenario, PlayedScenario]] = {}
         self._printed: list[str] = []
 
-    def fresh(self) -> Player:
+    def make_fresh_player(self) -> Player:
         """Return a player of the same file that has played nothing."""
         return Player(self._programs, self._source, self._kit)
 
-    def start(self, scenarios: Sequence[Scenario]) -> list[Played]:
+    def start(self, scenarios: Sequence[Scenario]) -> list[PlayedScenario]:
         """Load the file and play the first scenarios, which travel with it. Raises StudentFault where it does not
         load."""
         batches = _batch_scenarios(scenarios)
@@ -81,19 +81,19 @@ class Player:
         """The functions that the file defines, also once its program has died; none before it loads."""
         return self._functions
 
-    def play(self, scenarios: Sequence[Scenario]) -> list[Played]:
+    def play(self, scenarios: Sequence[Scenario]) -> list[PlayedScenario]:
         """Return what the program does in each scenario, in order."""
         if self._dead is not None:
-            return [Played(fault=self._dead)] * len(scenarios)
+            return [PlayedScenario(fault=self._dead)] * len(scenarios)
         if self._program is None:
             try:
                 return self.start(scenarios)
             except StudentFault as fault:
                 self._dead = fault
-                return [Played(fault=fault)] * len(scenarios)
+                return [PlayedScenario(fault=fault)] * len(scenarios)
         return self._play_batches(_batch_scenarios(scenarios), len(scenarios))
 
-    def play_again(self, scenarios: Sequence[Scenario]) -> list[Played]:
+    def play_again(self, scenarios: Sequence[Scenario]) -> list[PlayedScenario]:
         """Return as `play`; scenarios that `start` has played are not played again, unless one of them stopped."""
         left = [scenario for scenario in scenarios if id(scenario) not in self._answered]
         if len(left) == len(scenarios):
@@ -105,18 +105,18 @@ class Player:
         known |= {identity: each for identity, (_, each) in self._answered.items()}
         return [known[id(scenario)] for scenario in scenarios]
 
-    def _play_batches(self, batches: Sequence[PlannedCalls], count: int) -> list[Played]:
+    def _play_batches(self, batches: Sequence[PlannedCalls], count: int) -> list[PlayedScenario]:
         assert self._program is not None
-        played: list[list[Played]] = [[] for _ in batches]
+        played: list[list[PlayedScenario]] = [[] for _ in batches]
         for number, answers in self._program.call_batches(batches):
             played[number] += [_to_played(answer) for answer in answers]
         last = next((each.fault for batch in played for each in batch if each.fault and each.fault.fatal), None)
         if last is not None:
             self._close_dead_program(last)
-        whole: list[Played] = []
+        whole: list[PlayedScenario] = []
         for batch, got in zip(batches, played, strict=True):
             stopped = last or (got[-1].fault if got and got[-1].fault else UNREADABLE)
-            whole += [*got, *[Played(fault=stopped)] * (len(batch.calls) - len(got))]
+            whole += [*got, *[PlayedScenario(fault=stopped)] * (len(batch.calls) - len(got))]
         return whole[:count]
 
     def _close_dead_program(self, fault: StudentFault) -> None:
@@ -139,21 +139,21 @@ class Player:
 
 def _batch_scenarios(scenarios: Sequence[Scenario]) -> list[PlannedCalls]:
     return [
-        PlannedCalls(function, [scenario.arguments() for scenario in group], faults=MAX_FAULTS)
+        PlannedCalls(function, [scenario.driver_arguments() for scenario in group], faults=MAX_FAULTS)
         for function, group in itertools.groupby(scenarios, key=lambda scenario: scenario.function)
     ]
 
 
-def _to_played(answer: Reply | StudentFault) -> Played:
+def _to_played(answer: Reply | StudentFault) -> PlayedScenario:
     if isinstance(answer, StudentFault):
-        return Played(fault=answer)
+        return PlayedScenario(fault=answer)
     try:
         values, printed, screen, written = (
             answer.value if isinstance(answer.value, tuple) else (answer.value, "", "", ())
         )
         decoded, files = tuple(decode_values(values)), dict(written)
     except (TypeError, ValueError):
-        return Played(fault=UNREADABLE)
+        return PlayedScenario(fault=UNREADABLE)
     if not all(isinstance(text, str) for text in (printed, screen, *files, *files.values())):
-        return Played(fault=UNREADABLE)
-    return Played(decoded, printed, None, screen or printed, files)
+        return PlayedScenario(fault=UNREADABLE)
+    return PlayedScenario(decoded, printed, None, screen or printed, files)

@@ -9,7 +9,7 @@ MAX_BASE, MAX_EXPONENT = 1_000_000, 64
 TOO_LARGE = f"« ** » se lit ici jusqu’à un million à la puissance {MAX_EXPONENT}"
 
 
-def small_power(base: Value, exponent: Value) -> Value:
+def bounded_power(base: Value, exponent: Value) -> Value:
     """Return a power of two numbers; None beyond the bounds, or where it has no value."""
     if isinstance(exponent, complex) or abs(base) > MAX_BASE or abs(exponent) > MAX_EXPONENT:
         return None

@@ -11,7 +11,7 @@ import numpy as np
 from graders.core.compare.python_values import python_text
 from graders.core.contract.values import Value
 from graders.core.declared.declaration import DeclaredCheck, DeclaredMistake
-from graders.core.declared.playing import Played
+from graders.core.declared.playing import PlayedScenario
 from graders.core.syntax_trees import evaluate_literal
 
 #: Digits by which two programs are told apart.
@@ -20,7 +20,7 @@ PROBE_DIGITS = 9
 ROUNDING = 1e-8
 
 
-def probe_answer(played: Played) -> str:
+def probe_answer(played: PlayedScenario) -> str:
     """Return what a program did with a probe: its values, what it printed and wrote, or its fault."""
     if played.fault is not None:
         return f"{played.fault.outcome.value} {played.fault.exception or ''}"
@@ -28,7 +28,7 @@ def probe_answer(played: Played) -> str:
     return python_text(_normalise_types([*played.values, played.printed, *written]), PROBE_DIGITS)
 
 
-def behaviour_digest(played: Sequence[Played]) -> str:
+def behaviour_digest(played: Sequence[PlayedScenario]) -> str:
     """Return a short digest of what a program did with some inputs: two that did the same have the same."""
     return sha256("\n".join(map(probe_answer, played)).encode("utf-8", "replace")).hexdigest()[:16]
 

@@ -7,14 +7,14 @@ from numbers import Number
 
 import numpy as np
 
-from graders.core.compare.python_values import Raised
+from graders.core.compare.python_values import RaisedException
 from graders.core.contract.values import Value
 from graders.core.declared.declaration import DeclaredCheck
-from graders.core.declared.playing import Played
+from graders.core.declared.playing import PlayedScenario
 from graders.core.declared.scenarios import Scenario
 
 
-def reference_of(check: DeclaredCheck, scenario: Scenario, right: Played) -> Played:
+def make_reference(check: DeclaredCheck, scenario: Scenario, right: PlayedScenario) -> PlayedScenario:
     """Return what the solution does in a case, with the numbers of the expected result in place of its own.
 
     An iterative solution gives 0.99999994 where its author expects 1, within the tolerance: an answer is compared with
@@ -34,7 +34,7 @@ def reference_of(check: DeclaredCheck, scenario: Scenario, right: Played) -> Pla
 
 def _substitute_expected_numbers(expected: Value, given: Value) -> Value:
     """Return `given` with the numbers of `expected` where they differ; `given` itself where none does."""
-    if isinstance(expected, Raised | bool) or isinstance(given, bool):
+    if isinstance(expected, RaisedException | bool) or isinstance(given, bool):
         return given
     if isinstance(expected, Number) and isinstance(given, Number):
         return given if expected == given else expected

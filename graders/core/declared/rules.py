@@ -51,7 +51,7 @@ class Rule:
             return "une fonction qui s’appelle elle-même"
         return CONSTRUCTS[self.word][0] if self.word in CONSTRUCTS else f"`{self.word}`"
 
-    def broken_at(self, source: bytes) -> tuple[str, int | None] | None:
+    def find_breach(self, source: bytes) -> tuple[str, int | None] | None:
         """Return why a file breaks the rule, with the line; None where it does not, or cannot be read."""
         tree = parse_or_none(source[:MAX_SOURCE].decode("utf-8-sig", "replace"))
         if tree is None:

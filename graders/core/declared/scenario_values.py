@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from graders.core.compare.python_values import DIGITS, Opaque, Raised, python_text
+from graders.core.compare.python_values import DIGITS, OpaqueObject, RaisedException, python_text
 from graders.core.contract.values import Value
 
 
@@ -137,14 +137,14 @@ def decode_value(value: Value) -> Value:
         raise ValueError("no tag")
     tag, content = value
     if tag == "o" and isinstance(content, str):
-        return Opaque(content[:80])
+        return OpaqueObject(content[:80])
     if tag not in _DECODERS or not isinstance(content, list):
         raise ValueError("unknown tag, or no content")
     return _DECODERS[tag](content)
 
 
 _DECODERS: dict[str, Callable[[list[Value]], Value]] = {
-    "e": lambda names: Raised(next((str(name)[:80] for name in names), "Exception")),
+    "e": lambda names: RaisedException(next((str(name)[:80] for name in names), "Exception")),
     "b": bytes,
     "d": lambda pairs: {_to_hashable(decode_value(key)): decode_value(item) for key, item in pairs},
     "s": lambda items: {_to_hashable(decode_value(item)) for item in items},

@@ -60,26 +60,26 @@ class Statement:
         return next((value.function for value in inside if isinstance(value, NestedCall) and value.function), "")
 
     @property
-    def called(self) -> str:
+    def called_name(self) -> str:
         """The name of the function or method that is called last; empty where none is."""
         call = self.value.callee if isinstance(self.value, NestedCall) else self.callee
         return call.rpartition(".")[2]
 
     @property
-    def typed(self) -> tuple[str, ...]:
+    def typed_arguments(self) -> tuple[str, ...]:
         """The arguments as lines of text, as they are typed."""
         return tuple(value if isinstance(value, str) else value_text(value) for value in self.arguments)
 
     def encode(self) -> Step:
         """Return the step as plain data."""
         if self.kind in ("type", "argv"):
-            return self.kind, self.typed
+            return self.kind, self.typed_arguments
         if self.kind == "set":
             return "set", self.into, encode_value(self.value)
         if self.kind == "file":
-            return "file", *self.typed
+            return "file", *self.typed_arguments
         if self.kind == "program":
-            return "program", self.callee, self.typed
+            return "program", self.callee, self.typed_arguments
         if self.kind == "call":
             named = tuple((name, encode_value(value)) for name, value in self.named)
             return "call", self.into, self.callee, tuple(map(encode_value, self.arguments)), named
@@ -110,10 +110,10 @@ class Scenario:
         return next(filter(None, (step.function for step in self.statements)))
 
     @property
-    def typed(self) -> tuple[str, ...] | None:
+    def typed_lines(self) -> tuple[str, ...] | None:
         """The lines that are typed, in order; None where the case says none."""
         steps = [step for step in self.statements if step.kind in ("type", "program")]
-        return tuple(line for step in steps for line in step.typed) if steps else self.lines
+        return tuple(line for step in steps for line in step.typed_arguments) if steps else self.lines
 
     @property
     def runs_program(self) -> bool:
@@ -124,7 +124,7 @@ class Scenario:
         """Whether nothing is looked at after the run of the program."""
         return self.statements[-1].kind == "program"
 
-    def arguments(self) -> tuple[Value, ...]:
+    def driver_arguments(self) -> tuple[Value, ...]:
         """Return the argument of the driver: one array of bytes, which travels as a whole."""
         return (self._pack,)
 

@@ -6,7 +6,7 @@ from contextlib import closing
 
 from graders.core.code.stateless import may_keep_state
 from graders.core.declared.declaration import DeclaredCheck
-from graders.core.declared.judging import Failure, judge
+from graders.core.declared.judging import FailedCase, judge
 from graders.core.declared.playing import Player
 
 PASSES_ALONE = (
@@ -16,7 +16,9 @@ PASSES_ALONE = (
 )
 
 
-def fail_alone(check: DeclaredCheck, failure: Failure, source: bytes, student: Player) -> tuple[Failure, str]:
+def replay_failure_alone(
+    check: DeclaredCheck, failure: FailedCase, source: bytes, student: Player
+) -> tuple[FailedCase, str]:
     """Return the failure of the same case in a program that has played nothing, so that a replay shows the same.
 
     Where it passes there, return the failure after the other cases, and the words that say so. A program whose text
@@ -24,7 +26,7 @@ def fail_alone(check: DeclaredCheck, failure: Failure, source: bytes, student: P
     """
     if not may_keep_state(source) or (failure.got.fault is not None and failure.got.fault.fatal):
         return failure, ""
-    with closing(student.fresh()) as fresh:
+    with closing(student.make_fresh_player()) as fresh:
         (got,) = fresh.play([failure.case.scenario])
     if got.fault is not None and got.fault.fatal:
         return failure, ""

@@ -11,7 +11,7 @@ from graders.core.alterations.text import Change, ProgramText
 STALE = "effet ignoré"
 
 
-def forget_calls(text: ProgramText, node: ast.ClassDef) -> Iterator[tuple[Change, ast.FunctionDef, str]]:
+def iter_forgetful_changes(text: ProgramText, node: ast.ClassDef) -> Iterator[tuple[Change, ast.FunctionDef, str]]:
     """Yield a class in which one method answers from the state before the last call of another, which changes it.
 
     With each change, the method that answers, and words: « `est_vide` ne tient pas compte de `depiler` ».

@@ -42,12 +42,12 @@ class CaseTolerance:
                 f"« {text[:80]} » : un nombre, ou un calcul sur les paramètres{known}"
             ) from error
 
-    def of(self, scenario: Scenario) -> float:
+    def tolerance_of_scenario(self, scenario: Scenario) -> float:
         """Return the tolerance of a case; `TOLERANCE` where it gives none that is a positive number."""
-        given = (self.of_call(statement) for statement in reversed(scenario.statements))
+        given = (self.tolerance_of_call(statement) for statement in reversed(scenario.statements))
         return next((value for value in given if value is not None), TOLERANCE)
 
-    def of_call(self, call: Statement) -> float | None:
+    def tolerance_of_call(self, call: Statement) -> float | None:
         """Return the tolerance of a call; None where it gives none that is a positive number."""
         try:
             value = self._evaluate(self._arguments_by_parameter(call))
@@ -74,7 +74,7 @@ def propose_tolerance(solution: str, scenarios: Sequence[Scenario]) -> str:
     for name in parameters:
         if name.lower() in PRECISIONS or name in compared:
             tolerance = CaseTolerance.read(name, solution)
-            given = [tolerance.of_call(call) for call in calls]
+            given = [tolerance.tolerance_of_call(call) for call in calls]
             if all(value is not None and 0 < value < MAX_PRECISION for value in given):
                 return name
     return ""

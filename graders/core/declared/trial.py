@@ -21,11 +21,11 @@ from graders.core.declared.body_changes import change_bodies
 from graders.core.declared.call_changes import change_calls
 from graders.core.declared.declaration import Declaration, DeclaredCheck, read_declaration
 from graders.core.declared.grading import DeclaredGrader, Fingerprint, SolutionFault
-from graders.core.declared.judging import expected_is_given, is_answered, judge, observed
+from graders.core.declared.judging import gives_expected_value, is_answered, judge, observed_value
 from graders.core.declared.malformed import MalformedDeclaration
-from graders.core.declared.playing import Played, Player
+from graders.core.declared.playing import PlayedScenario, Player
 from graders.core.declared.probe_answers import behaviour_digest, probe_answer
-from graders.core.declared.references import reference_of
+from graders.core.declared.references import make_reference
 from graders.core.declared.scenarios import PROGRAM, Scenario
 from graders.core.declared.trial_report import TrialReport, TriedCase, TriedChange, TriedMistake
 from graders.core.declared.tried_inputs import (
@@ -35,8 +35,8 @@ from graders.core.declared.tried_inputs import (
     TriedInputs,
     answer_text,
     fails_within_limits,
-    parts_of,
-    text_of,
+    given_value_text,
+    split_into_chunks,
 )
 
 #: Changes of a solution that are tried; the share of them that may survive; seeds of the solution before publication.
@@ -100,7 +100,12 @@ class ExerciseTrial:
         mistakes = tuple(self._try_mistakes(grader, inputs))
         changes = tuple(self._try_changes(grader, inputs)) if with_changes else ()
         report = TrialReport(
-            cases=cases, starter=starter_fault, mistakes=mistakes, changes=changes, seeds=graded, raising=inputs.raising
+            cases=cases,
+            starter=starter_fault,
+            mistakes=mistakes,
+            changes=changes,
+            seeds=graded,
+            raising=inputs.first_raising_input,
         )
         return self._complete_report(report)
 
@@ -143,7 +148,7 @@ class ExerciseTrial:
             each.id: grader.fingerprint(each.program.encode(), self._start_programs()) for each in declaration.mistakes
         }
 
-    def answers(self, data: Mapping[str, Any]) -> list[list[str]] | None:
+    def answer_written_cases(self, data: Mapping[str, Any]) -> list[list[str]] | None:
         """Return what must be given in each written case, by check; None where the solution fails in one."""
         declaration = read_declaration(data)
         cases, fault = self._try_cases(DeclaredGrader(self._exercise, declaration))
@@ -170,25 +175,25 @@ class ExerciseTrial:
             for (check, case), got in zip(drawn, played, strict=True)
         ]
 
-    def _play_solution(self, grader: DeclaredGrader, scenarios: Sequence[Scenario]) -> list[Played]:
+    def _play_solution(self, grader: DeclaredGrader, scenarios: Sequence[Scenario]) -> list[PlayedScenario]:
         """Return what the solution does."""
         with closing(self._make_player(grader, grader.solution)) as player:
             return player.play(scenarios)
 
-    def _play_solution_at_length(self, grader: DeclaredGrader, scenarios: Sequence[Scenario]) -> list[Played]:
+    def _play_solution_at_length(self, grader: DeclaredGrader, scenarios: Sequence[Scenario]) -> list[PlayedScenario]:
         """Return what the solution does, and allow programs that may loop so many times as long."""
         played = self._play_solution(grader, scenarios)
         patience = BRIEF_FACTOR * self._started[-1].cpu_seconds  # a busy machine makes no program slower by it
         self._brief_seconds = min(MAX_BRIEF_SECONDS, max(MIN_BRIEF_SECONDS, patience))
         return played
 
-    def _play_solution_briefly(self, grader: DeclaredGrader, scenarios: Sequence[Scenario]) -> list[Played]:
+    def _play_solution_briefly(self, grader: DeclaredGrader, scenarios: Sequence[Scenario]) -> list[PlayedScenario]:
         return self.play_briefly(grader, grader.solution, scenarios)
 
-    def play_briefly(self, grader: DeclaredGrader, source: str, scenarios: Sequence[Scenario]) -> list[Played]:
+    def play_briefly(self, grader: DeclaredGrader, source: str, scenarios: Sequence[Scenario]) -> list[PlayedScenario]:
         """Return what a program does, a few scenarios at a time, as some may never end."""
         with closing(self._make_player(grader, source, briefly=True)) as player:
-            return [played for part in parts_of(scenarios) for played in player.play(part)]
+            return [played for part in split_into_chunks(scenarios) for played in player.play(part)]
 
     def _make_player(self, grader: DeclaredGrader, source: str, *, briefly: bool = False) -> Player:
         self._started.append(self._make_briefly(self._brief_seconds) if briefly else self._make())
@@ -243,13 +248,13 @@ class ExerciseTrial:
     ) -> ProposedCase:
         """Return an input to which a program answers otherwise than the solution, or than another program; an empty
         one where none was found."""
-        scenarios = [case.scenario for _, case, _ in inputs.near]
+        scenarios = [case.scenario for _, case, _ in inputs.near_cases]
         played = self.play_briefly(grader, program, scenarios)
         others = self.play_briefly(grader, unlike, scenarios) if unlike else played
-        for (at, case, right), got, other in zip(inputs.near, played, others, strict=True):
+        for (at, case, right), got, other in zip(inputs.near_cases, played, others, strict=True):
             wrong = fails_within_limits(judge(grader.declaration.checks[at], case, right, got))
             if wrong and (not unlike or probe_answer(got) != probe_answer(other)):
-                return inputs.describe(at, case, right)
+                return inputs.describe_case(at, case, right)
         return ProposedCase()
 
     def _try_changes(self, grader: DeclaredGrader, inputs: TriedInputs) -> Iterator[TriedChange]:
@@ -258,7 +263,7 @@ class ExerciseTrial:
         Of one function, those that survive for want of different cases are one.
         """
         proposed = set[tuple[str, str]]()
-        for body in change_bodies(grader.solution, grader.functions, inputs.calls, inputs.printed):
+        for body in change_bodies(grader.solution, grader.functions, inputs.seen_calls, inputs.printed_texts):
             if self._is_time_over():
                 return
             tried = replace(self._try_change(grader, body.alteration, inputs), words=body.words)
@@ -273,12 +278,15 @@ class ExerciseTrial:
             yield self._try_change(grader, alteration, inputs)
 
     def _try_change(self, grader: DeclaredGrader, alteration: Alteration, inputs: TriedInputs) -> TriedChange:
-        removed, added = "\n".join(alteration.removed), "\n".join(alteration.added)
+        removed, added = "\n".join(alteration.removed_lines), "\n".join(alteration.added_lines)
         change = TriedChange(alteration.line, removed, added, alteration.altered, operator=alteration.operator)
         checks = grader.declaration.checks
         player = self._make_player(grader, alteration.altered, briefly=True)
         try:
-            for is_known, trios in ((True, inputs.known), *((False, part) for part in inputs.near_parts)):
+            for is_known, trios in (
+                (True, inputs.known_cases),
+                *((False, part) for part in inputs.iter_near_case_chunks),
+            ):
                 played = player.play([case.scenario for _, case, _ in trios])
                 judged = (
                     (at, right, judge(checks[at], case, right, got))
@@ -290,7 +298,7 @@ class ExerciseTrial:
                     continue
                 at, right, failure = found
                 if not is_known:
-                    return replace(change, **inputs.describe(at, failure.case, right)._asdict())
+                    return replace(change, **inputs.describe_case(at, failure.case, right)._asdict())
                 words = grader.describe_failure(checks[at], failure).result.message
                 return replace(change, refusal=words[:MAX_MESSAGE], check=at, behaviour=behaviour_digest(played))
         finally:
@@ -305,17 +313,19 @@ def _list_alterations(solution: str) -> list[Alteration]:
     return sorted({change.altered: change for change in changes}.values(), key=lambda change: change.line)
 
 
-def _describe_tried_case(check: DeclaredCheck, at: int, number: int, case: Scenario, got: Played) -> TriedCase:
+def _describe_tried_case(check: DeclaredCheck, at: int, number: int, case: Scenario, got: PlayedScenario) -> TriedCase:
     if not is_answered(got):
         return TriedCase(at, number, "", agrees=False, fault=_fault_text(got.fault) if got.fault else "")
     if got.fault is not None and not case.expected:
         return TriedCase(at, number, "", agrees=False, fault=_fault_text(got.fault), raised=got.fault.exception or "")
-    check, last = check.for_case(case), len(case.statements) - 1
-    given: Value = observed(check, got, last)
-    if case.expected and not expected_is_given(check, case.expected[0], got, last):
-        return TriedCase(at, number, text_of(given), agrees=False)
-    typed = text_of(observed(check, reference_of(check, case, got), last))
-    return TriedCase(at, number, text_of(given), agrees=True, typed=typed if typed != text_of(given) else "")
+    check, last = check.with_tolerance_of_case(case), len(case.statements) - 1
+    given: Value = observed_value(check, got, last)
+    if case.expected and not gives_expected_value(check, case.expected[0], got, last):
+        return TriedCase(at, number, given_value_text(given), agrees=False)
+    typed = given_value_text(observed_value(check, make_reference(check, case, got), last))
+    return TriedCase(
+        at, number, given_value_text(given), agrees=True, typed=typed if typed != given_value_text(given) else ""
+    )
 
 
 def _fault_text(fault: StudentFault) -> str:

@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
-from graders.core.compare.python_values import in_counterexample
+from graders.core.compare.python_values import to_counterexample_value
 from graders.core.compare.slips import SLIPS
-from graders.core.compare.told_apart import tidy_pair
+from graders.core.compare.told_apart import remove_noise_from_pair
 from graders.core.compare.words import to_jsonable
 from graders.core.contract.findings import FigureData, Finding
 from graders.core.contract.outcomes import Outcome
@@ -15,7 +15,7 @@ from graders.core.contract.program import StudentFault
 from graders.core.contract.values import Value
 from graders.core.contract.verdict import CheckResult, Counterexample, Diagnosis
 from graders.core.declared.declaration import DeclaredCheck
-from graders.core.declared.judging import Failure
+from graders.core.declared.judging import FailedCase
 from graders.core.declared.scenario_values import FunctionSource, Reference, value_text
 from graders.core.declared.scenarios import Scenario, Statement
 
@@ -23,11 +23,11 @@ from graders.core.declared.scenarios import Scenario, Statement
 def _value_to_show(value: Value) -> Value:
     if isinstance(value, FunctionSource | Reference):
         return value_text(value)
-    return in_counterexample(value) if not isinstance(value, list | tuple | dict) else _container_to_show(value)
+    return to_counterexample_value(value) if not isinstance(value, list | tuple | dict) else _container_to_show(value)
 
 
 def _container_to_show(value: Value) -> Value:
-    kept = in_counterexample(value)
+    kept = to_counterexample_value(value)
     holds_function = isinstance(value, list | tuple) and any(isinstance(item, FunctionSource) for item in value)
     return ", ".join(map(value_text, value)) if holds_function else kept
 
@@ -36,17 +36,17 @@ def describe_case(scenario: Scenario) -> str:
     """Return with which input a program is run: « Quand on tape « 3 », puis « 4 » », « Avec somme() »."""
     if not scenario.runs_program:
         return f"Avec {scenario.text()}"
-    lines = [f"« {line} »" for line in scenario.typed or ()]
+    lines = [f"« {line} »" for line in scenario.typed_lines or ()]
     typed = ", puis ".join(lines) if len(lines) < 4 else ", ".join(lines)
-    files = [f"« {step.typed[0]} »" for step in scenario.statements if step.kind == "file"]
+    files = [f"« {step.typed_arguments[0]} »" for step in scenario.statements if step.kind == "file"]
     files += [f"« {name} »" for name, _ in scenario.files]
     with_files = f" avec {', '.join(files)}" if files else ""
-    arguments = [f"« {text} »" for step in scenario.statements if step.kind == "argv" for text in step.typed]
+    arguments = [f"« {text} »" for step in scenario.statements if step.kind == "argv" for text in step.typed_arguments]
     with_files += f" avec les arguments {', '.join(arguments)}" if arguments else ""
     return f"Quand on tape {typed}{with_files}" if lines else f"Quand on lance le programme{with_files}"
 
 
-def failure_message(check: DeclaredCheck, failure: Failure, statement: Statement, texts: tuple[str, str]) -> str:
+def failure_message(check: DeclaredCheck, failure: FailedCase, statement: Statement, texts: tuple[str, str]) -> str:
     """Return what a failing case says: `texts` are what is expected and what is obtained in this statement."""
     scenario, (expected, obtained) = failure.case.scenario, texts
     if check.watched != "value":
@@ -57,7 +57,7 @@ def failure_message(check: DeclaredCheck, failure: Failure, statement: Statement
         return f"{describe_case(scenario)}, on attend {what}{expected}, et {verb} {obtained}."
     if len(scenario.statements) == 1:
         verb = "lève" if failure.got.raised else "renvoie"
-        name = statement.called or scenario.function
+        name = statement.called_name or scenario.function
         return f"Pour {scenario.text()}, on attend {expected} et {name} {verb} {obtained}."
     if failure.right.raised:  # a fault does not say which of the statements raised it
         returned = statement.is_shown and not failure.got.raised
@@ -84,7 +84,7 @@ def failed_finding(
     counterexample = None
     if inputs is not None:
         shown = {name: to_jsonable(_value_to_show(value)) for name, value in inputs.items()}
-        pair = tidy_pair(to_jsonable(_value_to_show(expected)), to_jsonable(_value_to_show(got)))
+        pair = remove_noise_from_pair(to_jsonable(_value_to_show(expected)), to_jsonable(_value_to_show(got)))
         counterexample = Counterexample(shown, *pair)
     result = CheckResult(
         id=check.id,

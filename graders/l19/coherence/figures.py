@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 from scipy.special import gammaln
 
-from graders.core.compare.told_apart import number_pair
+from graders.core.compare.told_apart import number_text_pair
 from graders.l19.coherence.pictures import BAND, ERROR, RUNS
 from graders.l19.ellipses import draw_belief
 from graders.plotting import EXPECTED, OBTAINED, THIRD, ink_of
@@ -21,7 +21,7 @@ def draw_error(figure: Figure, data: dict[str, Any]) -> None:
     centre, P = np.asarray(data["estimated"], dtype=float), np.asarray(data["P"], dtype=float)
     for k in (1, 2, 3):
         draw_belief(axes, (centre, k * k * P), ink_of(axes), "1, 2 et 3 écarts-types" if k == 1 else "_", style="--")
-    wanted, obtained = number_pair(data["expected"], 0.0 if data["got"] is None else data["got"], 4)
+    wanted, obtained = number_text_pair(data["expected"], 0.0 if data["got"] is None else data["got"], 4)
     draw_belief(axes, (centre, data["expected"] * P), EXPECTED, f"NEES attendu : {wanted}", width=3)
     if data["got"] is not None and 0.0 < data["got"] < 100.0 * max(data["expected"], 1.0):
         draw_belief(axes, (centre, data["got"] * P), OBTAINED, f"NEES obtenu : {obtained}")

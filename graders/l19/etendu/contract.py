@@ -9,7 +9,7 @@ import numpy as np
 
 from graders.core.code.contracts import Boundary, FunctionContract
 from graders.core.compare.compound_forms import TupleForm
-from graders.core.compare.forms import NUMBER, ArrayForm, NumberForm, Outsider, Recast, array
+from graders.core.compare.forms import NUMBER, AcceptedVariant, ArrayForm, NumberForm, RefusedAnswer, array
 from graders.core.contract.values import Value
 
 
@@ -18,14 +18,14 @@ class JacobianForm(ArrayForm):
     """A row (2,), or the same as (1, 2) or (2, 1)."""
 
     @property
-    def words(self) -> str:
+    def description(self) -> str:
         return "un tableau (2,), (1, 2) ou (2, 1)"
 
-    def recast(self, value: Value) -> Iterator[Recast]:
+    def accepted_variants(self, value: Value) -> Iterator[AcceptedVariant]:
         row = np.asarray(value).reshape(2)
-        yield from super().recast(row)
-        yield from super().recast(row[None])
-        yield from super().recast(row[:, None])
+        yield from super().accepted_variants(row)
+        yield from super().accepted_variants(row[None])
+        yield from super().accepted_variants(row[:, None])
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -33,11 +33,11 @@ class DistanceForm(NumberForm):
     """A number, or a list of one."""
 
     @property
-    def also(self) -> str:
-        return f"{super().also}, liste d’un nombre"
+    def accepted_alternatives(self) -> str:
+        return f"{super().accepted_alternatives}, liste d’un nombre"
 
-    def outside(self, value: Value) -> Iterator[Outsider]:
-        return (outsider for outsider in super().outside(value) if outsider.name != "une liste d’un nombre")
+    def refused_answers(self, value: Value) -> Iterator[RefusedAnswer]:
+        return (outsider for outsider in super().refused_answers(value) if outsider.name != "une liste d’un nombre")
 
 
 CONTRACTS = (

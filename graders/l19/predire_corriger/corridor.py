@@ -10,7 +10,7 @@ import numpy as np
 from graders.core.code.bench import Bench
 from graders.core.code.checks import Rejection
 from graders.core.code.drawable import to_drawable_array
-from graders.core.compare.told_apart import text_pair
+from graders.core.compare.told_apart import value_text_pair
 from graders.core.contract.values import Value
 from graders.l19.pairs import SamePair, read_pair
 from graders.l19.predire_corriger.cases import APART
@@ -77,7 +77,7 @@ def _follow(bench: Bench, start: tuple[float, float], steps: Sequence[Step]) -> 
         if mismatch is not None:
             names = ("m", "v", *(("u", "q") if function == "predire" else ("z", "r")))
             args = (*believed, value, variance)
-            wanted, obtained = text_pair(right, got)
+            wanted, obtained = value_text_pair(right, got)
             raise Rejection(
                 f"{_place(count)} {function} : on attend {wanted} et l'on reçoit {obtained}. {mismatch.message}",
                 inputs=dict(zip(names, args, strict=True)),

@@ -13,7 +13,7 @@ import numpy as np
 from graders.core.code.checks import Cases, Untouched
 from graders.core.code.exercise import code
 from graders.core.compare.comparison import CloseTo, SameIndices
-from graders.core.compare.shrinking import keep, shrink_array
+from graders.core.compare.shrinking import keep_unchanged, shrink_array
 from graders.core.contract.values import Arguments, Value
 from graders.l19.matrices import shrink_noise
 from graders.l20 import world
@@ -45,7 +45,7 @@ Tables = partial(
     names=SCAN,
     expected=cases.right_distances,
     compare=CloseTo(),
-    shrinkers=(fewer, shrink_array, keep),
+    shrinkers=(fewer, shrink_array, keep_unchanged),
     valid=lambda args: len(args[0]) > 0,
 )
 Scans = partial(
@@ -80,7 +80,7 @@ CHECKS = (
         points=3,
         names=SCAN,
         cases=cases.scans_by_hand,
-        shrinkers=(fewer, shrink_array, keep),
+        shrinkers=(fewer, shrink_array, keep_unchanged),
         hint="Quelle paire de votre tableau est la plus proche ? Est-elle dans la porte, et que reste-t-il ensuite ?",
     ),
     Scans(
@@ -89,7 +89,7 @@ CHECKS = (
         points=3,
         names=(*SCAN, "niveau"),
         cases=cases.any_scans,
-        shrinkers=(fewer, shrink_array, keep, keep),
+        shrinkers=(fewer, shrink_array, keep_unchanged, keep_unchanged),
         hint="Une fois une paire prise, quelles autres paires ne sont plus permises ?",
     ),
     Newcomers(
@@ -98,7 +98,7 @@ CHECKS = (
         points=2,
         names=SCAN,
         cases=cases.scans_by_hand,
-        shrinkers=(fewer, shrink_array, keep),
+        shrinkers=(fewer, shrink_array, keep_unchanged),
         hint="Pour chaque mesure, à quel amer est-elle la plus proche, et cette distance passe-t-elle la porte ?",
     ),
     Newcomers(
@@ -107,7 +107,7 @@ CHECKS = (
         points=1,
         names=(*SCAN, "niveau"),
         cases=cases.any_scans,
-        shrinkers=(fewer, shrink_array, keep, keep),
+        shrinkers=(fewer, shrink_array, keep_unchanged, keep_unchanged),
         hint="À combien d'amers comparez-vous chaque mesure avant de la dire nouvelle ?",
     ),
     Joints(
@@ -116,7 +116,7 @@ CHECKS = (
         points=4,
         names=TOGETHER,
         cases=cases.joint_by_hand,
-        shrinkers=(fewer, shrink_array, shrink_noise, keep),
+        shrinkers=(fewer, shrink_array, shrink_noise, keep_unchanged),
         hint="Que vaut D² pour l'hypothèse attendue, et pour la vôtre ? À quel seuil comparez-vous chacune ?",
     ),
     Joints(
@@ -125,7 +125,7 @@ CHECKS = (
         points=3,
         names=(*TOGETHER, "niveau"),
         cases=cases.any_joints,
-        shrinkers=(fewer, keep, keep, keep, keep),
+        shrinkers=(fewer, keep_unchanged, keep_unchanged, keep_unchanged, keep_unchanged),
         hint="Entre deux hypothèses, laquelle préférez-vous : la plus proche, ou celle qui a le plus de paires ?",
     ),
     Untouched(

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from graders.core.code.contracts import Boundary, FunctionContract
-from graders.core.compare.forms import NUMBER, WHOLE, ArrayForm, IndicesForm, Outsider, array
+from graders.core.compare.forms import NUMBER, WHOLE, ArrayForm, IndicesForm, RefusedAnswer, array
 from graders.core.contract.values import Value
 from graders.l20.boucles.calibration import HUGE
 from graders.l20.boucles.trials import NARROW, TIES
@@ -19,11 +19,11 @@ class SignatureForm(ArrayForm):
     """A row of numbers, which may be complex: any descriptor will do."""
 
     @property
-    def also(self) -> str:
-        return f"{super().also}, ou de nombres complexes"
+    def accepted_alternatives(self) -> str:
+        return f"{super().accepted_alternatives}, ou de nombres complexes"
 
-    def outside(self, value: Value) -> Iterator[Outsider]:
-        return (outsider for outsider in super().outside(value) if outsider.name != "des nombres complexes")
+    def refused_answers(self, value: Value) -> Iterator[RefusedAnswer]:
+        return (outsider for outsider in super().refused_answers(value) if outsider.name != "des nombres complexes")
 
 
 CONTRACTS = (

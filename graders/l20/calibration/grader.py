@@ -10,7 +10,7 @@ import numpy as np
 from graders.core.code.checks import Cases, Trial, Untouched
 from graders.core.code.exercise import code
 from graders.core.compare.comparison import CloseTo
-from graders.core.compare.shrinking import keep, shrink_array, shrink_number
+from graders.core.compare.shrinking import keep_unchanged, shrink_array, shrink_number
 from graders.core.contract.values import Arguments, Value
 from graders.l20 import world
 from graders.l20.calibration import cases
@@ -51,7 +51,7 @@ Fits = partial(
     names=("pas", "vrais"),
     expected=cases.right_constants,
     compare=SameConstants(),
-    shrinkers=(keep, shrink_array),
+    shrinkers=(keep_unchanged, shrink_array),
     valid=cases.determines,
 )
 Corrections = partial(

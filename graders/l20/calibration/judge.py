@@ -6,8 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from graders.core.compare.comparison import Mismatch, close, unreadable, wrong_shape
-from graders.core.compare.told_apart import instead
+from graders.core.compare.comparison import Mismatch, are_close, unreadable, wrong_shape
+from graders.core.compare.told_apart import got_instead_of_expected_text
 from graders.core.contract.values import UnreadableError, Value, read_array
 
 NAMES = ("γ", "β", "α")
@@ -26,11 +26,11 @@ class SameConstants:
         wanted = read_array(expected)
         if found.shape != wanted.shape:
             return wrong_shape(wanted, found)
-        right = [close(a, b, TOLERANCE) for a, b in zip(wanted, found, strict=True)]
+        right = [are_close(a, b, TOLERANCE) for a, b in zip(wanted, found, strict=True)]
         if all(right):
             return None
         told = (
-            f"{name} : c'est juste." if same else f"{name} : {instead(float(a), float(b))}."
+            f"{name} : c'est juste." if same else f"{name} : {got_instead_of_expected_text(float(a), float(b))}."
             for name, same, a, b in zip(NAMES, right, wanted, found, strict=True)
         )
         return Mismatch(" ".join(told), "nan" if np.any(np.isnan(found)) else None)

@@ -16,7 +16,7 @@ from graders.core.code.checks import Check, Rejection, fault_rejection
 from graders.core.code.simplifying import fails_alike, shrink_and_reject
 from graders.core.compare import words as render
 from graders.core.compare.comparison import TOLERANCE, Mismatch, unreadable, wrong_shape
-from graders.core.compare.told_apart import number_pair, text_pair
+from graders.core.compare.told_apart import number_text_pair, value_text_pair
 from graders.core.contract.findings import FigureData
 from graders.core.contract.outcomes import Outcome
 from graders.core.contract.program import Answer, StudentFault
@@ -92,7 +92,7 @@ def _minimum(one: Map, found: Found) -> Mismatch | None:
     unmoved = float(np.abs(gaps(one.poses, found.poses)).max()), float(np.abs(one.landmarks - found.landmarks).max())
     if max(unmoved) <= TOLERANCE:
         return Mismatch(f"C'est la carte de départ, où χ² vaut {render.number(reached, 4)} : rien n'a bougé.")
-    sums = "χ² y vaut {} ; au minimum, il vaut {}".format(*number_pair(reached, least, 4))
+    sums = "χ² y vaut {} ; au minimum, il vaut {}".format(*number_text_pair(reached, least, 4))
     lost = (
         f"L'amer {np.argmax(landmarks)} est le"
         if landmarks.max() > poses.max()
@@ -238,7 +238,7 @@ def rejection(failure: Failure) -> Rejection:
     iterations = "sans donner n_iter" if one.n_iter is None else f"avec n_iter = {one.n_iter}"
     answer = f"{FUNCTION} ne renvoie pas le bon résultat"
     if len(poses) + len(landmarks) <= SMALL:
-        wanted, got = text_pair((poses, landmarks), failure.got, digits=4)
+        wanted, got = value_text_pair((poses, landmarks), failure.got, digits=4)
         answer = f"on attend {wanted} et {FUNCTION} renvoie {got}"
     return Rejection(
         f"Pour {described(one)}, {iterations}, {answer}. {failure.mismatch.message}",

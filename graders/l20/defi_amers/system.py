@@ -15,7 +15,7 @@ from graders.core.code.bench import Bench
 from graders.core.code.checks import MAX_FAULTS, Check, Rejection, fault_rejection
 from graders.core.code.simplifying import fails_alike, shrink_and_reject
 from graders.core.compare.comparison import Mismatch, unreadable, wrong_shape
-from graders.core.compare.told_apart import text_pair
+from graders.core.compare.told_apart import value_text_pair
 from graders.core.contract.findings import FigureData
 from graders.core.contract.outcomes import Outcome
 from graders.core.contract.program import Answer, StudentFault
@@ -93,7 +93,7 @@ def _matrix(one: Map, got: Floats) -> Mismatch | None:
     row, column = (int(k) for k in np.unravel_index(int(np.argmax(away)), away.shape))
     (first, rows), (second, columns) = node(one, row), node(one, column)
     block = wanted[rows, columns], got[rows, columns]
-    expected, obtained = text_pair(*map(_dusted, block), digits=4)
+    expected, obtained = value_text_pair(*map(_dusted, block), digits=4)
     place = f"({first} ; {second})" if first != second else f"de {first}"
     return Mismatch(f"Dans H, le bloc {place} devait être {expected}, et il est {obtained}.")
 
@@ -104,7 +104,7 @@ def _side(one: Map, got: Floats) -> Mismatch | None:
     if away.max() <= SIDE * max(1.0, float(np.abs(wanted).max())):
         return None
     name, rows = node(one, int(np.argmax(away)))
-    expected, obtained = text_pair(_dusted(wanted[rows]), _dusted(got[rows]), digits=4)
+    expected, obtained = value_text_pair(_dusted(wanted[rows]), _dusted(got[rows]), digits=4)
     return Mismatch(f"H est juste. Dans b, la part de {name} devait être {expected}, et elle est {obtained}.")
 
 

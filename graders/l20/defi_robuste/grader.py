@@ -13,7 +13,7 @@ import numpy as np
 from graders.core.code.checks import Cases, Untouched
 from graders.core.code.exercise import code
 from graders.core.compare.comparison import ScalarCloseTo
-from graders.core.compare.shrinking import keep
+from graders.core.compare.shrinking import keep_unchanged
 from graders.core.contract.values import Arguments
 from graders.l20 import world
 from graders.l20.defi_robuste import graphs, kernel
@@ -52,7 +52,7 @@ CHECKS = (
         cases=kernel.drawn,
         expected=kernel.expected,
         compare=ScalarCloseTo(),
-        shrinkers=(keep, kernel.shrink_edges),
+        shrinkers=(keep_unchanged, kernel.shrink_edges),
         valid=kernel.whole,
         figure=kernel.pieces_figure,
         hint="Affichez les valeurs propres de H : laquelle est la première qui n'est pas nulle aux arrondis près ?",

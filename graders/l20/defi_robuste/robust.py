@@ -15,7 +15,7 @@ from graders.core.code.bench import Bench
 from graders.core.code.checks import Check, Rejection, fault_rejection
 from graders.core.compare import words as render
 from graders.core.compare.comparison import TOLERANCE, Mismatch, unreadable, wrong_shape
-from graders.core.compare.told_apart import number_pair
+from graders.core.compare.told_apart import number_text_pair
 from graders.core.contract.findings import FigureData
 from graders.core.contract.outcomes import Outcome
 from graders.core.contract.program import StudentFault
@@ -88,7 +88,7 @@ def _map(one: Robust, found: Found) -> Mismatch | None:
         ratio = one.ratio(found.poses)
     if ratio < RATIO:
         return None
-    plain, reached = number_pair(one.error(one.plain), one.error(found.poses), 3)
+    plain, reached = number_text_pair(one.error(one.plain), one.error(found.poses), 3)
     best = render.number(one.error(one.without_false), 3)
     return Mismatch(
         f"L'écart quadratique moyen à la vérité est de {reached}. Les moindres carrés ordinaires, que la fausse arête "

@@ -13,7 +13,7 @@ import numpy as np
 from graders.core.code.checks import Cases, Untouched
 from graders.core.code.exercise import code
 from graders.core.compare.comparison import CloseTo
-from graders.core.compare.shrinking import keep
+from graders.core.compare.shrinking import keep_unchanged
 from graders.core.contract.values import Arguments, Value
 from graders.l19.matrices import shrink_covariance, shrink_noise
 from graders.l19.pairs import SamePair
@@ -111,7 +111,7 @@ CHECKS = (
         points=2,
         names=CLOSURE,
         cases=cases.any_closures,
-        shrinkers=(*(shrink_pose,) * 2, keep, shrink_noise, shrink_covariance),
+        shrinkers=(*(shrink_pose,) * 2, keep_unchanged, shrink_noise, shrink_covariance),
         hint="Combien de nombres compare-t-on à la fois ? Le seuil se rapporte-t-il à d, ou à son carré ?",
     ),
     Closures(
@@ -120,7 +120,7 @@ CHECKS = (
         points=2,
         names=(*CLOSURE, "niveau"),
         cases=cases.closures_at_a_level,
-        shrinkers=(*(shrink_pose,) * 2, keep, shrink_noise, shrink_covariance, shrink_level),
+        shrinkers=(*(shrink_pose,) * 2, keep_unchanged, shrink_noise, shrink_covariance, shrink_level),
         hint="Votre seuil monte-t-il ou descend-il quand le niveau passe de 0,5 à 0,99 ?",
     ),
     Untouched(

@@ -10,7 +10,7 @@ import numpy as np
 
 from graders.core.compare import words as render
 from graders.core.compare.comparison import Mismatch, unreadable
-from graders.core.compare.told_apart import number_pair, text_pair
+from graders.core.compare.told_apart import number_text_pair, value_text_pair
 from graders.core.contract.outcomes import Outcome
 from graders.core.contract.values import Floats, UnreadableError, Value, read_array
 from graders.l20.icp.descent import Registration, Step, descend, staircase
@@ -111,11 +111,11 @@ def _compared(answer: Answer, step: Step) -> str:
     if same_angle and render.text(answer.t, digits=4) == render.text(step.t, digits=4):
         return "R et t sont proches de ce qui est attendu, mais pas à 10⁻⁶ près : sont-ils arrondis ?"
     if _is_turned_alike(answer, step):
-        return "R est juste, mais t vaut {} au lieu de {}.".format(*text_pair(answer.t, step.t, digits=4))
-    rotation = "R tourne de {}° au lieu de {}°".format(*number_pair(turned, wanted, 4))
+        return "R est juste, mais t vaut {} au lieu de {}.".format(*value_text_pair(answer.t, step.t, digits=4))
+    rotation = "R tourne de {}° au lieu de {}°".format(*number_text_pair(turned, wanted, 4))
     if _is_moved_alike(answer, step):
         return f"t est juste, mais {rotation}."
-    got, expected = text_pair(answer.t, step.t, digits=4)
+    got, expected = value_text_pair(answer.t, step.t, digits=4)
     return f"{rotation}, et t vaut {got} au lieu de {expected}."
 
 

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from graders.core.compare.told_apart import number_pair
+from graders.core.compare.told_apart import number_text_pair
 from graders.core.contract.values import Floats
 from graders.l20.icp.descent import Step, descend
 from graders.scene.replay import (
@@ -113,7 +113,7 @@ def _summary(mine: list[Any], errors: list[float], wanted: list[float], wrong: i
         return [*texts, "Votre fonction n'y a pas rendu de triplet : le film s'arrête là."]
     return [
         *texts,
-        "À la fin, votre somme des carrés vaut {}, au lieu de {}.".format(*number_pair(errors[-1], wanted[-1], 3)),
+        "À la fin, votre somme des carrés vaut {}, au lieu de {}.".format(*number_text_pair(errors[-1], wanted[-1], 3)),
     ]
 
 

@@ -8,25 +8,25 @@ import numpy as np
 
 from graders.core.code.contracts import Boundary, FunctionContract
 from graders.core.compare.compound_forms import OtherForm, TupleForm
-from graders.core.compare.forms import NOTHING, NUMBER, TEXT, ArrayForm, Outsider, Recast, array
+from graders.core.compare.forms import NOTHING, NUMBER, TEXT, AcceptedVariant, ArrayForm, RefusedAnswer, array
 from graders.core.contract.values import Floats, Value
 from graders.l20.icp_droite.cases import THRESHOLD
 
 
-def recast_directions(value: Value) -> Iterator[Recast]:
+def recast_directions(value: Value) -> Iterator[AcceptedVariant]:
     rows = np.asarray(value, dtype=np.float64).reshape(-1, 3)
-    yield Recast("un tableau (k, 3)", rows)
-    yield Recast("une liste de listes", rows.tolist())
-    yield Recast("une liste de tableaux", list(rows))
-    yield Recast("dans l’autre sens", -rows[::-1])
+    yield AcceptedVariant("un tableau (k, 3)", rows)
+    yield AcceptedVariant("une liste de listes", rows.tolist())
+    yield AcceptedVariant("une liste de tableaux", list(rows))
+    yield AcceptedVariant("dans l’autre sens", -rows[::-1])
     if len(rows) == 1:
-        yield Recast("un tableau (3,)", rows[0])
+        yield AcceptedVariant("un tableau (3,)", rows[0])
 
 
-def other_directions(value: Value) -> Iterator[Outsider]:
+def other_directions(value: Value) -> Iterator[RefusedAnswer]:
     yield from (NOTHING, TEXT)
-    yield Outsider("un seul nombre", 1.0, ("forme",))
-    yield Outsider("des directions de deux nombres", np.ones((1, 2)), ("forme",))
+    yield RefusedAnswer("un seul nombre", 1.0, ("forme",))
+    yield RefusedAnswer("des directions de deux nombres", np.ones((1, 2)), ("forme",))
 
 
 DIRECTIONS = OtherForm(

@@ -10,7 +10,7 @@ import numpy as np
 from graders.core.code.checks import Cases, Untouched
 from graders.core.code.exercise import code
 from graders.core.compare.comparison import CloseTo
-from graders.core.compare.shrinking import keep, shrink_array
+from graders.core.compare.shrinking import keep_unchanged, shrink_array
 from graders.core.contract.values import Arguments, Value
 from graders.l19.matrices import shrink_noise
 from graders.l19.pairs import SamePair
@@ -57,7 +57,7 @@ Pairs = partial(
     names=("P", "Q", "N"),
     expected=cases.right_system,
     compare=SamePair(PARTS),
-    shrinkers=(shrink_array, shrink_array, keep),
+    shrinkers=(shrink_array, shrink_array, keep_unchanged),
     valid=cases.have_unit_normals,
     figure=pairs_figure,
 )

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from graders.core.compare import words as render
-from graders.core.compare.comparison import Mismatch, close, unreadable, wrong_shape
+from graders.core.compare.comparison import Mismatch, are_close, unreadable, wrong_shape
 from graders.core.contract.values import Floats, UnreadableError, Value, read_array
 
 LOOSE = 1e-6
@@ -63,14 +63,14 @@ class SameSpan:
 
 
 def _basis_fault(found: Floats) -> str | None:
-    if not close(np.ones(len(found)), np.linalg.norm(found, axis=1), LOOSE):
+    if not are_close(np.ones(len(found)), np.linalg.norm(found, axis=1), LOOSE):
         return "Une des directions n'est pas de longueur 1."
     return "Deux des directions sont la même." if np.linalg.matrix_rank(found, tol=LOOSE) < len(found) else None
 
 
 def _span_fault(wanted: Floats, found: Floats) -> str | None:
     left = wanted - wanted @ np.linalg.pinv(found) @ found
-    if close(np.zeros_like(left), left, 10 * LOOSE):
+    if are_close(np.zeros_like(left), left, 10 * LOOSE):
         return None
     return f"Ce n'est pas {'la direction' if len(found) == 1 else 'le plan'} que A ne tient pas."
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from graders.core.compare.comparison import Mismatch, close, worst_difference
+from graders.core.compare.comparison import Mismatch, are_close, worst_difference
 from graders.core.contract.values import Value, read_array
 from graders.l19.pairs import SamePair, read_pair
 
@@ -31,7 +31,7 @@ class SameColumns:
         if found.shape != wanted.shape:
             return whole
         wanted, found = wanted[:, self.first : self.last], found[:, self.first : self.last]
-        if close(wanted, found, DERIVATIVE):
+        if are_close(wanted, found, DERIVATIVE):
             return None
         place = "la dernière colonne" if self.first == 2 else "les deux premières colonnes" if self.last == 2 else ""
         return Mismatch(f"Dans {BOTH[self.which]}{f', {place}' if place else ''} : {_lower(wanted, found)}")

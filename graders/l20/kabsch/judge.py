@@ -10,7 +10,7 @@ import numpy as np
 
 from graders.core.compare import words as render
 from graders.core.compare.comparison import Mismatch, unreadable
-from graders.core.compare.told_apart import number_pair, text_pair
+from graders.core.compare.told_apart import number_text_pair, value_text_pair
 from graders.core.contract.values import Floats, UnreadableError, Value, read_array
 from reference.registration import RigidAlignment, squared_residual
 
@@ -160,7 +160,7 @@ def _not_minimal(P: Floats, Q: Floats, best: RigidAlignment, R: Floats, t: Float
     using = "votre (R, t)" if part is Part.PAIR else "votre R et le t qui lui convient"
     total = f"Avec {using}, la somme des carrés vaut {{}} ; le minimum est {{}}."
     minimum = 0.0 if best.residual < _tolerance(P, Q, 0.0) else best.residual
-    return Mismatch(f"{total.format(*number_pair(cost, minimum, 5))} {_culprit(P, Q, best, R, t, part)}".strip())
+    return Mismatch(f"{total.format(*number_text_pair(cost, minimum, 5))} {_culprit(P, Q, best, R, t, part)}".strip())
 
 
 def _not_fitting(P: Floats, Q: Floats, best: RigidAlignment, R: Floats, t: Floats) -> Mismatch | None:
@@ -170,7 +170,7 @@ def _not_fitting(P: Floats, Q: Floats, best: RigidAlignment, R: Floats, t: Float
         return None  # by as much as that, the cost is above that of the best t
     if best.unique and squared_residual(best.R_q_p, t, P, Q) <= best.residual + _tolerance(P, Q, best.residual):
         return None
-    best_t, your_t = text_pair(own_t, t, digits=5)
+    best_t, your_t = value_text_pair(own_t, t, digits=5)
     is_right = best.unique and np.allclose(R, best.R_q_p, atol=LOOKS_THE_SAME)
     which = "R est juste ;" if is_right else "Avec votre R,"
     return Mismatch(f"{which} le meilleur t est {best_t}, le vôtre est {your_t}.")
@@ -194,7 +194,7 @@ def _culprit(P: Floats, Q: Floats, best: RigidAlignment, R: Floats, t: Floats, p
         return f"R n'est pas la bonne rotation{_angles(R, best.R_q_p)}." if best.unique else ""
     own_t = _own_t(P, Q, R)
     t_fits = bool(np.all(np.abs(t - own_t) <= LOOKS_THE_SAME * np.maximum(1.0, np.abs(own_t))))
-    best_t, your_t = text_pair(own_t, t, digits=5)
+    best_t, your_t = value_text_pair(own_t, t, digits=5)
     right_t = f"le meilleur t est {best_t}, le vôtre est {your_t}."
     if np.allclose(R, best.R_q_p, atol=LOOKS_THE_SAME):
         return f"R est juste ; {right_t}"
@@ -209,5 +209,5 @@ def _angles(R: Floats, best: Floats) -> str:
         return ""
     turned, wanted = (math.degrees(math.atan2(M[1, 0], M[0, 0])) % 360.0 for M in (R, best))
     turned, wanted = (angle - 360.0 * (angle > 180.0 + 1e-9) for angle in (turned, wanted))
-    turned_text, wanted_text = number_pair(turned, wanted, 4)
+    turned_text, wanted_text = number_text_pair(turned, wanted, 4)
     return f" : elle tourne de {turned_text}° au lieu de {wanted_text}°"

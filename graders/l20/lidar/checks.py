@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from graders.core.code.checks import Cases, Failure, Rejection
 from graders.core.compare import words as render
 from graders.core.compare.comparison import Mismatch, unreadable
-from graders.core.compare.told_apart import text_pair
+from graders.core.compare.told_apart import value_text_pair
 from graders.core.contract.findings import FigureData
 from graders.core.contract.program import Answer, Reply
 from graders.core.contract.values import Arguments, Floats, UnreadableError, Value, read_scalar
@@ -62,7 +62,7 @@ class Rays(Cases):
         rejection = super()._rejection(failure)
         if failure.mismatch is not None:
             told = f"{asked(failure.args)} {read(failure.args, failure.expected)}"
-            obtained = f"{self.function} renvoie {text_pair(failure.expected, failure.got)[1]}."
+            obtained = f"{self.function} renvoie {value_text_pair(failure.expected, failure.got)[1]}."
             rejection.message = f"{told} {obtained} {failure.mismatch.message}"
             rejection.args = (rejection.message,)
         return rejection

@@ -10,7 +10,7 @@ from graders.core.code.bench import Bench
 from graders.core.code.checks import Rejection
 from graders.core.compare import words as render
 from graders.core.compare.comparison import unreadable
-from graders.core.compare.told_apart import instead
+from graders.core.compare.told_apart import got_instead_of_expected_text
 from graders.core.contract.outcomes import Outcome
 from graders.core.contract.values import Floats, UnreadableError, Value, read_array
 
@@ -46,7 +46,7 @@ def read_weights(value: Value, count: int) -> Floats:
     if weights.min() < -SUM_TOLERANCE:
         raise ValueError(f"Un poids est négatif : {render.number(float(weights.min()), 4)}.")
     if abs(weights.sum() - 1.0) > SUM_TOLERANCE:
-        raise ValueError(f"La somme des poids vaut {instead(1.0, float(weights.sum()))}.")
+        raise ValueError(f"La somme des poids vaut {got_instead_of_expected_text(1.0, float(weights.sum()))}.")
     return np.maximum(weights, 0.0)
 
 

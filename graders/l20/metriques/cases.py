@@ -11,7 +11,7 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
-from graders.core.compare.shrinking import complexity
+from graders.core.compare.shrinking import reading_cost
 from graders.core.contract.values import Arguments, Floats, Value
 from graders.robotics.poses import angle_complexity
 from reference.metrics import relative_pose_error
@@ -196,4 +196,4 @@ def shrink_positions(value: Value) -> Iterator[Value]:
 
 def complexity_of(poses: Floats) -> float:
     """How much there is to read."""
-    return sum(map(complexity, poses[:, :2].ravel().tolist())) + sum(map(angle_complexity, poses[:, 2].tolist()))
+    return sum(map(reading_cost, poses[:, :2].ravel().tolist())) + sum(map(angle_complexity, poses[:, 2].tolist()))

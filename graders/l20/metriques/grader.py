@@ -9,7 +9,7 @@ import numpy as np
 from graders.core.code.checks import Cases, Trial, Untouched
 from graders.core.code.exercise import code
 from graders.core.compare.comparison import ScalarCloseTo
-from graders.core.compare.shrinking import keep
+from graders.core.compare.shrinking import keep_unchanged
 from graders.core.contract.values import Arguments
 from graders.l20 import world
 from graders.l20.metriques import cases
@@ -42,7 +42,7 @@ Relative = partial(
     names=NAMES,
     expected=cases.right_rpe,
     compare=ScalarCloseTo(),
-    shrinkers=(cases.shrink_trajectory, cases.shrink_trajectory, keep),
+    shrinkers=(cases.shrink_trajectory, cases.shrink_trajectory, keep_unchanged),
     valid=cases.is_on_the_move,
     figure=relative_figure,
 )

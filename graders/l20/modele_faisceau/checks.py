@@ -11,7 +11,7 @@ from graders.core.code.checks import Cases, Failure, Rejection
 from graders.core.code.drawable import to_drawable_array
 from graders.core.compare import words as render
 from graders.core.compare.comparison import CloseTo, Mismatch, ScalarCloseTo
-from graders.core.compare.told_apart import instead
+from graders.core.compare.told_apart import got_instead_of_expected_text
 from graders.core.contract.findings import FigureData
 from graders.core.contract.values import Arguments, Floats, UnreadableError, Value, read_scalar
 from reference.sensors.beam import plain_log_likelihood
@@ -118,7 +118,7 @@ class SameField:
         if mismatch is None or array is None:
             return mismatch
         y, x = np.unravel_index(int(np.argmax(np.abs(array - expected))), array.shape)
-        values = instead(float(expected[y, x]), float(array[y, x]))
+        values = got_instead_of_expected_text(float(expected[y, x]), float(array[y, x]))
         return Mismatch(f"l’écart le plus grand est dans la case ({y}, {x}) : {values}.", mismatch.slip)
 
 

@@ -8,23 +8,23 @@ import numpy as np
 
 from graders.core.code.contracts import Boundary, FunctionContract
 from graders.core.compare.compound_forms import OtherForm
-from graders.core.compare.forms import NOTHING, NUMBER, POSE, TEXT, ArrayForm, Outsider, Recast, array
+from graders.core.compare.forms import NOTHING, NUMBER, POSE, TEXT, AcceptedVariant, ArrayForm, RefusedAnswer, array
 from graders.core.contract.values import Value
 
 
-def numbers_or_arrays(value: Value) -> Iterator[Recast]:
+def numbers_or_arrays(value: Value) -> Iterator[AcceptedVariant]:
     """Yield a number or an array in each of its forms."""
     form = ArrayForm(shape=()) if np.ndim(value) == 0 else array(*np.shape(value))
     if np.ndim(value):
-        yield from form.recast(value)
+        yield from form.accepted_variants(value)
     else:
-        yield from NUMBER.recast(value)
+        yield from NUMBER.accepted_variants(value)
 
 
-def other_shapes(value: Value) -> Iterator[Outsider]:
+def other_shapes(value: Value) -> Iterator[RefusedAnswer]:
     yield from (NOTHING, TEXT)
-    yield Outsider("un axe de trop", np.asarray(value)[None, None, None], ("forme",))
-    yield Outsider("des nombres complexes", np.asarray(value) + 1j, ("réels",))
+    yield RefusedAnswer("un axe de trop", np.asarray(value)[None, None, None], ("forme",))
+    yield RefusedAnswer("des nombres complexes", np.asarray(value) + 1j, ("réels",))
 
 
 ELEMENTWISE = OtherForm(

@@ -10,7 +10,7 @@ import numpy as np
 
 from graders.core.compare import words as render
 from graders.core.compare.comparison import Mismatch, unreadable, wrong_shape
-from graders.core.compare.told_apart import number_pair
+from graders.core.compare.told_apart import number_text_pair
 from graders.core.contract.values import Floats, UnreadableError, Value, read_array
 from graders.l20.occupation.cells import Mask, Told, told
 
@@ -85,7 +85,7 @@ def exactly(case: Integration, grid: Floats) -> Wrong | None:
         cell = _worst(mask & far, np.abs(grid - wanted))
         if cell is not None:
             before = render.number(float(case.l[cell]), 4)
-            right, yours = number_pair(float(wanted[cell]), float(grid[cell]), 4)
+            right, yours = number_text_pair(float(wanted[cell]), float(grid[cell]), 4)
             wish = f"garder {before}" if case.l[cell] == wanted[cell] else f"passer de {before} à {right}"
             return _at(cell, f"{why}, elle doit {wish} ; la vôtre vaut {yours}.")
     return None
@@ -96,7 +96,7 @@ def by_signs(case: Integration, grid: Floats) -> Wrong | None:
     for mask, wish in wrong_cells(case, grid):
         cell = _worst(mask, np.ones(grid.shape))
         if cell is not None:
-            before, now = number_pair(float(case.l[cell]), float(grid[cell]), 4)
+            before, now = number_text_pair(float(case.l[cell]), float(grid[cell]), 4)
             return _at(cell, f"{wish} ; elle valait {before}, la vôtre vaut {now}.")
     return None
 

@@ -9,7 +9,7 @@ import numpy as np
 
 from graders.core.code.checks import Cases
 from graders.core.compare.comparison import CloseTo
-from graders.core.compare.shrinking import Shrinker, keep
+from graders.core.compare.shrinking import Shrinker, keep_unchanged
 from graders.core.contract.values import Arguments, Floats, Value
 from reference.occupancy import log_odds, probability
 
@@ -62,7 +62,7 @@ def elementwise(
     function: str,
     cases: Callable[[np.random.Generator], Iterable[Arguments]],
     hint: str,
-    shrinker: Shrinker = keep,
+    shrinker: Shrinker = keep_unchanged,
 ) -> Cases:
     """A check of one of the two functions."""
     return Cases(

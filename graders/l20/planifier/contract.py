@@ -8,29 +8,29 @@ import numpy as np
 
 from graders.core.code.contracts import Boundary, FunctionContract
 from graders.core.compare.compound_forms import OtherForm
-from graders.core.compare.forms import GRID, NOTHING, NUMBER, TEXT, ArrayForm, Outsider, Recast, array
+from graders.core.compare.forms import GRID, NOTHING, NUMBER, TEXT, AcceptedVariant, ArrayForm, RefusedAnswer, array
 from graders.core.contract.values import Value
 from graders.l20.planifier.truth import UNKNOWN, WALL, best_path
 
 
-def paths(value: Value) -> Iterator[Recast]:
+def paths(value: Value) -> Iterator[AcceptedVariant]:
     """Yield a path in each of its forms."""
     cells = [(int(i), int(j)) for i, j in value]
-    yield Recast("une liste de couples", cells)
-    yield Recast("une liste de listes", [list(cell) for cell in cells])
-    yield Recast("un tuple", tuple(cells))
-    yield Recast("un tableau", np.array(cells, dtype=np.int64).reshape(-1, 2))
-    yield Recast("des flottants entiers", np.array(cells, dtype=np.float64).reshape(-1, 2))
+    yield AcceptedVariant("une liste de couples", cells)
+    yield AcceptedVariant("une liste de listes", [list(cell) for cell in cells])
+    yield AcceptedVariant("un tuple", tuple(cells))
+    yield AcceptedVariant("un tableau", np.array(cells, dtype=np.int64).reshape(-1, 2))
+    yield AcceptedVariant("des flottants entiers", np.array(cells, dtype=np.float64).reshape(-1, 2))
     if not cells:
-        yield Recast("un tableau vide à une dimension", np.array([]))
+        yield AcceptedVariant("un tableau vide à une dimension", np.array([]))
 
 
-def no_paths(value: Value) -> Iterator[Outsider]:
+def no_paths(value: Value) -> Iterator[RefusedAnswer]:
     named = ("forme", "cases", "couple")
     yield from (NOTHING, TEXT)
-    yield Outsider("un seul nombre", 1.0, named)
-    yield Outsider("des cases de trois nombres", [(0, 0, 0)], named)
-    yield Outsider("des nombres qui ne sont pas entiers", [(0.5, 0.5)], named)
+    yield RefusedAnswer("un seul nombre", 1.0, named)
+    yield RefusedAnswer("des cases de trois nombres", [(0, 0, 0)], named)
+    yield RefusedAnswer("des nombres qui ne sont pas entiers", [(0.5, 0.5)], named)
 
 
 def is_cell(value: Value) -> bool:

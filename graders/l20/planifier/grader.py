@@ -13,7 +13,7 @@ import numpy as np
 from graders.core.code.checks import Cases, Untouched
 from graders.core.code.exercise import code
 from graders.core.compare.comparison import CloseTo, ScalarCloseTo
-from graders.core.compare.shrinking import keep
+from graders.core.compare.shrinking import keep_unchanged
 from graders.core.contract.values import Arguments
 from graders.l20 import world
 from graders.l20.planifier import cases
@@ -51,7 +51,7 @@ Inflations = partial(
     names=GRID,
     expected=right_permitted,
     compare=CloseTo(),
-    shrinkers=(shrink_grid, keep, keep),
+    shrinkers=(shrink_grid, keep_unchanged, keep_unchanged),
     valid=cases.is_radius,
     figure=cells_figure,
 )

@@ -8,7 +8,7 @@ from itertools import pairwise
 import numpy as np
 
 from graders.core.compare.comparison import Mismatch, unreadable
-from graders.core.compare.told_apart import number_pair
+from graders.core.compare.told_apart import number_text_pair
 from graders.core.contract.outcomes import Outcome
 from graders.core.contract.values import Arguments, Floats, UnreadableError, Value, read_array
 from graders.l20.planifier.truth import Cell, Grid, best_path, right_price
@@ -65,7 +65,7 @@ def check_path(args: Arguments, path: Sequence[Cell]) -> None:
     _check_walk(permitted, path)
     price, least = right_price(path, costs), right_price(best, costs)
     if price > least + TOLERANCE * max(1.0, least):
-        dear, cheap = number_pair(price, least)
+        dear, cheap = number_text_pair(price, least)
         raise FaultyPathError("cher", f"Ce chemin se marche, mais coûte {dear} ; le meilleur coûte {cheap}.", price)
 
 

@@ -13,7 +13,7 @@ from graders.core.code.batch_judging import answer_value
 from graders.core.code.bench import Bench
 from graders.core.code.checks import Rejection
 from graders.core.compare.comparison import WELL_WITHIN
-from graders.core.compare.told_apart import text_pair
+from graders.core.compare.told_apart import value_text_pair
 from graders.core.contract.program import Answer, PlannedCalls
 from graders.core.contract.rows import ArrayReplies, Rows
 from graders.core.contract.values import Floats, Value
@@ -149,7 +149,7 @@ def _hold(bench: Bench, law: Law, triple: Sequence[Floats], left: Floats, right:
     mismatch = ON_BOTH_SIDES(right, left)
     bench.observe("composer", left, ok=mismatch is None)
     if mismatch is not None:
-        ours, theirs = text_pair(left, right)
+        ours, theirs = value_text_pair(left, right)
         raise Rejection(
             f"L'identité {law.words} n'est pas vérifiée : à gauche {ours}, à droite {theirs}.",
             inputs=dict(zip(law.of, triple, strict=False)),

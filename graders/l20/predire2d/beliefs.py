@@ -8,8 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from graders.core.compare import words as render
-from graders.core.compare.comparison import TOLERANCE, Mismatch, close, unreadable, wrong_shape
-from graders.core.compare.told_apart import number_pair
+from graders.core.compare.comparison import TOLERANCE, Mismatch, are_close, unreadable, wrong_shape
+from graders.core.compare.told_apart import number_text_pair
 from graders.core.contract.values import Floats, UnreadableError, Value, read_array
 from reference.localisation.grid_filter import Cell, Grid
 
@@ -36,12 +36,12 @@ class SameBelief:
             return wrong_shape(wanted, belief)
         if not np.all(np.isfinite(belief)):
             return Mismatch("Le résultat contient « nan » ou l'infini, qui ne sont pas des probabilités.", "nan")
-        return None if close(wanted, belief) else self._difference(wanted, belief)
+        return None if are_close(wanted, belief) else self._difference(wanted, belief)
 
     def _difference(self, wanted: Floats, belief: Floats) -> Mismatch:
         total = float(belief.sum())
         missing = abs(total - 1.0) > 1e3 * TOLERANCE
-        if missing and total > 0.0 and close(wanted, belief / total, 1e-7):
+        if missing and total > 0.0 and are_close(wanted, belief / total, 1e-7):
             return Mismatch(f"La somme des probabilités vaut {instead(total, 1.0)}.", "non_normalise")
         on_walls = np.where(self.free, 0.0, np.abs(belief))
         if on_walls.max() > TOLERANCE:
@@ -107,7 +107,7 @@ class SameLikeliest(SameBelief):
 
 def instead(got: float, wanted: float) -> str:
     """« 0,9999991 au lieu de 1 »."""
-    obtained, expected = number_pair(got, wanted)
+    obtained, expected = number_text_pair(got, wanted)
     return f"{obtained} au lieu de {expected}"
 
 

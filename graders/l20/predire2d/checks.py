@@ -13,7 +13,7 @@ from graders.core.code.bench import Bench
 from graders.core.code.checks import Cases, Check, Failure, Rejection
 from graders.core.code.drawable import to_drawable_array
 from graders.core.compare import words as render
-from graders.core.compare.shrinking import keep
+from graders.core.compare.shrinking import keep_unchanged
 from graders.core.contract.findings import FigureData
 from graders.core.contract.program import PlannedCalls, StudentFault
 from graders.core.contract.values import Arguments, Floats, Value
@@ -35,7 +35,10 @@ def corrected(grid: GridWorld, belief: Floats, scan: Floats, sigma: float = DEFA
 
 REFERENCES: dict[str, Callable[..., Floats]] = {"predire2d": predict, "corriger2d": corrected}
 NAMES: dict[str, tuple[str, ...]] = {"predire2d": ("bel", "du", "dv"), "corriger2d": ("bel", "scan_obs", "sigma")}
-SHRINKERS = {"predire2d": (shrink_belief, keep, keep), "corriger2d": (shrink_belief, shrink_scan, keep)}
+SHRINKERS = {
+    "predire2d": (shrink_belief, keep_unchanged, keep_unchanged),
+    "corriger2d": (shrink_belief, shrink_scan, keep_unchanged),
+}
 
 
 @dataclass(frozen=True, kw_only=True)

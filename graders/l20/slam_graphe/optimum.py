@@ -18,7 +18,7 @@ from graders.core.code.drawable import to_drawable_array
 from graders.core.code.simplifying import fails_alike, shrink_and_reject
 from graders.core.compare import words as render
 from graders.core.compare.comparison import TOLERANCE, Mismatch, unreadable, wrong_shape
-from graders.core.compare.told_apart import number_pair, text_pair
+from graders.core.compare.told_apart import number_text_pair, value_text_pair
 from graders.core.contract.findings import FigureData
 from graders.core.contract.outcomes import Outcome
 from graders.core.contract.program import Answer, PlannedCalls, StudentFault
@@ -83,7 +83,7 @@ def _minimum(graph: Graph, poses: Floats) -> Mismatch | None:
         return Mismatch(f"Les poses se sont envolées, jusqu'à {far} : χ² n'y est plus calculable.")
     if np.abs(gaps(graph.poses, poses)).max() <= TOLERANCE:
         return Mismatch(f"Ce sont les poses de départ, où χ² vaut {render.number(reached, 4)} : rien n'a bougé.")
-    sums = "χ² y vaut {} ; au minimum, il vaut {}".format(*number_pair(reached, least, 4))
+    sums = "χ² y vaut {} ; au minimum, il vaut {}".format(*number_text_pair(reached, least, 4))
     lost = f"La pose {worst} est la plus loin de sa place : {render.number(float(away[worst]), 3)}."
     return Mismatch(f"{sums}. {lost}{tell_turn(graph.optimum[:, :2], poses[:, :2])}")
 
@@ -283,7 +283,7 @@ def rejection(failure: Answered) -> Rejection:
         return fault_rejection(failure.fault, inputs=graph.inputs, expected=expected)
     assert failure.mismatch is not None
     iterations = "sans donner n_iter" if graph.n_iter is None else f"avec n_iter = {graph.n_iter}"
-    wanted, got = text_pair(expected, failure.got, digits=4)
+    wanted, got = value_text_pair(expected, failure.got, digits=4)
     answer = (
         f"on attend {wanted} et {FUNCTION} renvoie {got}"
         if len(expected) <= 4

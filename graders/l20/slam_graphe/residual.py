@@ -12,8 +12,8 @@ import numpy as np
 from graders.core.code.bench import Bench
 from graders.core.code.checks import MAX_FAULTS, Cases, Trial
 from graders.core.compare import words as render
-from graders.core.compare.comparison import TOLERANCE, Mismatch, close, unreadable, wrong_shape
-from graders.core.compare.told_apart import angle_instead
+from graders.core.compare.comparison import TOLERANCE, Mismatch, are_close, unreadable, wrong_shape
+from graders.core.compare.told_apart import angle_instead_of_expected_text
 from graders.core.contract.findings import FigureData
 from graders.core.contract.program import PlannedCalls, StudentFault
 from graders.core.contract.values import Arguments, Floats, UnreadableError, Value, read_array
@@ -61,14 +61,16 @@ class SameError:
             return wrong_shape(wanted, error)
         if not np.all(np.isfinite(error)):
             return Mismatch("Une des composantes n'est pas un nombre fini.", "nan")
-        if not self.angle_only and not close(wanted[:2], error[:2]):
-            opposite = close(-wanted[:2], error[:2]) and abs(math.remainder(error[2] + wanted[2], math.tau)) < TOLERANCE
+        if not self.angle_only and not are_close(wanted[:2], error[:2]):
+            opposite = (
+                are_close(-wanted[:2], error[:2]) and abs(math.remainder(error[2] + wanted[2], math.tau)) < TOLERANCE
+            )
             return Mismatch("La partie « translation » de l'erreur est fausse.", "oppose" if opposite else None)
         return self._angle(float(wanted[2]), float(error[2]))
 
     def _angle(self, wanted: float, theta: float) -> Mismatch | None:
         if abs(math.remainder(theta - wanted, math.tau)) > TOLERANCE:
-            return Mismatch(f"L'angle de l'erreur est faux : {angle_instead(wanted, theta)}.")
+            return Mismatch(f"L'angle de l'erreur est faux : {angle_instead_of_expected_text(wanted, theta)}.")
         if self.any_turn or abs(theta) <= math.pi + TOLERANCE:
             return None
         return Mismatch(f"L'angle {render.angle(theta)} sort de l'intervalle [−π, π].", "angle_non_ramene")

@@ -14,7 +14,7 @@ from graders.core.code.drawable import to_drawable_like
 from graders.core.code.simplifying import fails_alike, shrink_and_reject
 from graders.core.compare import words as render
 from graders.core.compare.comparison import Mismatch
-from graders.core.compare.told_apart import text_pair
+from graders.core.compare.told_apart import value_text_pair
 from graders.core.contract.findings import FigureData
 from graders.core.contract.outcomes import Outcome
 from graders.core.contract.program import Answer, PlannedCalls, StudentFault
@@ -113,7 +113,7 @@ class Answers(Check):
                 sign=(self.function, failure.expected, raised) if raised else None,
             )  # fmt: skip
         assert failure.mismatch is not None
-        wanted, found = text_pair(failure.expected, failure.got)
+        wanted, found = value_text_pair(failure.expected, failure.got)
         return Rejection(
             f"On attend {wanted}, et {self.function} renvoie {found}. {failure.mismatch.message}",
             inputs=inputs,

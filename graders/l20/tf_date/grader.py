@@ -12,7 +12,7 @@ import numpy as np
 
 from graders.core.code.checks import Cases, Untouched
 from graders.core.code.exercise import code
-from graders.core.compare.shrinking import keep
+from graders.core.compare.shrinking import keep_unchanged
 from graders.core.contract.values import Arguments
 from graders.l20 import world
 from graders.l20.tf_date import cases
@@ -57,7 +57,7 @@ Pairs = partial(
     names=PAIR,
     expected=right_between,
     compare=SAME,
-    shrinkers=(shrink_pose, shrink_pose, keep),
+    shrinkers=(shrink_pose, shrink_pose, keep_unchanged),
     figure=between_figure,
 )
 Histories = partial(

@@ -13,11 +13,11 @@ from graders.core.compare.forms import (
     NUMBER,
     POSE,
     TEXT,
+    AcceptedVariant,
     ArrayForm,
     IndicesForm,
     NumberForm,
-    Outsider,
-    Recast,
+    RefusedAnswer,
     array,
     poses,
     power_text,
@@ -26,11 +26,11 @@ from graders.core.contract.values import Value
 from graders.l20.tp_slam.stages import SAME
 
 
-def loops_recast(value: Value) -> Iterator[Recast]:
+def loops_recast(value: Value) -> Iterator[AcceptedVariant]:
     """Yield loops as lists and tuples, their ranks of either type, their poses in each form."""
-    yield Recast("une liste de tuples", [(int(a), int(b), np.asarray(z)) for a, b, z in value])
-    yield Recast("un tuple de listes", tuple([np.int64(a), np.int64(b), list(z)] for a, b, z in value))
-    yield Recast("l’autre sens", [(b, a, _inverse(np.asarray(z))) for a, b, z in value])
+    yield AcceptedVariant("une liste de tuples", [(int(a), int(b), np.asarray(z)) for a, b, z in value])
+    yield AcceptedVariant("un tuple de listes", tuple([np.int64(a), np.int64(b), list(z)] for a, b, z in value))
+    yield AcceptedVariant("l’autre sens", [(b, a, _inverse(np.asarray(z))) for a, b, z in value])
 
 
 def _inverse(z: Value) -> Value:
@@ -39,9 +39,9 @@ def _inverse(z: Value) -> Value:
     return np.array([-x * c - y * s, x * s - y * c, -theta])
 
 
-def no_loops(value: Value) -> Iterator[Outsider]:
+def no_loops(value: Value) -> Iterator[RefusedAnswer]:
     yield from (NOTHING, TEXT)
-    yield Outsider("des paires", [tuple(loop)[:2] for loop in value] or [(0, 20)], ("triplet",))
+    yield RefusedAnswer("des paires", [tuple(loop)[:2] for loop in value] or [(0, 20)], ("triplet",))
 
 
 LOOPS = OtherForm(

@@ -91,7 +91,7 @@ def first_case_figure(grader: CodeGrader, check_id: str, seed: int) -> FigureDat
     args = next(iter(check.cases(stream(seed, check.id))))
     expected = check.expected(*args)
     figure = check.figure_data(args, expected, expected)
-    plain: Any = words.tidy(words.whole_jsonable(figure, limit=20_000))
+    plain: Any = words.remove_rounding_noise(words.to_complete_jsonable(figure, limit=20_000))
     return None if figure is None else dict(plain)
 
 

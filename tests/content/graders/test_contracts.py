@@ -81,7 +81,7 @@ class Turns:
     def __call__(self, function: str, value: Value) -> Value:
         if function not in self._forms:
             return value
-        recasts = list(self._forms[function].recast(value))
+        recasts = list(self._forms[function].accepted_variants(value))
         if not recasts:
             return value
         chosen = recasts[len(self.given[function]) % len(recasts)]
@@ -129,7 +129,7 @@ def outside(contract: FunctionContract, name: str, function: str, value: Value) 
     """The answer outside of a contract that has this name, in the place of a right one."""
     if function != contract.function:
         return value
-    return next((each.value for each in contract.returns.outside(value) if each.name == name), value)
+    return next((each.value for each in contract.returns.refused_answers(value) if each.name == name), value)
 
 
 def outsiders(grader: CodeGrader, contract: FunctionContract) -> Mapping[str, Sequence[str]]:
@@ -142,4 +142,4 @@ def outsiders(grader: CodeGrader, contract: FunctionContract) -> Mapping[str, Se
         return value
 
     refusal(grader, contract.function, look)
-    return {each.name: each.words for each in contract.returns.outside(seen[0])} if seen else {}
+    return {each.name: each.words for each in contract.returns.refused_answers(seen[0])} if seen else {}

@@ -20,8 +20,8 @@ from graders.core.code.seen_facts import (
     VariedCall,
     are_right_answers_whole,
 )
-from graders.core.compare.changed_arguments import replacements, variations
-from graders.core.compare.near_calls import near_calls
+from graders.core.compare.changed_arguments import iter_argument_replacements, iter_argument_variations
+from graders.core.compare.near_calls import iter_near_calls
 from graders.core.compare.series import Series, tell_relations
 from graders.core.contract.local import LOCAL
 from graders.core.contract.values import Floats
@@ -165,7 +165,7 @@ def test_a_factor_may_be_given_by_an_argument_and_a_column_be_wrong_alone() -> N
 
 def test_near_calls_begin_with_the_smallest_change_and_keep_what_an_array_is() -> None:
     covariance, shares = np.array([[2.0, 0.5], [0.5, 3.0]]), np.array([0.25, 0.75])
-    near = list(near_calls(("r", "n", "P", "p", "z"), (0.6, 3, covariance, shares, ROWS[0])))
+    near = list(iter_near_calls(("r", "n", "P", "p", "z"), (0.6, 3, covariance, shares, ROWS[0])))
     words = [each.words for each in near]
     assert words[:3] == ["avec r = 1", "avec r = 0", "avec r = −0,6"]
     assert "avec P[0, 1] = P[1, 0] = 0" in words
@@ -216,26 +216,29 @@ def test_an_index_that_becomes_another_one_is_no_contrast() -> None:
 
 def test_a_change_that_leaves_a_call_as_it_is_or_makes_no_number_is_none() -> None:
     call = (0.0, np.array([1.0, 4.0]))
-    by_words = {change.words: change.apply(call) for change in replacements(("r", "z"), call)}
+    by_words = {change.words: change.apply(call) for change in iter_argument_replacements(("r", "z"), call)}
     assert by_words["r valait 0"] is None
     assert by_words["r était remplacé par son inverse"] is None
     changed = by_words["chaque nombre de z était remplacé par sa racine carrée"]
     assert changed is not None
     assert changed[1].tolist() == [1.0, 2.0]
     assert call[1].tolist() == [1.0, 4.0]
-    assert {index for index, _ in variations(("r", "z"), call)} == {0, 1}
+    assert {index for index, _ in iter_argument_variations(("r", "z"), call)} == {0, 1}
 
 
 def test_shares_of_one_vary_as_shares_of_one_alone() -> None:
     shares = np.array([0.5, 0.3, 0.2, 0.0])
-    varied = [change.apply((shares,)) for _, change in variations(("poids",), (shares,))]
+    varied = [change.apply((shares,)) for _, change in iter_argument_variations(("poids",), (shares,))]
     assert [call[0].sum() for call in varied if call] == pytest.approx([1.0])
     assert not any(np.array_equal(call[0], shares) for call in varied if call)
 
 
 @pytest.mark.parametrize(("made_for", "other"), [(np.ones(3), 2.0), (2.0, np.ones(3)), (np.ones((2, 2)), 2.0)])
 def test_a_change_of_an_array_is_none_of_a_number(made_for: Floats | float, other: Floats | float) -> None:
-    changes = [*replacements(("l",), (made_for,)), *(change for _, change in variations(("l",), (made_for,)))]
+    changes = [
+        *iter_argument_replacements(("l",), (made_for,)),
+        *(change for _, change in iter_argument_variations(("l",), (made_for,))),
+    ]
     assert changes
     assert all(change.apply((other,)) is None for change in changes)
 
@@ -337,6 +340,6 @@ def test_one_right_answer_of_several_is_told_as_an_example() -> None:
 
 @pytest.mark.parametrize(("right", "coarse"), [([1.0, 2.0], True), ([1.5, 2.0], False)])
 def test_indices_may_depend_on_an_argument_and_not_move(right: list[float], coarse: bool) -> None:
-    variation = VariedCall(0, next(iter(variations(("x",), (1.5,))))[1], 0, (3.0,))
+    variation = VariedCall(0, next(iter(iter_argument_variations(("x",), (1.5,))))[1], 0, (3.0,))
     zero, numbers = np.zeros(2), np.array(right)
     assert are_right_answers_whole([VariedAnswers(variation, zero, zero, numbers, numbers)]) == coarse

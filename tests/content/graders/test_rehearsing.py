@@ -12,7 +12,7 @@ from tests.support.shipped import CODE
 def test_what_is_rehearsed_is_what_the_first_grading_would_pay_for(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
     grader, graded = CODE[name], list[str]()
     monkeypatch.setattr(CodeGrader, "grade", lambda _self, source, *_, **__: graded.append(source.decode()))
-    grader.rehearse()
+    grader.warm_up()
     mistake = grader.misconceptions[0].source
     assert graded == ([] if grader.long else [mistake] if grader.heavy else [grader.solution, mistake])
 

@@ -13,7 +13,7 @@ import graders
 from graders import discovery
 from graders.core.advice import trying
 from graders.core.advice.remarks import list_advice
-from graders.core.advice.ways import choose_ways, without_remarks
+from graders.core.advice.ways import choose_diverse_specimens, strip_docstrings_and_comments
 from graders.core.code.exercise import CodeDefinition
 from graders.core.code.grading import CodeGrader
 from graders.core.contract.local import LOCAL
@@ -87,19 +87,19 @@ def test_followed_advice_gives_a_program_that_passes(
 
 def test_the_other_ways_differ_most() -> None:
     loop, vector, same = SQUARES, "def norme(v):\n    return np.sqrt(np.sum(v ** 2))\n", SQUARES.replace("total", "t")
-    assert choose_ways(loop, {"same": same, "vector": vector}, 1) == ["vector"]
+    assert choose_diverse_specimens(loop, {"same": same, "vector": vector}, 1) == ["vector"]
 
 
 def test_a_way_is_shown_without_what_its_author_wrote_for_authors() -> None:
     body = 'import math  # why\n\n\ndef f(a):\n    """Return."""\n    # a comment\n    return "#" + a\n'
     source = f'\ufeff"""An English word."""\n\n{body}'
-    assert without_remarks(source) == 'import math\n\n\ndef f(a):\n    return "#" + a\n'
+    assert strip_docstrings_and_comments(source) == 'import math\n\n\ndef f(a):\n    return "#" + a\n'
     alone = 'class A:\n    """Nothing else."""\n'
-    assert without_remarks(alone) == alone
+    assert strip_docstrings_and_comments(alone) == alone
 
 
 def test_the_ways_of_the_course_run_without_their_remarks() -> None:
     for path in sorted(Path(graders.__file__).parent.glob("l20/poses/specimens/ok/*.py")):
-        text = without_remarks(path.read_text(encoding="utf-8"))
+        text = strip_docstrings_and_comments(path.read_text(encoding="utf-8"))
         compile(text, path.name, "exec")
         assert '"""' not in text

@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 
 from graders.core.alterations.alterations import Alteration, find_alterations
-from graders.core.alterations.equivalents import read_equivalents, stale_marks
+from graders.core.alterations.equivalents import find_stale_marks, read_equivalents
 from graders.core.contract.malformed import MalformedExerciseError
 from tests.support.quick import some
 from tests.support.shipped import CODE
@@ -23,7 +23,7 @@ def altered(line: str, head: str = "") -> set[str]:
 
 
 def of_our_own(line: str) -> set[str]:
-    return {one.added[0] for one in find_alterations(f"def f(*_):\n    {line}\n") if one.is_course_mistake}
+    return {one.added_lines[0] for one in find_alterations(f"def f(*_):\n    {line}\n") if one.is_course_mistake}
 
 
 @pytest.mark.parametrize(
@@ -130,7 +130,7 @@ def test_each_alteration_is_another_program_and_differs_at_one_place() -> None:
             compile(one.altered, "solution.py", "exec")
             blocks = difflib.SequenceMatcher(None, grader.solution.splitlines(), one.altered.splitlines()).get_opcodes()
             assert sum(tag != "equal" for tag, *_ in blocks) == 1
-            assert one.removed[0] == grader.solution.splitlines()[one.line - 1].strip()
+            assert one.removed_lines[0] == grader.solution.splitlines()[one.line - 1].strip()
 
 
 def test_a_byte_is_no_character() -> None:
@@ -153,9 +153,9 @@ def test_a_mark_says_of_what_it_is(tmp_path: Path) -> None:
     found = find_alterations(SOLUTION)
     (marked,) = (one for one in found if mark.matches(one))
     assert marked.altered == SOLUTION.replace("<", "<=")
-    assert list(stale_marks([mark], found)) == []
+    assert list(find_stale_marks([mark], found)) == []
     for other in (SOLUTION.replace("a < 0", "0 > a"), SOLUTION.replace("def f", "def g")):
-        (fault,) = stale_marks([mark], find_alterations(other))
+        (fault,) = find_stale_marks([mark], find_alterations(other))
         assert str(fault).startswith(f"{tmp_path / 'equivalents.toml'}:1:")
 
 
@@ -206,5 +206,5 @@ def test_where_an_alteration_stands() -> None:
 def test_the_marks_that_are_shipped_are_of_something(exercise: str) -> None:
     grader = CODE[exercise]
     assert [
-        str(fault) for fault in stale_marks(read_equivalents(grader.folder), find_alterations(grader.solution))
+        str(fault) for fault in find_stale_marks(read_equivalents(grader.folder), find_alterations(grader.solution))
     ] == []

@@ -68,7 +68,7 @@ def test_values_of_any_kind_are_judged_never_raised(name: str, value: Any) -> No
         assert verdict.outcome in {Outcome.INVALID_OUTPUT, Outcome.WRONG_ANSWER, Outcome.OK}
         json.dumps(verdict.to_json(), allow_nan=False, ensure_ascii=False).encode()
         grader.transcribe({**right, question.id: value}, 7)
-        grader.reletter({**right, question.id: value}, 7, 8)
+        grader.translate_letters({**right, question.id: value}, 7, 8)
 
 
 @pytest.mark.parametrize("name", FORMS)

@@ -33,7 +33,7 @@ def test_a_value_is_written_within_bounds_and_says_that_it_is_cut(value: Any) ->
     assert len(written) < 2 * render.MAX_CHARACTERS + 30 * render.LEVELS * render.MAX_ITEMS
     assert "…" in written or "premiers" in written
     assert len(render.text(value)) <= render.MAX_LINE
-    assert render.whole_jsonable(value, limit=400) is None
+    assert render.to_complete_jsonable(value, limit=400) is None
 
 
 def test_a_table_is_not_read_in_a_sentence() -> None:
@@ -43,7 +43,7 @@ def test_a_table_is_not_read_in_a_sentence() -> None:
 
 def test_what_is_small_is_written_whole() -> None:
     value = {"graphe": [(0, 1, np.eye(3)), (1, 2, np.eye(3))], "seuil": 0.5, "nom": "boucle"}
-    assert render.whole_jsonable(value, limit=400) == render.to_jsonable(value)
+    assert render.to_complete_jsonable(value, limit=400) == render.to_jsonable(value)
     assert "…" not in json.dumps(render.to_jsonable(value)) + render.text(value)
 
 

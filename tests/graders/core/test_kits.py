@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from graders.core.contract import local
-from graders.core.contract.kits import find_kits, module_name
+from graders.core.contract.kits import find_kits, kit_module_name
 from graders.core.contract.local import LOCAL
 from graders.core.contract.program import KitSettings, StudentFault
 
@@ -45,7 +45,7 @@ def test_a_folder_with_a_module_of_its_name_is_a_kit_and_holds_the_module_s_own(
         "m9": ["m9.py"],
         "monde": ["m9.py", "monde.py", "moteur/__init__.py", "moteur/roue.py"],
     }
-    assert [module_name(path) for path in found["monde"]] == ["m9", "monde", "moteur", "moteur.roue"]
+    assert [kit_module_name(path) for path in found["monde"]] == ["m9", "monde", "moteur", "moteur.roue"]
 
 
 def test_our_own_code_imports_its_kit_and_is_driven(module: Path) -> None:

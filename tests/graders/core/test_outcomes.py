@@ -10,7 +10,7 @@ from typing import get_args
 import pytest
 
 from graders.core.contract.findings import Finding, make_verdict
-from graders.core.contract.outcomes import Blame, Kind, Outcome, blamed_on, most_telling
+from graders.core.contract.outcomes import Blame, Kind, Outcome, most_telling_outcome, outcomes_blamed_on
 from graders.core.contract.verdict import CheckResult
 from server.api.schemas import VerdictOut
 from server.cli.report import CANNOT, FULL_MARKS, NOT_FULL, exit_status, render
@@ -73,12 +73,12 @@ def test_a_check_that_fails_for_any_cause_is_never_full_marks(cause: Outcome) ->
 
 def test_what_names_a_submission_depends_on_no_order_and_ours_wins_over_everything() -> None:
     for pair in permutations(Outcome, 2):
-        assert most_telling(pair) is most_telling(pair[::-1])
+        assert most_telling_outcome(pair) is most_telling_outcome(pair[::-1])
     for other in Outcome:
-        assert most_telling([other, Outcome.INTERNAL_ERROR]) is Outcome.INTERNAL_ERROR
-        assert most_telling([Outcome.OK, other]) is other
+        assert most_telling_outcome([other, Outcome.INTERNAL_ERROR]) is Outcome.INTERNAL_ERROR
+        assert most_telling_outcome([Outcome.OK, other]) is other
     with pytest.raises(ValueError, match="empty"):
-        most_telling([])
+        most_telling_outcome([])
 
 
 def test_a_finding_says_the_same_as_its_line() -> None:
@@ -89,9 +89,9 @@ def test_a_finding_says_the_same_as_its_line() -> None:
 
 
 def test_everyone_answers_for_something_and_only_what_is_ours_does_not_count() -> None:
-    assert {outcome for blame in Blame for outcome in blamed_on(blame)} == set(Outcome)
-    assert blamed_on(Blame.NOBODY) == (Outcome.OK,)
-    assert [outcome for outcome in Outcome if not outcome.counts] == list(blamed_on(Blame.OURS))
+    assert {outcome for blame in Blame for outcome in outcomes_blamed_on(blame)} == set(Outcome)
+    assert outcomes_blamed_on(Blame.NOBODY) == (Outcome.OK,)
+    assert [outcome for outcome in Outcome if not outcome.counts] == list(outcomes_blamed_on(Blame.OURS))
 
 
 @pytest.mark.parametrize("outcome", Outcome)

@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 
 from graders.core.contract.outcomes import Outcome
-from graders.core.contract.progress import Progress, progress
+from graders.core.contract.progress import Progress, measure_progress
 from graders.core.contract.verdict import AND_ALSO, CheckResult, Diagnosis, Verdict
 
 
@@ -57,7 +57,7 @@ def verdict(
     ],
 )
 def test_what_is_mended_and_what_is_left(before: Verdict, now: Verdict, told: Progress | None) -> None:
-    assert progress(before, now) == told
+    assert measure_progress(before, now) == told
 
 
 @pytest.mark.parametrize(
@@ -77,7 +77,7 @@ def test_only_what_was_judged_again_is_said_to_be_lost(
 ) -> None:
     now = verdict("ac")
     checks = [replace(check, **changes) if check.id == "b" else check for check in now.checks]
-    told = progress(verdict("ab"), replace(now, checks=checks, load_error=load_error))
+    told = measure_progress(verdict("ab"), replace(now, checks=checks, load_error=load_error))
     assert told is not None
     assert told.lost == lost
     assert told.left == (() if changes.get("neutral") else ("b",))
@@ -87,4 +87,4 @@ def test_nothing_is_told_of_full_marks_nor_of_an_error_of_ours() -> None:
     full = Verdict("l20/x", "v", Outcome.OK, 1, [CheckResult("a", "a", True, 20, 20)])
     ours = Verdict("l20/x", "v", Outcome.INTERNAL_ERROR, 1)
     for pair in ((verdict("a"), full), (ours, verdict("a")), (verdict("a"), ours)):
-        assert progress(*pair) is None
+        assert measure_progress(*pair) is None

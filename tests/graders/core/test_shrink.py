@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from graders.core.compare.search import ShrinkSearch
-from graders.core.compare.shrinking import Budget, Shrinker, complexity, neighbours, shrink_array
+from graders.core.compare.shrinking import Budget, Shrinker, iter_simpler_arguments, reading_cost, shrink_array
 from graders.core.contract.values import Arguments
 from graders.robotics.poses import angle_complexity, shrink_pose
 from tests.support.reenactments import CALLS_ONLY
@@ -28,11 +28,11 @@ def shrink(
 ) -> Arguments:
     """The simplest arguments found on which a program still fails."""
     search: ShrinkSearch[Arguments, bool, Arguments] = ShrinkSearch(
-        arguments, arguments, partial(neighbours, shrinkers), lambda args, fails: args if fails else None,
+        arguments, arguments, partial(iter_simpler_arguments, shrinkers), lambda args, fails: args if fails else None,
         budget=budget, ahead=ahead, clock=clock,
     )  # fmt: skip
-    while asked := search.questions():
-        search.take([still_fails(one) for one in asked])
+    while asked := search.next_cases():
+        search.store_answers([still_fails(one) for one in asked])
     return search.simplest
 
 
@@ -58,7 +58,7 @@ def test_proposals_are_simpler_and_leave_the_argument_alone(pose: np.ndarray) ->
         changed = [i for i in range(3) if candidate[i] != pose[i]]
         assert len(changed) <= 1
         for i in changed:
-            measure = angle_complexity if i == 2 else complexity
+            measure = angle_complexity if i == 2 else reading_cost
             assert measure(float(candidate[i])) < measure(float(pose[i]))
     assert np.array_equal(pose, before)
 
@@ -119,9 +119,9 @@ def test_a_search_is_over_where_the_program_answers_no_more() -> None:
         2.5, 2.5, lambda x: iter([x / 2, x / 4]), lambda x, fails: x if fails else None,
         budget=Budget(calls=9, seconds=math.inf), ahead=6,
     )  # fmt: skip
-    assert search.questions()[0] == 1.25
-    search.take([True])
-    assert search.questions()
-    search.take([])
-    assert search.questions() == []
+    assert search.next_cases()[0] == 1.25
+    search.store_answers([True])
+    assert search.next_cases()
+    search.store_answers([])
+    assert search.next_cases() == []
     assert search.simplest == 1.25

@@ -8,7 +8,14 @@ import pytest
 from hypothesis import assume, example, given
 from hypothesis import strategies as st
 
-from graders.core.compare.told_apart import angle_pair, instead, number_pair, tell_gap, text_pair, tidy_pair
+from graders.core.compare.told_apart import (
+    angle_text_pair,
+    gap_text,
+    got_instead_of_expected_text,
+    number_text_pair,
+    remove_noise_from_pair,
+    value_text_pair,
+)
 
 floats = st.floats(allow_nan=False)
 near = st.tuples(st.floats(-1e6, 1e6), st.integers(-300, 300)).map(
@@ -27,30 +34,30 @@ near = st.tuples(st.floats(-1e6, 1e6), st.integers(-300, 300)).map(
 @example((math.inf, 1.7976931348623157e308), 6)
 def test_two_different_numbers_have_different_texts(pair: tuple[float, float], digits: int) -> None:
     assume(pair[0] != pair[1])
-    left, right = number_pair(*pair, digits)
+    left, right = number_text_pair(*pair, digits)
     assert left != right
-    assert number_pair(pair[1], pair[0], digits) == (right, left)
-    assert text_pair(pair[0], pair[1])[0] != text_pair(pair[0], pair[1])[1]
-    vectors = text_pair(np.array([1.0, pair[0]]), [1.0, pair[1]])
+    assert number_text_pair(pair[1], pair[0], digits) == (right, left)
+    assert value_text_pair(pair[0], pair[1])[0] != value_text_pair(pair[0], pair[1])[1]
+    vectors = value_text_pair(np.array([1.0, pair[0]]), [1.0, pair[1]])
     assert vectors[0] != vectors[1]
-    nested = text_pair(({"R": [[pair[0]]]}, 2), ({"R": [[pair[1]]]}, 2))
+    nested = value_text_pair(({"R": [[pair[0]]]}, 2), ({"R": [[pair[1]]]}, 2))
     assert nested[0] != nested[1]
-    expected, got = tidy_pair([pair[0], 2.0], [pair[1], 2.0])
+    expected, got = remove_noise_from_pair([pair[0], 2.0], [pair[1], 2.0])
     assert expected != got
 
 
 @given(st.tuples(st.floats(-10, 10), st.floats(-10, 10)) | near)
 def test_two_different_angles_have_different_texts(pair: tuple[float, float]) -> None:
     assume(pair[0] != pair[1])
-    left, right = angle_pair(*pair)
+    left, right = angle_text_pair(*pair)
     assert left != right
 
 
 @given(st.integers(-(10**40), 10**40), st.integers(-2, 2))
 def test_two_different_integers_have_different_texts(value: int, step: int) -> None:
     assume(step)
-    assert len(set(number_pair(value, value + step))) == 2
-    assert len(set(number_pair(value, float(value)))) == 2
+    assert len(set(number_text_pair(value, value + step))) == 2
+    assert len(set(number_text_pair(value, float(value)))) == 2
 
 
 @pytest.mark.parametrize(
@@ -68,16 +75,16 @@ def test_two_different_integers_have_different_texts(value: int, step: int) -> N
     ],
 )
 def test_numbers_that_print_alike(value: Any, other: Any, texts: tuple[str, str]) -> None:
-    assert number_pair(value, other) == texts
+    assert number_text_pair(value, other) == texts
 
 
 def test_a_list_has_more_digits_where_they_are_needed_only() -> None:
     noise = 1.0 + 2.0**-52
-    assert text_pair([0.1234567, 1.0, 2.0], [0.12345671, noise, 2.0]) == (
+    assert value_text_pair([0.1234567, 1.0, 2.0], [0.12345671, noise, 2.0]) == (
         "[0,1234567 ; 1 ; 2]",
         "[0,12345671 ; 1 ; 2]",
     )
-    assert text_pair([1.0], [noise])[0] != text_pair([1.0], [noise])[1]
+    assert value_text_pair([1.0], [noise])[0] != value_text_pair([1.0], [noise])[1]
 
 
 @pytest.mark.parametrize(
@@ -93,14 +100,14 @@ def test_a_list_has_more_digits_where_they_are_needed_only() -> None:
     ],
 )
 def test_the_gap_is_told_with_its_usual_cause(expected: float, got: float, told: str) -> None:
-    assert told in tell_gap(expected, got) if told else tell_gap(expected, got) == ""
+    assert told in gap_text(expected, got) if told else gap_text(expected, got) == ""
 
 
 def test_the_sentence_tells_both_and_the_gap() -> None:
-    assert instead(1.0, 0.99999974) == "0,99999974 au lieu de 1 (à 3·10⁻⁷ près)"
-    assert instead(2.0, 3.0) == "3 au lieu de 2"
+    assert got_instead_of_expected_text(1.0, 0.99999974) == "0,99999974 au lieu de 1 (à 3·10⁻⁷ près)"
+    assert got_instead_of_expected_text(2.0, 3.0) == "3 au lieu de 2"
 
 
 def test_rounding_noise_is_tidied_unless_it_is_all_there_is() -> None:
-    assert tidy_pair([0.0, 1.0], [6.1e-17, 2.0]) == ([0.0, 1.0], [0.0, 2.0])
-    assert tidy_pair([0.0], [6.1e-17]) == ([0.0], [6.1e-17])
+    assert remove_noise_from_pair([0.0, 1.0], [6.1e-17, 2.0]) == ([0.0, 1.0], [0.0, 2.0])
+    assert remove_noise_from_pair([0.0], [6.1e-17]) == ([0.0], [6.1e-17])

@@ -85,7 +85,7 @@ def test_an_endless_mistake_is_left_out_and_the_others_are_named(name: str) -> N
 
 def test_warming_up_finds_it_before_the_first_submission(monkeypatch: pytest.MonkeyPatch) -> None:
     code = grader(mistake("sans_fin", NAIVE), mistake("un_de_moins", OFF_BY_ONE))
-    code.rehearse()
+    code.warm_up()
     asked: list[Any] = []
     real = ConfinedWork.answer_each
     monkeypatch.setattr(

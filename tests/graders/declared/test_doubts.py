@@ -12,7 +12,7 @@ from graders.core.declared.case_reading import parse_scenario
 from graders.core.declared.declaration import read_declaration
 from graders.core.declared.doubts import find_doubt, has_other_shape
 from graders.core.declared.grading import DeclaredGrader
-from graders.core.declared.playing import Played, Player
+from graders.core.declared.playing import PlayedScenario, Player
 from graders.core.declared.scenarios import Scenario
 from graders.core.declared.tried_inputs import TriedInputs
 from server.grading.sandbox_grader import SandboxPrograms
@@ -92,12 +92,14 @@ def test_a_bisection_is_proposed_where_its_function_changes_sign(sandbox: Sandbo
     """An interval elsewhere is as good, whatever its signs; without a change of sign, its author is asked."""
     grader = DeclaredGrader("essai/un", read_declaration(declare("f", BISECTION, *BISECTED, last)))
 
-    def play(tried: DeclaredGrader, scenarios: Sequence[Scenario]) -> list[Played]:
+    def play(tried: DeclaredGrader, scenarios: Sequence[Scenario]) -> list[PlayedScenario]:
         with closing(Player(SandboxPrograms(sandbox, POLICY), tried.solution.encode(), tried.kit(1))) as player:
             return player.play(scenarios)
 
     inputs = TriedInputs(grader, play, play)
-    doubts = {case.scenario.text(): inputs.describe(at, case, right).doubt for at, case, right in inputs.near}
+    doubts = {
+        case.scenario.text(): inputs.describe_case(at, case, right).doubt for at, case, right in inputs.near_cases
+    }
     words = DOUBT.format(function="g", low="a", high="b")
     assert (words in doubts.values()) is asks
     assert any("-3, -1" in text and not doubt for text, doubt in doubts.items()) is asks

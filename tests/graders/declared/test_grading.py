@@ -294,7 +294,9 @@ def test_drawn_words_are_those_of_the_examples_mixed() -> None:
         texts = [str(each["x"]) for each in drawn]
         assert len(set(texts)) > 5, texts
         assert any("  " in each for each in texts) is ("espaces" in text)
-        simpler = [str(each["x"]) for each in draws.simpler(max(drawn, key=lambda each: len(str(each["x"]))))]
+        simpler = [
+            str(each["x"]) for each in draws.iter_simpler_variables(max(drawn, key=lambda each: len(str(each["x"]))))
+        ]
         assert simpler
         assert min(map(len, simpler)) < max(map(len, texts))
     assert any(len(each.split()) > len(set(each.split())) for each in texts), "words are drawn again"

@@ -7,7 +7,7 @@ from functools import partial
 import numpy as np
 import pytest
 
-from graders.core.compare.comparison import close
+from graders.core.compare.comparison import are_close
 from graders.l19.pairs import SamePair
 from graders.l19.predire_corriger import cases
 from graders.l19.predire_corriger.corridor import by_hand
@@ -33,7 +33,7 @@ def test_what_is_right_is_what_the_densities_say() -> None:
     for m, v, z, r in cases.readings_by_hand(np.random.default_rng(0)):
         weights = bell(m, v) * bell(z, r)
         mean = float(np.average(line, weights=weights))
-        assert close(np.array(seen(m, v, z, r)), np.array([mean, np.average((line - mean) ** 2, weights=weights)]))
+        assert are_close(np.array(seen(m, v, z, r)), np.array([mean, np.average((line - mean) ** 2, weights=weights)]))
     rng = np.random.default_rng(1)
     for m, v, u, q in cases.moves_by_hand(rng):
         sums = rng.normal(m, np.sqrt(v), 40_000) + rng.normal(u, np.sqrt(q), 40_000)

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from graders.core.compare.comparison import close
+from graders.core.compare.comparison import are_close
 from graders.l20.odometrie import cases
 from graders.l20.odometrie.grader import right_spread, right_step
 from graders.l20.odometrie.journey import START, TRACK, round_trip
@@ -56,7 +56,7 @@ def test_what_is_right_is_the_formula_written_out() -> None:
     for pose, left, right, track in cases.any_steps(np.random.default_rng(5)):
         half = (right - left) / track / 2.0
         z = complex(*pose[:2]) + (left + right) / 2.0 * np.exp(1j * (pose[2] + half))
-        assert close(np.array([z.real, z.imag, pose[2] + 2.0 * half]), right_step(pose, left, right, track), 1e-12)
+        assert are_close(np.array([z.real, z.imag, pose[2] + 2.0 * half]), right_step(pose, left, right, track), 1e-12)
     for left, right, track in cases.any_spreads(np.random.default_rng(5)):
         turns = [(b * right - a * left) / track for a, b in itertools.product((-1.0, 1.0), repeat=2)]
         assert right_spread(left, right, track) == pytest.approx(np.std(turns), abs=1e-12)

@@ -16,7 +16,7 @@ from graders.core.code.bench import Bench
 from graders.core.code.checks import Rejection
 from graders.core.code.runner import Runner
 from graders.core.code.running import FIGURE_ITEMS
-from graders.core.compare.words import whole_jsonable
+from graders.core.compare.words import to_complete_jsonable
 from graders.core.contract.local import LOCAL
 from graders.core.contract.streams import stream
 from graders.core.contract.values import Value
@@ -224,7 +224,7 @@ def test_figures_are_drawn(theme: str) -> None:
     small_map = rejection(small.maps, np.ones(small.SHAPE)).figure
     graph = rejection(small.graphs, small.CHAINED).figure
     for data in (match, map_, small_map, graph):
-        recorded = whole_jsonable(data, limit=FIGURE_ITEMS)
+        recorded = to_complete_jsonable(data, limit=FIGURE_ITEMS)
         assert counterexample(GRADER.exercise, recorded, theme=theme).startswith(b"<?xml")
 
 
