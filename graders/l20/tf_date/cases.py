@@ -7,15 +7,17 @@ interpolates are half a turn apart.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from itertools import pairwise
 
 import numpy as np
 
 from graders.core.contract.values import Arguments, Floats
-from graders.l20.tf_date.truth import Message, half_turns
+from graders.l20.tf_date.truth import Message, half_turns, right_lookup
 
 QUARTER = math.pi / 2
+#: Links of a tree, at most.
+MOST_LINKS = 6
 #: Seed of what never changes.
 TELLING = 8
 NAMES = ("map", "odom", "base", "laser", "camera", "imu", "bras", "pince", "tour", "roue")
@@ -218,16 +220,32 @@ def _link(rng: np.random.Generator, parent: str, child: str, *, around: float | 
 
 
 def are_messages(args: Arguments) -> bool:
-    """Does every link keep what the statement promises?"""
-    messages = args[0]
-    for child in {message[1] for message in messages}:
+    """Does every link keep what the statement promises, is it one tree, and does what is asked deserve one answer?"""
+    messages, target, source, date = args
+    parents = {message[1]: message[0] for message in messages}
+    if not messages or len(parents) > MOST_LINKS or len(set(parents.values()) - set(parents)) != 1:
+        return False
+    if target == source and target not in {*parents, *parents.values()}:
+        return False
+    for child in parents:
         own = [message for message in messages if message[1] == child]
         dates = [message[2] for message in own]
-        if len({message[0] for message in own}) > 1 or len(set(dates)) < len(dates):
+        if len({message[0] for message in own}) > 1 or len(set(dates)) < len(dates) or (None in dates and dates[1:]):
             return False
         if None not in dates and half_turns(np.array(dates), np.array([message[3] for message in own])):
             return False
-    return bool(messages)
+    above = ancestors(parents, source)
+    if target in above:
+        return True
+    return all(isinstance(right_lookup(messages, parent, child, date), np.ndarray) for child, parent in pairwise(above))
+
+
+def ancestors(parents: Mapping[str, str], frame: str) -> list[str]:
+    """The frame, its parent, and so on up to the root."""
+    way = [frame]
+    while way[-1] in parents:
+        way.append(parents[way[-1]])
+    return way
 
 
 def is_history(args: Arguments) -> bool:
