@@ -14,11 +14,12 @@ from graders.core.code.checks import Trial, Untouched
 from graders.core.code.exercise import code
 from graders.core.code.loops import ClosedLoop
 from graders.l20 import world
-from graders.l20.defi_kidnappe import runs, trials
+from graders.l20.defi_kidnappe import estimates, runs, trials
 from graders.l20.defi_kidnappe.probes import PROBES
-from graders.l20.mcl import estimates, sowing, steps
+from graders.l20.mcl import sowing, steps
 from graders.l20.mcl.answers import ESTIMATE, SEED, STEP
 from graders.l20.mcl.contract import contracts
+from graders.l20.mcl.estimates import averaged
 from graders.l20.mcl.grader import TrialBeside
 
 CHECKS = (
@@ -35,8 +36,16 @@ CHECKS = (
         title="Estimer : le milieu du nuage, même autour de ±π",
         points=1,
         functions=(ESTIMATE,),
-        protocol=estimates.averaged,
+        protocol=averaged,
         hint="Deux particules ont les caps 3,1 et −3,1 : dans quelle direction regardent-elles toutes les deux ?",
+    ),
+    Trial(
+        id="estimer_poids",
+        title="Estimer : là où est le poids, pas là où est le nombre",
+        points=1,
+        functions=(ESTIMATE,),
+        protocol=estimates.weighed,
+        hint="Dix particules ont presque tout le poids, cent n'en ont presque pas : où est le robot ?",
     ),
     TrialBeside(
         id="forme",
@@ -99,7 +108,7 @@ CHECKS = (
     ClosedLoop(
         id="enlevement",
         title="Retrouver un robot enlevé",
-        points=8,
+        points=7,
         functions=(SEED, STEP, ESTIMATE),
         runs=runs.RUNS,
         needed=runs.FOUND,

@@ -33,7 +33,7 @@ AROUND_PI = ((5.25, 3.4, 3.1), (12.4, 7.7, -3.0), (2.6, 12.3, np.pi), (9.3, 2.4,
 def averaged(bench: Bench) -> None:
     """The middle of a symmetrical cloud, whose headings may lie on both sides of half a turn."""
     for pose in AROUND_PI:
-        _must_estimate(bench, peaked(*pose), np.array(pose), 0.15, 0.15, "le milieu du nuage")
+        require_estimate_near(bench, peaked(*pose), np.array(pose), 0.15, 0.15, "le milieu du nuage")
 
 
 HEAVY, LIGHT = np.array([4.4, 2.6, 0.9]), np.array([6.4, 4.6, 0.1])
@@ -51,10 +51,14 @@ def uneven() -> Arguments:
 @observed(ESTIMATE)
 def weighed(bench: Bench) -> None:
     """Nine tenths of the weight are on a fifth of the particles."""
-    _must_estimate(bench, uneven(), HEAVY, 0.55, 0.35, "un endroit proche des particules qui ont le poids")
+    require_estimate_near(bench, uneven(), HEAVY, 0.55, 0.35, "un endroit proche des particules qui ont le poids")
 
 
-def _must_estimate(bench: Bench, cloud: Arguments, pose: Floats, near: float, turned: float, words: str) -> None:
+def require_estimate_near(bench: Bench, cloud: Arguments, pose: Floats, near: float, turned: float, words: str) -> None:
+    """Refuse an estimate further from a pose than `near` cells or `turned` radians.
+
+    `words` call the place in French. Raises Rejection.
+    """
     estimate = estimated(bench, *cloud)
     gap, turn = journeys.away(estimate, pose)
     if gap <= near and turn <= turned:

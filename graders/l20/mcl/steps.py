@@ -103,21 +103,41 @@ WIDE = 0.35
 SAME = ("le même cap", "le même x", "le même y", "le même pas vers l'avant", "le même pas de côté")
 
 
+#: Of the particles near the robot, and of their different poses, the share that makes a value theirs: some filters sow
+#: a few poses of a table among them, whose headings or places are alike.
+MOST_PARTICLES, MOST_POSES = 0.7, 0.5
+
+
+def has_shared_value(values: Floats, poses: NDArray[np.signedinteger], fewest: int) -> bool:
+    """Whether most particles have the same value to 1e-6, and not as copies of a few poses.
+
+    `values` (n,) of the particles, `poses` (n,) the number of the pose of each; a cloud of fewer than `fewest` poses
+    shares a value only where all of it does.
+    """
+    same = np.abs(values - np.median(values)) < 1e-6
+    distinct, sharing = len(np.unique(poses)), len(np.unique(poses[same]))
+    if distinct < fewest:
+        return bool(same.all())
+    return bool(same.mean() > MOST_PARTICLES) and sharing >= max(fewest, MOST_POSES * distinct)
+
+
 def _disperses(scene: Step, bench: Bench) -> None:
     """What a filter that sows anew adds here and there is no noise: the particles near the robot are looked at."""
     particles, weights = stepped(bench, scene.inputs)
     close = np.hypot(*(particles[:, :2] - scene.truth[:2]).T) < FAR
     near = particles[close]
-    distinct = len(np.unique(np.round(near, 9), axis=0))
-    steps = relative(scene.particles[:1], near)
+    unique, poses = np.unique(np.round(near, 9), axis=0, return_inverse=True)
+    distinct, steps = len(unique), relative(scene.particles[:1], near)
     columns = (near[:, 2], near[:, 0], near[:, 1], steps[:, 0], steps[:, 1])
-    frozen = next((name for name, it in zip(SAME, columns, strict=True) if distinct and np.ptp(it) < 1e-6), None)
+    shared = (distinct > 0 and has_shared_value(it, poses, FEWEST_DISTINCT) for it in columns)
+    frozen = next((name for name, it in zip(SAME, shared, strict=True) if it), None)
     if distinct >= FEWEST_DISTINCT and frozen is None:
         _not_too_much(scene, particles, relative(scene.truth, near), weights[close])
         return
     now = f"{distinct} poses différentes" if frozen is None else frozen if distinct > 1 else "la même pose"
+    how_many = "toutes" if frozen is None or np.ptp(columns[SAME.index(frozen)]) < 1e-6 else "pour la plupart"
     raise Rejection(
-        f"{len(scene.particles)} particules confondues font un pas : elles ont encore toutes {now}. Sans un "
+        f"{len(scene.particles)} particules confondues font un pas : elles ont encore {how_many} {now}. Sans un "
         "bruit tiré pour chacune, les copies d'une particule restent confondues pour toujours."
         if frozen
         else f"{len(scene.particles)} particules confondues font un pas : il n'en reste près du robot que {now}.",

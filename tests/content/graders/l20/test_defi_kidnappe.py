@@ -96,6 +96,47 @@ def test_mistakes_of_the_challenge_are_named_without_a_loop(name: str) -> None:
     assert "enlevement" in failed(found)
 
 
+UNWEIGHTED = """
+def estimer(particules, poids):
+    gaps = np.hypot(*(particules[:, None, :2] - particules[None, :, :2]).transpose(2, 0, 1))
+    near = gaps[(gaps < 0.7).sum(axis=1).argmax()] < 0.7
+    x, y, heading = particules[near].T
+    return np.array([x.mean(), y.mean(), np.angle(np.exp(1j * heading).sum())])
+"""
+
+
+def test_an_estimate_that_counts_particles_and_not_weights_is_refused_and_named() -> None:
+    """Its own steps return equal weights, so that it finds the robot all the same."""
+    found = verdict(GRADER.solution + UNWEIGHTED, 2)
+    assert failed(found) == {"estimer_poids"}
+    assert named(found) == "estimation_sans_poids"
+
+
+SOWN_FIRST = """
+def pas_mcl(particules, poids, u, scan):
+    n = len(particules)
+    x, y, cap = particules.T
+    dx, dy, turn = (u + rng.normal(0, [0.08, 0.08, 0.05], (n, 3))).T
+    cap = cap + turn
+    after = np.column_stack([x + dx * np.cos(cap) - dy * np.sin(cap), y + dx * np.sin(cap) + dy * np.cos(cap), cap])
+    after[rng.choice(n, n // 10, replace=False)] = initialiser(n // 10)
+    gaps = np.minimum(np.abs(lidar_lot(after, 36) - scan), 2.0).sum(axis=1)
+    w = poids * np.exp(gaps.min() - gaps)
+    return after[rng.choice(n, n, p=w / w.sum())], np.full(n, 1.0 / n)
+"""
+
+
+def test_a_turn_before_the_move_is_named_in_a_filter_that_sows_before_it_weighs() -> None:
+    assert named(verdict(GRADER.solution + SOWN_FIRST, 2)) == "tourne_avant_d_avancer"
+
+
+def test_a_heading_without_noise_is_seen_among_particles_that_are_sown_anew() -> None:
+    """One drawn noise for two of three numbers: the poses sown near the heap do not hide it."""
+    frozen = GRADER.solution.replace("BRUIT = np.array([0.05, 0.05, 0.03])", "BRUIT = np.array([0.05, 0.05, 0.0])")
+    assert frozen != GRADER.solution
+    assert "dispersion" in failing(frozen, 2)
+
+
 @pytest.mark.slow
 def test_every_way_of_every_mistake_is_refused_and_named() -> None:
     assert GRADER.prober is not None
