@@ -23,7 +23,7 @@ from server.base.routing import FilteringRouter
 from server.base.settings import Settings
 from server.behaviour import fingerprints
 from server.behaviour import repository as behaviour
-from server.board.live import LiveBoards
+from server.board.live import LiveClassViews
 from server.cells.supervisor import CellRunner
 from server.classes.presence import PresenceRecorder
 from server.classes.service import ClassService
@@ -158,8 +158,8 @@ class ApplicationServices:
         )
 
     @cached_property
-    def live_boards(self) -> LiveBoards:
-        return LiveBoards(self.database, self.course, self.job_events)
+    def live_boards(self) -> LiveClassViews:
+        return LiveClassViews(self.database, self.course, self.job_events)
 
     @cached_property
     def figures(self) -> FigureService:

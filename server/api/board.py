@@ -15,7 +15,7 @@ from server.api.documentation import events, problems
 from server.board import service
 from server.board.dependencies import LiveBoardsOf
 from server.board.live import BOARD
-from server.board.schemas import Board, Insights, ProgressCell
+from server.board.schemas import Board, BoardStatistics, ProgressCell
 from server.course.dependencies import CourseOf
 from server.database import Database, utc_now
 from server.database.dependencies import DatabaseOf, Db
@@ -36,7 +36,7 @@ SIGN_OF_LIFE = ":\n\n"
 def dashboard(class_id: str, account: ApiAccount, course: CourseOf, db: Db) -> Response:
     """The figures behind the class's page, for who teaches or helps there."""
     place = rights.require_right(db, account, Right.read_work, class_id)
-    shown, insights = service.load_dashboard(db, course, place.school_class, utc_now())
+    shown, insights = service.load_board_and_statistics(db, course, place.school_class, utc_now())
     return Response(_text(_members(shown, insights)), media_type="application/json")
 
 
@@ -44,7 +44,7 @@ def _text(value: Any) -> str:
     return json.dumps(value, ensure_ascii=False, allow_nan=False)
 
 
-def _members(shown: Board, insights: Insights) -> dict[str, Any]:
+def _members(shown: Board, insights: BoardStatistics) -> dict[str, Any]:
     return {
         "class": str(shown.class_id),
         "generated_at": shown.generated_at.isoformat(),
@@ -62,7 +62,7 @@ def _members(shown: Board, insights: Insights) -> dict[str, Any]:
             }
             for misconception in shown.misconceptions
         ],
-        "cells": [cell_json(cell) for cell in shown.cells.values()],
+        "cells": [cell_json(cell) for cell in shown.cells_by_pair.values()],
         "unnamed": [
             {
                 "exercise": failure.exercise,
@@ -107,7 +107,7 @@ async def follow(class_id: str, account: ApiAccount, database: DatabaseOf, board
     place = await run_in_threadpool(_place, database, account, class_id)  # refusals come before the stream begins
     boards.require_free_stream(account.id)
     allowed = partial(_allowed, database, account, place)
-    stream = _told(boards.follow(BOARD, place.school_class.id, account.id, allowed))
+    stream = _told(boards.stream_view(BOARD, place.school_class.id, account.id, allowed))
     return StreamingResponse(stream, headers=STREAM_HEADERS, media_type="text/event-stream")
 
 
@@ -132,7 +132,7 @@ def changes(before: Board | None, shown: Board) -> str:
     """As events; `counts` alone where there was nothing before."""
     told = []
     if before is not None:
-        told = [format_sse("cell", _text(cell_json(cell))) for cell in shown.changed_since(before)]
+        told = [format_sse("cell", _text(cell_json(cell))) for cell in shown.cells_changed_since(before)]
     if before is None or before.counts != shown.counts:
         told.append(format_sse("counts", _text(asdict(shown.counts))))
     return "".join(told) or SIGN_OF_LIFE

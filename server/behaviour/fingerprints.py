@@ -148,7 +148,7 @@ class FingerprintTask:
         return replace(
             request,
             own=importable_files.load_importable_files(db, self._course, submission),
-            tested=importable_files.load_tested_exercises(db, self._course, submission),
+            tested=importable_files.load_exercises_in_sat_tests(db, self._course, submission),
         )
 
     def run(self, request: FingerprintRequest) -> Observation:

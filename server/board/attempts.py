@@ -10,7 +10,7 @@ from typing import NamedTuple, TypeVar
 from uuid import UUID
 
 from graders.core.contract.outcomes import OPENS_HINTS, Blame, Outcome, outcomes_blamed_on
-from server.gradebook.histories import Attempts, attempt_totals, cached_per_series
+from server.gradebook.histories import Attempts, cached_per_series, cached_totals
 
 FAILURES = frozenset(outcome.value for outcome in outcomes_blamed_on(Blame.STUDENT))
 #: Failures of programs that run and answer wrongly.
@@ -55,7 +55,7 @@ class FirstSuccess(NamedTuple):
 
 
 @cached_per_series
-def misconception_episodes(attempts: Attempts) -> Sequence[tuple[str, MisconceptionEpisode]]:
+def find_misconception_episodes(attempts: Attempts) -> Sequence[tuple[str, MisconceptionEpisode]]:
     """Return each misconception that some attempt shows, with its episode."""
     episodes = []
     indices: dict[str, list[int]] = {}
@@ -74,25 +74,25 @@ def misconception_episodes(attempts: Attempts) -> Sequence[tuple[str, Misconcept
     return episodes
 
 
-def solved_at(attempts: Attempts) -> datetime | None:
+def first_success_time(attempts: Attempts) -> datetime | None:
     """Return when the first of the attempts, of which there may be none, has succeeded."""
-    return attempt_totals(attempts).first_success_at if attempts else None
+    return cached_totals(attempts).first_success_at if attempts else None
 
 
 def is_solved(attempts: Attempts) -> bool:
     """Whether one of the attempts, of which there may be none, has succeeded."""
-    return solved_at(attempts) is not None
+    return first_success_time(attempts) is not None
 
 
 @cached_per_series
-def first_success(attempts: Attempts) -> FirstSuccess | None:
+def find_first_success(attempts: Attempts) -> FirstSuccess | None:
     for number, attempt in enumerate(attempts, 1):
         if attempt.outcome == Outcome.OK:
             return FirstSuccess(number, (attempt.sent_at - attempts[0].sent_at).total_seconds() / 60)
     return None
 
 
-def improvements_after_hints(
+def iter_improvements_after_hints(
     attempts: Attempts, starter: str | None, opens_after: Collection[int]
 ) -> Iterator[tuple[int, bool]]:
     """Yield each number of different failures that opened a hint, and whether the next attempt scored more.
@@ -107,6 +107,6 @@ def improvements_after_hints(
                 yield len(failed), following.score > attempt.score
 
 
-def is_unexplained(attempts: Attempts) -> bool:
+def is_latest_failure_unexplained(attempts: Attempts) -> bool:
     """Whether the latest attempt answers wrongly without a known misconception."""
     return attempts[-1].diagnosis is None and attempts[-1].outcome in WRONG_ANSWERS

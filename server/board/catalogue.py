@@ -27,17 +27,17 @@ class CataloguedMisconception:
 def find_misconception(course: Course, exercise_id: str, misconception: str) -> CataloguedMisconception:
     """Return the entry of the catalogue, or one with the bare name where the course has none (any more)."""
     exercise = course.exercises.get(exercise_id)
-    entry = None if exercise is None else _catalogue_entry(exercise, misconception)
+    entry = None if exercise is None else _find_catalogue_entry(exercise, misconception)
     return entry or CataloguedMisconception(Diagnosis(misconception, misconception, ""))
 
 
-def _catalogue_entry(exercise: Exercise, misconception: str) -> CataloguedMisconception | None:
+def _find_catalogue_entry(exercise: Exercise, misconception: str) -> CataloguedMisconception | None:
     if exercise.answers is not None:
         mistake = exercise.answers.catalogue.get(misconception)
         return None if mistake is None else CataloguedMisconception(mistake.diagnosis, (), mistake.question)
     if isinstance(exercise.grader, DeclaredGrader):
         declared = exercise.grader.declaration.mistakes
-        return next((_declared(each) for each in declared if each.id == misconception), None)
+        return next((_from_declared_mistake(each) for each in declared if each.id == misconception), None)
     if not isinstance(exercise.grader, CodeGrader):
         return None
     catalogue = exercise.grader.misconceptions
@@ -50,6 +50,6 @@ def _catalogue_entry(exercise: Exercise, misconception: str) -> CataloguedMiscon
         return None
 
 
-def _declared(mistake: DeclaredMistake) -> CataloguedMisconception:
+def _from_declared_mistake(mistake: DeclaredMistake) -> CataloguedMisconception:
     diagnosis = Diagnosis(mistake.id, mistake.title, mistake.explanation)
     return CataloguedMisconception(diagnosis, (), mistake.question)

@@ -48,32 +48,32 @@ def extract_lines(code: str, functions: Collection[str], people_words: Collectio
     return Extract(tuple((start + index, line) for index, line in anonymise_lines(text, people_words)))
 
 
-def contrast_programs(wrong: Extract, wrong_line: int | None, right: Sequence[Extract]) -> Contrast:
+def contrast_with_most_alike(wrong: Extract, wrong_line: int | None, right: Sequence[Extract]) -> Contrast:
     """Put the most alike of the right extracts beside the wrong one.
 
     `wrong_line`: the line of the whole wrong program that is proven wrong, None where none is.
     """
-    likest = max(right, key=lambda extract: likeness(wrong, extract), default=Extract(()))
-    if likeness(wrong, likest) < MIN_LIKENESS:
+    likest = max(right, key=lambda extract: text_similarity(wrong, extract), default=Extract(()))
+    if text_similarity(wrong, likest) < MIN_LIKENESS:
         likest = Extract(())
     runs = [run for run in diff_lines(wrong.texts, likest.texts).runs if not run.is_equal]
     marked = [index for index, (number, _) in enumerate(wrong.lines) if number == wrong_line]
     differing = [index for run in runs for index in run.before]
     if not marked and likest.lines and len(differing) <= MAX_DIFFERING:
         marked = differing  # one is right, the other wrong, and nothing else differs
-    answering = {index for run in runs if _touches(run, marked) for index in run.after}
+    answering = {index for run in runs if _run_touches_lines(run, marked) for index in run.after}
     return Contrast(
         tuple(ProgramLine(text, index in marked) for index, text in enumerate(wrong.texts)),
         tuple(ProgramLine(text, index in answering) for index, text in enumerate(likest.texts)),
     )
 
 
-def likeness(first: Extract, second: Extract) -> float:
+def text_similarity(first: Extract, second: Extract) -> float:
     """Return the share of equal text of two extracts, from 0 to 1."""
     if not first.lines or not second.lines:
         return 0.0
     return SequenceMatcher(None, "\n".join(first.texts), "\n".join(second.texts), autojunk=False).ratio()
 
 
-def _touches(run: DiffRun, lines: Sequence[int]) -> bool:
+def _run_touches_lines(run: DiffRun, lines: Sequence[int]) -> bool:
     return any(line in run.before for line in lines)

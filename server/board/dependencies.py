@@ -5,6 +5,6 @@ from typing import Annotated
 from fastapi import Depends
 
 from server.base.app_services import app_service
-from server.board.live import LiveBoards
+from server.board.live import LiveClassViews
 
-LiveBoardsOf = Annotated[LiveBoards, Depends(app_service(LiveBoards))]
+LiveBoardsOf = Annotated[LiveClassViews, Depends(app_service(LiveClassViews))]

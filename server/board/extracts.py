@@ -30,7 +30,7 @@ def find_function(code: str, names: Collection[str]) -> tuple[int, str]:
     """
     lines = code.split("\n")
     heads = tuple(f"{keyword} {name}" for name in names for keyword in ("def", "class"))
-    starts = [index for index, line in enumerate(lines) if line.startswith(heads) and _has_whole_name(line, heads)]
+    starts = [index for index, line in enumerate(lines) if line.startswith(heads) and _defines_whole_name(line, heads)]
     if not starts:
         return 0, ""
     body = lines[starts[0] + 1 :]
@@ -39,14 +39,14 @@ def find_function(code: str, names: Collection[str]) -> tuple[int, str]:
     return starts[0] + 1, text
 
 
-def _has_whole_name(line: str, heads: Collection[str]) -> bool:
+def _defines_whole_name(line: str, heads: Collection[str]) -> bool:
     """Whether a head is not followed by more characters of a name."""
     return any(line.startswith(head) and not line[len(head) :][:1].isidentifier() for head in heads)
 
 
-def name_words(people: Iterable[str]) -> frozenset[str]:
+def folded_name_words(people: Iterable[str]) -> frozenset[str]:
     """Return the words of people's names, folded, for `anonymise_extract`."""
-    return frozenset(_fold(word) for name in people for word in WORD.findall(name) if len(word) >= MIN_NAME_LENGTH)
+    return frozenset(_fold_word(word) for name in people for word in WORD.findall(name) if len(word) >= MIN_NAME_LENGTH)
 
 
 def anonymise_extract(code: str, people_words: Collection[str]) -> str:
@@ -59,11 +59,11 @@ def anonymise_lines(code: str, people_words: Collection[str]) -> Sequence[tuple[
     text = "".join(_anonymise_tokens(code, people_words))
     lines = [(index, line.rstrip()) for index, line in enumerate(text.split("\n"))]
     lines = [(index, line) for index, line in lines if line and line.strip() != STRING_PLACEHOLDER]
-    shown = [(index, _cut(line)) for index, line in lines[:MAX_LINES]]
+    shown = [(index, _cut_long_line(line)) for index, line in lines[:MAX_LINES]]
     return [*shown, (lines[MAX_LINES][0], CUT_MARK)] if len(lines) > MAX_LINES else shown
 
 
-def _cut(line: str) -> str:
+def _cut_long_line(line: str) -> str:
     return line if len(line) <= MAX_LINE_LENGTH else line[:MAX_LINE_LENGTH] + " …"
 
 
@@ -78,10 +78,10 @@ def _anonymise_tokens(code: str, people_words: Collection[str]) -> Iterator[str]
 
 
 def _anonymise_word(word: str, people_words: Collection[str]) -> str:
-    return NAME_PLACEHOLDER if not iskeyword(word) and _fold(word) in people_words else word
+    return NAME_PLACEHOLDER if not iskeyword(word) and _fold_word(word) in people_words else word
 
 
-def _fold(word: str) -> str:
+def _fold_word(word: str) -> str:
     """Return a word in small letters without accents."""
     letters = unicodedata.normalize("NFKD", limit_marks(word.casefold()))
     return "".join(letter for letter in letters if not unicodedata.combining(letter))

@@ -23,7 +23,7 @@ class FailedCheck(NamedTuple):
     check: str
 
 
-def first_failure(verdict: Verdict) -> FailedCheck:
+def find_first_failed_check(verdict: Verdict) -> FailedCheck:
     """Return what the verdict of a wrong attempt says first."""
     failed = [check for check in verdict.checks if not check.passed and not check.neutral]
     if verdict.outcome in OF_THE_FILE or not failed:
@@ -32,7 +32,7 @@ def first_failure(verdict: Verdict) -> FailedCheck:
     return FailedCheck(first.cause or Outcome.WRONG_ANSWER, first.title)
 
 
-def load_failures(db: Session, gradings: Collection[UUID]) -> Mapping[UUID, FailedCheck]:
+def load_first_failed_checks(db: Session, gradings: Collection[UUID]) -> Mapping[UUID, FailedCheck]:
     """Return what the attempts with these gradings, all of them wrong, fail at."""
     verdicts = repository.load_verdicts(db, gradings) if gradings else {}
-    return {grading: first_failure(Verdict.from_json(verdict)) for grading, verdict in verdicts.items()}
+    return {grading: find_first_failed_check(Verdict.from_json(verdict)) for grading, verdict in verdicts.items()}

@@ -11,7 +11,7 @@ from statistics import correlation
 from typing import NamedTuple
 from uuid import UUID
 
-from server.board.attempts import FirstSuccess, first_success, improvements_after_hints
+from server.board.attempts import FirstSuccess, find_first_success, iter_improvements_after_hints
 from server.board.schemas import (
     FEWEST_FOR_A_CORRELATION,
     FEWEST_FOR_A_SHARE,
@@ -23,7 +23,7 @@ from server.board.schemas import (
 )
 from server.board.stuck import median_or_none
 from server.course import Course
-from server.gradebook.histories import Attempts, AttemptsByPair, attempt_totals, cached_per_history, group_by_account
+from server.gradebook.histories import Attempts, AttemptsByPair, cached_per_history, cached_totals, group_by_account
 from server.gradebook.schemas import HINT_OPENS_AFTER
 from server.submissions.service import code_digest
 
@@ -39,28 +39,30 @@ class ScoreSum(NamedTuple):
     exercises: int
 
 
-def exercise_stats(exercises: Sequence[str], attempts: AttemptsByPair) -> tuple[ExerciseStats, ...]:
+def compute_exercise_stats(exercises: Sequence[str], attempts: AttemptsByPair) -> tuple[ExerciseStats, ...]:
     """Return the statistics of each exercise."""
     successes: dict[str, list[FirstSuccess]] = defaultdict(list)
     scores: dict[str, dict[UUID, float]] = defaultdict(dict)
     sums: dict[UUID, ScoreSum] = {}
     for account_id, own in group_by_account(attempts).items():
-        rows = _own_scores(own, "all")
+        rows = _best_scores_and_successes(own, "all")
         for exercise, best_score, success in rows:
             scores[exercise][account_id] = best_score
             if success:
                 successes[exercise].append(success)
         sums[account_id] = ScoreSum(sum(best_score for _, best_score, _ in rows), len(rows))
-    return tuple(_stats_of(name, scores.get(name, {}), successes.get(name, []), sums) for name in exercises)
+    return tuple(_build_exercise_stats(name, scores.get(name, {}), successes.get(name, []), sums) for name in exercises)
 
 
 @cached_per_history
-def _own_scores(own: Mapping[str, Attempts], place: str) -> tuple[tuple[str, float, FirstSuccess | None], ...]:
+def _best_scores_and_successes(
+    own: Mapping[str, Attempts], place: str
+) -> tuple[tuple[str, float, FirstSuccess | None], ...]:
     """Return the best score and the first success of a student at each exercise."""
-    return tuple((name, attempt_totals(series).best_score, first_success(series)) for name, series in own.items())
+    return tuple((name, cached_totals(series).best_score, find_first_success(series)) for name, series in own.items())
 
 
-def _stats_of(
+def _build_exercise_stats(
     exercise: str, scores: Mapping[UUID, float], successes: Sequence[FirstSuccess], sums: Mapping[UUID, ScoreSum]
 ) -> ExerciseStats:
     discrimination, paired = item_rest_correlation(scores, sums)
@@ -96,7 +98,7 @@ def item_rest_correlation(scores: Mapping[UUID, float], sums: Mapping[UUID, Scor
     return round(correlation(here, elsewhere), 3), len(pairs)
 
 
-def improvements(misconceptions: Sequence[MisconceptionStats]) -> tuple[ImprovementStats, ...]:
+def improvements_after_misconceptions(misconceptions: Sequence[MisconceptionStats]) -> tuple[ImprovementStats, ...]:
     """Return how often the attempt after each misconception's first one scored more, the commonest first."""
     improved = [
         ImprovementStats(stats.exercise, stats.title, stats.followed, stats.improved)
@@ -106,20 +108,22 @@ def improvements(misconceptions: Sequence[MisconceptionStats]) -> tuple[Improvem
     return tuple(sorted(improved, key=lambda stats: -stats.n))
 
 
-def hint_stats(course: Course, exercises: Sequence[str], attempts: AttemptsByPair) -> tuple[HintStats, ...]:
+def compute_hint_stats(course: Course, exercises: Sequence[str], attempts: AttemptsByPair) -> tuple[HintStats, ...]:
     """Return how often the attempt after the opening of each hint scored more; who has read it is not known."""
     starters = {
         name: code_digest(known.starter) for name in exercises if (known := course.exercises.get(name)) is not None
     }
     improved: dict[str, dict[int, list[bool]]] = defaultdict(lambda: defaultdict(list))
     for own in group_by_account(attempts).values():
-        for exercise, failures, better in _hints_opened(own, "all", starters):
+        for exercise, failures, better in _find_opened_hints(own, "all", starters):
             improved[exercise][failures].append(better)
-    return tuple(HintStats(name, _by_hint(name, improved[name])) for name in exercises if name in improved)
+    return tuple(
+        HintStats(name, _improvement_stats_by_hint(name, improved[name])) for name in exercises if name in improved
+    )
 
 
 @cached_per_history
-def _hints_opened(
+def _find_opened_hints(
     own: Mapping[str, Attempts],
     place: str,
     starters: Mapping[str, str],
@@ -128,35 +132,37 @@ def _hints_opened(
     return tuple(
         (exercise, failures, better)
         for exercise, series in own.items()
-        for failures, better in improvements_after_hints(series, starters.get(exercise), HINT_OPENS_AFTER)
+        for failures, better in iter_improvements_after_hints(series, starters.get(exercise), HINT_OPENS_AFTER)
     )
 
 
-def _by_hint(exercise: str, improved: Mapping[int, Sequence[bool]]) -> tuple[ImprovementStats, ...]:
+def _improvement_stats_by_hint(exercise: str, improved: Mapping[int, Sequence[bool]]) -> tuple[ImprovementStats, ...]:
     return tuple(
         ImprovementStats(exercise, f"Indice {level}", len(improved.get(failures, ())), sum(improved.get(failures, ())))
         for level, failures in enumerate(HINT_OPENS_AFTER, 1)
     )
 
 
-def slot_begin(now: datetime) -> datetime:
-    """Return the begin of the present slot, on which alone the edges of `activity` depend."""
+def activity_slot_start(now: datetime) -> datetime:
+    """Return the begin of the present slot, on which alone the edges of `count_recent_activity` depend."""
     return now.replace(minute=now.minute - now.minute % 5, second=0, microsecond=0)
 
 
-def activity(times: Sequence[datetime], now: datetime) -> tuple[tuple[ActivitySlot, ...], tuple[ActivitySlot, ...]]:
+def count_recent_activity(
+    times: Sequence[datetime], now: datetime
+) -> tuple[tuple[ActivitySlot, ...], tuple[ActivitySlot, ...]]:
     """Count the attempts of the last two hours by slots of five minutes, and of the last two weeks by days (UTC).
 
     `times`: when each was sent, the oldest first.
     """
-    begin = slot_begin(now) - LESSON + SLOT
+    begin = activity_slot_start(now) - LESSON + SLOT
     today = now.replace(hour=0, minute=0, second=0, microsecond=0)
     lesson = [begin + SLOT * index for index in range(LESSON // SLOT + 1)]
     days = [today + timedelta(days=index - DAYS + 1) for index in range(DAYS + 1)]
-    return _count_slots(times, lesson), _count_slots(times, days)
+    return _count_by_slot(times, lesson), _count_by_slot(times, days)
 
 
-def _count_slots(times: Sequence[datetime], edges: Sequence[datetime]) -> tuple[ActivitySlot, ...]:
+def _count_by_slot(times: Sequence[datetime], edges: Sequence[datetime]) -> tuple[ActivitySlot, ...]:
     indices = [bisect_left(times, edge) for edge in edges]
     return tuple(
         ActivitySlot(edge, after - before) for edge, (before, after) in zip(edges, pairwise(indices), strict=False)

@@ -29,17 +29,19 @@ class LatestChange:
     others: int
 
 
-def compare_attempts(before: bytes, after: bytes, *, is_code: bool) -> LatestChange | None:
+def find_change_between(before: bytes, after: bytes, *, is_code: bool) -> LatestChange | None:
     """Return the change from one attempt to the next; None where nothing but blanks changed."""
     if not is_code:
         changed = _count_changed_answers(before, after)
         return LatestChange(None, "", "", changed) if changed else None
-    left, right = _lines(before), _lines(after)
-    runs = [run for run in diff_lines(left, right).runs if not run.is_equal and _has_text(run, left, right)]
+    left, right = _decode_lines(before), _decode_lines(after)
+    runs = [run for run in diff_lines(left, right).runs if not run.is_equal and _has_nonblank_line(run, left, right)]
     if not runs:
         return None
     first = runs[0]
-    old, new = _shown_pair(_first_text(left, first.before), _first_text(right, first.after))
+    old, new = _shorten_pair_around_difference(
+        _first_nonblank_line(left, first.before), _first_nonblank_line(right, first.after)
+    )
     return LatestChange(
         line=first.after.start + 1,
         before=old,
@@ -48,28 +50,28 @@ def compare_attempts(before: bytes, after: bytes, *, is_code: bool) -> LatestCha
     )
 
 
-def _lines(source: bytes) -> list[str]:
+def _decode_lines(source: bytes) -> list[str]:
     text = source.decode("utf-8-sig", errors="replace").replace("\r\n", "\n").replace("\r", "\n")
     return [line.rstrip() for line in split_lines(text)]
 
 
-def _has_text(run: DiffRun, left: list[str], right: list[str]) -> bool:
+def _has_nonblank_line(run: DiffRun, left: list[str], right: list[str]) -> bool:
     return any(left[index] for index in run.before) or any(right[index] for index in run.after)
 
 
-def _first_text(lines: list[str], indices: range) -> str:
+def _first_nonblank_line(lines: list[str], indices: range) -> str:
     """Return the first line that is not empty."""
     return next((lines[index] for index in indices if lines[index]), "")
 
 
-def _shown_pair(before: str, after: str) -> tuple[str, str]:
+def _shorten_pair_around_difference(before: str, after: str) -> tuple[str, str]:
     """Return two lines without their common indentation, shortened so that their difference stays."""
     before, after = dedent(f"{before}\n{after}").split("\n") if before and after else (before.strip(), after.strip())
     start = sum(1 for _ in takewhile(lambda pair: pair[0] == pair[1], zip(before, after, strict=False)))
-    return _shorten(before, start), _shorten(after, start)
+    return _shorten_around(before, start), _shorten_around(after, start)
 
 
-def _shorten(text: str, start: int) -> str:
+def _shorten_around(text: str, start: int) -> str:
     """Return a line, or the part of a long one around a column."""
     if len(text) <= MAX_LENGTH:
         return text

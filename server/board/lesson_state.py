@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from datetime import datetime, timedelta
 from uuid import UUID
 
-from server.board.attempts import Pair, is_solved, solved_at
+from server.board.attempts import Pair, first_success_time, is_solved
 from server.board.progress import ClassProgress
 from server.board.schemas import FEWEST_TO_PROJECT
 from server.board.stuck import PRESENCE, LessonExercises, StuckStudent
@@ -37,7 +37,7 @@ class LessonMistake:
     latest_at: datetime
 
     @property
-    def may_be_projected(self) -> bool:
+    def has_enough_students_to_project(self) -> bool:
         return self.made >= FEWEST_TO_PROJECT
 
 
@@ -77,23 +77,26 @@ class LessonState:
     helpers: Mapping[UUID, UUID]
 
 
-def build_state(progress: ClassProgress, lesson: LiveLesson, visits: Mapping[UUID, Visit]) -> LessonState:
+def build_lesson_state(progress: ClassProgress, lesson: LiveLesson, visits: Mapping[UUID, Visit]) -> LessonState:
     expected = LessonExercises(tuple(lesson.exercises), lesson.started_at)
-    longest_first = progress.find_stuck(expected)
-    seen = {row.account: visits[row.account] for row in longest_first if _is_seen_at(row, visits.get(row.account))}
+    longest_first = progress.find_stuck_students(expected)
+    seen = {
+        row.account: visits[row.account] for row in longest_first if _was_visited_there(row, visits.get(row.account))
+    }
     just_seen = frozenset(account for account, visit in seen.items() if progress.now - visit.visited_at < VISIT_LASTS)
     stuck = tuple(sorted(longest_first, key=lambda row: row.account in just_seen))
     wanted = frozenset(lesson.exercises)
     today = {pair: series for pair, series in progress.attempts.items() if pair[1] in wanted}
     solved = _solved_times(today)
-    finished = _finished(progress, solved, lesson.exercises)
+    finished = _find_finished_students(progress, solved, lesson.exercises)
     are_stuck = {row.account for row in stuck}
     mistakes = sorted(
-        lesson_mistakes(progress, expected), key=lambda row: (-len(row.still), -len(are_stuck.intersection(row.still)))
+        find_lesson_mistakes(progress, expected),
+        key=lambda row: (-len(row.still), -len(are_stuck.intersection(row.still))),
     )
     made_still = tuple(row for row in mistakes if row.still)
     current = made_still[:MAX_MISTAKES]
-    absent = _absent(progress, lesson.started_at)
+    absent = _find_absent_students(progress, lesson.started_at)
     listed = {*are_stuck, *finished, *absent}
     return LessonState(
         stuck=stuck,
@@ -110,7 +113,7 @@ def build_state(progress: ClassProgress, lesson: LiveLesson, visits: Mapping[UUI
     )
 
 
-def _is_seen_at(row: StuckStudent, visit: Visit | None) -> bool:
+def _was_visited_there(row: StuckStudent, visit: Visit | None) -> bool:
     """Whether a student was seen at the exercise at which they are stuck."""
     return visit is not None and visit.exercise == row.exercise
 
@@ -119,7 +122,7 @@ def _is_just_overcome(row: LessonMistake, now: datetime) -> bool:
     return not row.still and row.latest_at >= now - RECENT_MISTAKES
 
 
-def lesson_mistakes(progress: ClassProgress, expected: LessonExercises) -> tuple[LessonMistake, ...]:
+def find_lesson_mistakes(progress: ClassProgress, expected: LessonExercises) -> tuple[LessonMistake, ...]:
     """Return the misconceptions of a lesson: those at its exercises, and those of attempts since it began at others.
 
     The first are those that most students still make, however long ago they sent their last attempt: a student who
@@ -130,43 +133,50 @@ def lesson_mistakes(progress: ClassProgress, expected: LessonExercises) -> tuple
     made: dict[tuple[str, str], list[Attempts]] = defaultdict(list)
     for (_, exercise), attempts in progress.attempts.items():
         if exercise in worked:
-            for misconception in _latest_times(attempts):
+            for misconception in _latest_time_by_misconception(attempts):
                 made[exercise, misconception].append(attempts)
-    rows = (_mistake(*key, own, expected.started_at) for key, own in made.items())
+    rows = (_build_lesson_mistake(*key, own, expected.started_at) for key, own in made.items())
     shown = [row for row in rows if row.exercise in expected.exercises or row.latest_at >= expected.started_at]
     order = {exercise: index for index, exercise in enumerate(progress.scope.exercises)}
     return tuple(sorted(shown, key=lambda row: (-len(row.still), -row.made, order[row.exercise], row.id)))
 
 
 @cached_per_series
-def _latest_times(attempts: Attempts) -> Mapping[str, datetime]:
+def _latest_time_by_misconception(attempts: Attempts) -> Mapping[str, datetime]:
     """Return when each misconception was shown last."""
     return {attempt.diagnosis: attempt.sent_at for attempt in attempts if attempt.diagnosis is not None}
 
 
-def _mistake(exercise: str, misconception: str, made_by: Sequence[Attempts], since: datetime) -> LessonMistake:
-    made = count_makers(made_by, misconception, since)
+def _build_lesson_mistake(
+    exercise: str, misconception: str, made_by: Sequence[Attempts], since: datetime
+) -> LessonMistake:
+    made = count_students_with_misconception(made_by, misconception, since)
     still = sorted((own[-1].sent_at, own[-1].account_id) for own in made_by if own[-1].diagnosis == misconception)
-    latest_at = max(_latest_times(own)[misconception] for own in made_by)
+    latest_at = max(_latest_time_by_misconception(own)[misconception] for own in made_by)
     return LessonMistake(exercise, misconception, tuple(account for _, account in still), made, latest_at)
 
 
-def count_makers(made_by: Iterable[Attempts], misconception: str, since: datetime) -> int:
+def count_students_with_misconception(made_by: Iterable[Attempts], misconception: str, since: datetime) -> int:
     """Count the students who have made a mistake since a lesson began, or whose latest attempt shows it."""
-    return sum(own[-1].diagnosis == misconception or _latest_times(own)[misconception] >= since for own in made_by)
+    return sum(
+        own[-1].diagnosis == misconception or _latest_time_by_misconception(own)[misconception] >= since
+        for own in made_by
+    )
 
 
 def _solved_times(attempts: AttemptsByPair) -> Mapping[Pair, datetime]:
     """Return when each student first solved each exercise that they have solved."""
-    times = {pair: solved_at(series) for pair, series in attempts.items()}
+    times = {pair: first_success_time(series) for pair, series in attempts.items()}
     return {pair: time for pair, time in times.items() if time is not None}
 
 
-def _finished(progress: ClassProgress, solved: Mapping[Pair, datetime], exercises: Sequence[str]) -> tuple[UUID, ...]:
+def _find_finished_students(
+    progress: ClassProgress, solved: Mapping[Pair, datetime], exercises: Sequence[str]
+) -> tuple[UUID, ...]:
     """Return who has solved all of these exercises that are theirs, the latest last."""
     times = []
     for student in progress.students:
-        own = [solved.get((student.id, name)) for name in exercises if progress.concerns(student, name)]
+        own = [solved.get((student.id, name)) for name in exercises if progress.is_assigned_to_student(student, name)]
         done = [time for time in own if time is not None]
         if own and len(done) == len(own):
             times.append((max(done), student.id))
@@ -184,8 +194,10 @@ def pair_helpers(
     for row in stuck[:limit]:
         attempts = progress.attempts.get((row.account, row.exercise), ())
         mistake = attempts[-1].diagnosis if attempts else None
-        able = [account for account in free if _solved(progress, account, row.exercise)]
-        overcame = {account for account in able if mistake and _made(progress, account, row.exercise, mistake)}
+        able = [account for account in free if _has_solved(progress, account, row.exercise)]
+        overcame = {
+            account for account in able if mistake and _has_made_mistake(progress, account, row.exercise, mistake)
+        }
         if able:
             helper = min(able, key=lambda account: (helped[account], account not in overcame))
             pairs[row.account] = helper
@@ -193,15 +205,15 @@ def pair_helpers(
     return pairs
 
 
-def _solved(progress: ClassProgress, account: UUID, exercise: str) -> bool:
+def _has_solved(progress: ClassProgress, account: UUID, exercise: str) -> bool:
     return is_solved(progress.attempts.get((account, exercise), ()))
 
 
-def _made(progress: ClassProgress, account: UUID, exercise: str, misconception: str) -> bool:
+def _has_made_mistake(progress: ClassProgress, account: UUID, exercise: str, misconception: str) -> bool:
     return any(attempt.diagnosis == misconception for attempt in progress.attempts.get((account, exercise), ()))
 
 
-def _absent(progress: ClassProgress, since: datetime) -> tuple[UUID, ...]:
+def _find_absent_students(progress: ClassProgress, since: datetime) -> tuple[UUID, ...]:
     """Return who was not seen since a time, presence being recorded every few minutes only."""
     sent = {account for (account, _), series in progress.attempts.items() if series[-1].sent_at >= since}
     begun = min(since, progress.now - PRESENCE)
@@ -218,7 +230,7 @@ def _count_by_exercise(
     away, counts = frozenset(absent), []
     present = [student for student in progress.students if student.id not in away]
     for name in exercises:
-        pairs = [(student.id, name) for student in present if progress.concerns(student, name)]
+        pairs = [(student.id, name) for student in present if progress.is_assigned_to_student(student, name)]
         done = sum(pair in solved for pair in pairs)
         counts.append(ExerciseCount(name, done, sum(pair in progress.attempts for pair in pairs) - done, len(pairs)))
     return tuple(counts)

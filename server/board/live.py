@@ -22,7 +22,7 @@ from starlette.concurrency import run_in_threadpool
 
 from server.base.errors import RateLimited
 from server.board import repository
-from server.board.repository import ClassPulse
+from server.board.repository import ClassVersionTag
 from server.board.schemas import Board
 from server.board.service import load_board
 from server.classes import repository as classes
@@ -62,11 +62,11 @@ class ClassView(Generic[PulseType, ShownType]):
     load: Callable[[Session, Course, SchoolClass, datetime, PulseType], ShownType]
 
 
-BOARD: ClassView[ClassPulse, Board] = ClassView(repository.load_pulse, load_board)
+BOARD: ClassView[ClassVersionTag, Board] = ClassView(repository.load_class_version_tag, load_board)
 
 
 @dataclass(frozen=True, eq=False)
-class ViewReading(Generic[ShownType]):
+class ViewSnapshot(Generic[ShownType]):
     """What was read of a class; `done` once it is deleted. `duration`: seconds of processor that it took.
 
     Readings are equal where they show the same.
@@ -82,7 +82,7 @@ class ViewReading(Generic[ShownType]):
         return self.shown is None
 
     def __eq__(self, other: object) -> bool:
-        return isinstance(other, ViewReading) and self.version == other.version
+        return isinstance(other, ViewSnapshot) and self.version == other.version
 
     def __hash__(self) -> int:
         return hash(self.version)
@@ -99,23 +99,23 @@ class WatchedClass(Generic[ShownType]):
     `duration`: seconds of processor that a reading takes, of the last two the quicker one; 0 at first.
     """
 
-    reading: ViewReading[ShownType] | None = None
-    last: ViewReading[ShownType] | None = None
+    reading: ViewSnapshot[ShownType] | None = None
+    last: ViewSnapshot[ShownType] | None = None
     duration: float = 0.0
     ended: bool = False
     watchers: set[asyncio.Event] = field(default_factory=set)
     task: asyncio.Task[None] | None = None
 
-    def find_rest(self) -> float:
+    def seconds_between_readings(self) -> float:
         """Return the seconds between two readings."""
         return max(MIN_READ_INTERVAL, READ_TIME_DIVISOR * self.duration)
 
-    def notify(self) -> None:
+    def notify_watchers(self) -> None:
         for watcher in self.watchers:
             watcher.set()
 
 
-class LiveBoards:
+class LiveClassViews:
     """Reads each watched class after a grading, and broadcasts its board, or another view of it, to its streams."""
 
     def __init__(self, database: Database, course: Course, events: JobEvents) -> None:
@@ -129,14 +129,14 @@ class LiveBoards:
         if self._streams[account] >= MAX_STREAMS_PER_ACCOUNT:
             raise RateLimited(TOO_MANY, retry_after=60)
 
-    async def follow(
+    async def stream_view(
         self, view: ClassView[Any, ShownType], class_id: UUID, account: UUID, allowed: Callable[[], bool]
     ) -> AsyncIterator[ShownType | None]:
         """Yield what is shown at first, then each time that it has changed; None now and then, as a heartbeat.
 
         The stream ends once `allowed` (called in a thread each time) is False, the class is deleted, or time is up.
         """
-        with self._stream(account), self._watch(view, class_id) as (watched, changed):
+        with self._count_stream(account), self._register_watcher(view, class_id) as (watched, changed):
             deadline, sent = time.monotonic() + self.max_stream_seconds, None
             while not watched.ended and await run_in_threadpool(allowed):
                 reading = watched.reading
@@ -148,10 +148,10 @@ class LiveBoards:
                 left = deadline - time.monotonic()
                 if left <= 0 and reading is not None:
                     return
-                await _wait(changed, min(HEARTBEAT_INTERVAL, max(left, MIN_READ_INTERVAL)))
+                await _wait_for_event(changed, min(HEARTBEAT_INTERVAL, max(left, MIN_READ_INTERVAL)))
 
     @contextmanager
-    def _stream(self, account: UUID) -> Iterator[None]:
+    def _count_stream(self, account: UUID) -> Iterator[None]:
         self._streams[account] += 1
         try:
             yield
@@ -161,13 +161,13 @@ class LiveBoards:
                 del self._streams[account]
 
     @contextmanager
-    def _watch(
+    def _register_watcher(
         self, view: ClassView[Any, ShownType], class_id: UUID
     ) -> Iterator[tuple[WatchedClass[ShownType], asyncio.Event]]:
         watched = self._watched.get((class_id, view))
         if watched is None:
             watched = self._watched[class_id, view] = WatchedClass()
-            watched.task = asyncio.create_task(self._keep_reading(view, class_id, watched))
+            watched.task = asyncio.create_task(self._read_while_watched(view, class_id, watched))
         changed = asyncio.Event()
         watched.watchers.add(changed)
         try:
@@ -175,34 +175,36 @@ class LiveBoards:
         finally:
             watched.watchers.discard(changed)
             if not watched.watchers:
-                self._forget(view, class_id, watched)
+                self._stop_watching(view, class_id, watched)
                 if watched.task is not None:
                     watched.task.cancel()
 
-    def _forget(self, view: ClassView[Any, ShownType], class_id: UUID, watched: WatchedClass[ShownType]) -> None:
+    def _stop_watching(self, view: ClassView[Any, ShownType], class_id: UUID, watched: WatchedClass[ShownType]) -> None:
         if self._watched.get((class_id, view)) is watched:
             del self._watched[class_id, view]
 
-    async def _keep_reading(
+    async def _read_while_watched(
         self, view: ClassView[Any, ShownType], class_id: UUID, watched: WatchedClass[ShownType]
     ) -> None:
         """Read the class until nobody watches it. An error ends the streams: browsers reconnect."""
         try:
-            read = partial(self._read, view, class_id, watched)
+            read = partial(self._read_if_changed, view, class_id, watched)
             key = f"class:{class_id}"
-            async for reading in self._events.follow(key, read, watches_all_jobs=True, find_rest=watched.find_rest):
+            async for reading in self._events.follow(
+                key, read, watches_all_jobs=True, find_rest=watched.seconds_between_readings
+            ):
                 watched.reading = reading
-                watched.notify()
+                watched.notify_watchers()
         except Exception:
             log.exception("class %s could not be read for those who watch it", class_id)
         finally:
             watched.ended = True
-            self._forget(view, class_id, watched)
-            watched.notify()
+            self._stop_watching(view, class_id, watched)
+            watched.notify_watchers()
 
-    def _read(
+    def _read_if_changed(
         self, view: ClassView[Any, ShownType], class_id: UUID, watched: WatchedClass[ShownType]
-    ) -> ViewReading[ShownType]:
+    ) -> ViewSnapshot[ShownType]:
         """Read the class in a thread, or return the last reading where nothing has changed meanwhile."""
         last, began = watched.last, time.thread_time()
         with self._database.read() as db:
@@ -212,12 +214,12 @@ class LiveBoards:
             school_class = classes.find_class(db, class_id)
             shown = None if school_class is None else view.load(db, self._course, school_class, utc_now(), pulse)
         duration = time.thread_time() - began
-        watched.last = ViewReading(pulse, shown, time.monotonic(), duration)
+        watched.last = ViewSnapshot(pulse, shown, time.monotonic(), duration)
         watched.duration = 0.0 if last is None else min(last.duration, duration)
         return watched.last
 
 
-async def _wait(event: asyncio.Event, seconds: float) -> None:
+async def _wait_for_event(event: asyncio.Event, seconds: float) -> None:
     try:
         async with asyncio.timeout(seconds):
             await event.wait()

@@ -7,7 +7,7 @@ from collections.abc import Callable, Mapping, Sequence
 from datetime import datetime
 from uuid import UUID
 
-from server.board.attempts import misconception_episodes
+from server.board.attempts import find_misconception_episodes
 from server.board.catalogue import find_misconception
 from server.board.objective_loading import ClassObjectives
 from server.board.objectives import RULE, Mastery, MisconceptionLookup
@@ -23,29 +23,35 @@ STATE_WORDS = {
 }  # fmt: skip
 
 
-def mistake_sheets(
+def build_mistake_workbook(
     loaded: ClassObjectives, students: Sequence[StudentRecord], format_time: FormatTime
 ) -> tuple[WorkbookSheet, ...]:
     """Return the tables of mistakes and of objectives, then the rule of the latter."""
     rule = WorkbookSheet("Explications", ("Explication",), [(RULE,), (f"État du {format_time(loaded.progress.now)}.",)])
-    return mistakes_sheet(loaded, students, format_time), objectives_sheet(loaded, students), rule
+    return build_mistakes_sheet(loaded, students, format_time), build_objectives_sheet(loaded, students), rule
 
 
-def mistakes_sheet(
+def build_mistakes_sheet(
     loaded: ClassObjectives, students: Sequence[StudentRecord], format_time: FormatTime
 ) -> WorkbookSheet:
     """Return a line for each student, exercise and misconception that some attempt shows."""
-    rows = [row for student in students for row in _mistakes_of(loaded, student, format_time)]
+    rows = [row for student in students for row in _mistake_rows_of_student(loaded, student, format_time)]
     return WorkbookSheet("Erreurs", MISTAKE_HEADER, rows, frozen=2)
 
 
-def _mistakes_of(loaded: ClassObjectives, student: StudentRecord, format_time: FormatTime) -> list[tuple[Cell, ...]]:
+def _mistake_rows_of_student(
+    loaded: ClassObjectives, student: StudentRecord, format_time: FormatTime
+) -> list[tuple[Cell, ...]]:
     course, lookup = loaded.progress.course, MisconceptionLookup(loaded.progress.course)
     rows: list[tuple[Cell, ...]] = []
-    for exercise, series in loaded.attempts.get(student.id, {}).items():
-        times = _times_by_mistake(series)
-        for mistake, episode in misconception_episodes(series):
-            own = [p.objective for p in loaded.practised if lookup.belongs(p.objective, exercise, mistake)]
+    for exercise, series in loaded.attempts_by_student.get(student.id, {}).items():
+        times = _attempt_times_by_misconception(series)
+        for mistake, episode in find_misconception_episodes(series):
+            own = [
+                p.objective
+                for p in loaded.practised_objectives
+                if lookup.belongs_to_objective(p.objective, exercise, mistake)
+            ]
             rows.append(
                 (
                     *person_cells(student),
@@ -61,7 +67,7 @@ def _mistakes_of(loaded: ClassObjectives, student: StudentRecord, format_time: F
     return rows
 
 
-def _times_by_mistake(attempts: Attempts) -> Mapping[str, Sequence[datetime]]:
+def _attempt_times_by_misconception(attempts: Attempts) -> Mapping[str, Sequence[datetime]]:
     times: dict[str, list[datetime]] = defaultdict(list)
     for attempt in attempts:
         if attempt.diagnosis is not None:
@@ -69,12 +75,12 @@ def _times_by_mistake(attempts: Attempts) -> Mapping[str, Sequence[datetime]]:
     return times
 
 
-def objectives_sheet(loaded: ClassObjectives, students: Sequence[StudentRecord]) -> WorkbookSheet:
+def build_objectives_sheet(loaded: ClassObjectives, students: Sequence[StudentRecord]) -> WorkbookSheet:
     """Return the table of students × objectives, their states in words; nothing for what is not begun."""
-    header = (*PERSON, *(practised.objective.short for practised in loaded.practised))
-    rows = [(*person_cells(student), *_state_words(loaded, student.id)) for student in students]
+    header = (*PERSON, *(practised.objective.short for practised in loaded.practised_objectives))
+    rows = [(*person_cells(student), *_mastery_words_of_student(loaded, student.id)) for student in students]
     return WorkbookSheet("Objectifs", header, rows, frozen=2)
 
 
-def _state_words(loaded: ClassObjectives, student: UUID) -> tuple[Cell, ...]:
-    return tuple(STATE_WORDS[found.state] for found in loaded.states.get(student, ()))
+def _mastery_words_of_student(loaded: ClassObjectives, student: UUID) -> tuple[Cell, ...]:
+    return tuple(STATE_WORDS[found.state] for found in loaded.states_by_student.get(student, ()))

@@ -18,19 +18,25 @@ from server.board.objectives import (
     MisconceptionLookup,
     ObjectiveState,
     PractisedObjective,
-    counting_objectives,
-    find_states,
-    summarise_class,
+    find_objective_states,
+    list_practised_objectives,
+    summarise_class_objectives,
 )
 from server.board.progress import ClassProgress
 from server.classes import repository as classes
 from server.classes.models import SchoolClass, Status
 from server.course import Course, Module
-from server.gradebook.histories import Attempts, cached_per_history, group_by_account, load_attempts, load_revisions
+from server.gradebook.histories import (
+    Attempts,
+    cached_per_history,
+    group_by_account,
+    load_attempts_by_pair,
+    load_revisions,
+)
 
 
 @dataclass(frozen=True)
-class ModulePractice:
+class ModuleObjectives:
     """The objectives of a module in a class where these exercises count; equal ones are of the same texts."""
 
     course: Course
@@ -38,22 +44,22 @@ class ModulePractice:
     counted: tuple[str, ...]
 
     @cached_property
-    def practised(self) -> tuple[PractisedObjective, ...]:
+    def practised_objectives(self) -> tuple[PractisedObjective, ...]:
         module = self.course.modules.get(self.module)
-        return () if module is None else counting_objectives(module, frozenset(self.counted))
+        return () if module is None else list_practised_objectives(module, frozenset(self.counted))
 
     @cached_property
-    def misconceptions(self) -> MisconceptionLookup:
+    def misconception_lookup(self) -> MisconceptionLookup:
         return MisconceptionLookup(self.course)
 
-    def without(self, unconcerned: frozenset[str]) -> tuple[PractisedObjective, ...]:
+    def objectives_for_student(self, unconcerned: frozenset[str]) -> tuple[PractisedObjective, ...]:
         """Return the same objectives; exercises that are for other groups are not expected of a student."""
         module = self.course.modules.get(self.module)
         if module is None or not unconcerned:
-            return self.practised
-        own = counting_objectives(module, frozenset(self.counted) - unconcerned)
-        expected = {_key(practised): practised for practised in own}
-        return tuple(expected.get(_key(practised), practised) for practised in self.practised)
+            return self.practised_objectives
+        own = list_practised_objectives(module, frozenset(self.counted) - unconcerned)
+        expected = {_objective_key(practised): practised for practised in own}
+        return tuple(expected.get(_objective_key(practised), practised) for practised in self.practised_objectives)
 
 
 @dataclass(frozen=True, eq=False)
@@ -64,48 +70,51 @@ class ClassObjectives:
     module: str
 
     @cached_property
-    def practice(self) -> ModulePractice:
-        return ModulePractice(self.progress.course, self.module, self.progress.scope.exercises)
+    def module_objectives(self) -> ModuleObjectives:
+        return ModuleObjectives(self.progress.course, self.module, self.progress.scope.exercises)
 
     @property
-    def practised(self) -> tuple[PractisedObjective, ...]:
-        return self.practice.practised
+    def practised_objectives(self) -> tuple[PractisedObjective, ...]:
+        return self.module_objectives.practised_objectives
 
     @property
-    def attempts(self) -> Mapping[UUID, Mapping[str, Attempts]]:
+    def attempts_by_student(self) -> Mapping[UUID, Mapping[str, Attempts]]:
         return group_by_account(self.progress.attempts)
 
     @cached_property
-    def states(self) -> Mapping[UUID, tuple[ObjectiveState, ...]]:
+    def states_by_student(self) -> Mapping[UUID, tuple[ObjectiveState, ...]]:
         """The states of each student, in the order of the list."""
-        progress, attempts = self.progress, self.attempts
+        progress, attempts = self.progress, self.attempts_by_student
         place = progress.scope.class_id, self.module
         return {
-            student.id: _find_own_states(
-                attempts.get(student.id, {}), place, self.practice, progress.find_unconcerned(student)
+            student.id: _find_student_states(
+                attempts.get(student.id, {}),
+                place,
+                self.module_objectives,
+                progress.find_exercises_of_other_groups(student),
             )
             for student in progress.students
         }
 
-    def summarise(self, week_ends: Sequence[datetime]) -> tuple[ClassObjective, ...]:
-        return summarise_class(self.practised, self.states, week_ends)
+    def summarise_objectives(self, week_ends: Sequence[datetime]) -> tuple[ClassObjective, ...]:
+        return summarise_class_objectives(self.practised_objectives, self.states_by_student, week_ends)
 
 
 @cached_per_history
-def _find_own_states(
+def _find_student_states(
     own: Mapping[str, Attempts],
     place: tuple[UUID, str],
-    practice: ModulePractice,
+    practice: ModuleObjectives,
     unconcerned: frozenset[str],
 ) -> tuple[ObjectiveState, ...]:
-    return find_states(practice.without(unconcerned), own, practice.misconceptions)
+    return find_objective_states(practice.objectives_for_student(unconcerned), own, practice.misconception_lookup)
 
 
-def _key(practised: PractisedObjective) -> tuple[str, str]:
+def _objective_key(practised: PractisedObjective) -> tuple[str, str]:
     return practised.objective.lesson, practised.objective.id
 
 
-def load_student_states(
+def load_student_objective_states(
     db: Session,
     course: Course,
     school_class: SchoolClass,
@@ -126,14 +135,16 @@ def load_student_states(
     counted = load_counting_exercises(db, course, school_class, now).counting_for_student(
         membership.groups if membership else ()
     )
-    attempts = load_attempts(db, load_revisions(db, [student]), counted, until)
+    attempts = load_attempts_by_pair(db, load_revisions(db, [student]), counted, until)
     own = group_by_account(attempts).get(student, {})
     if as_student:
-        own = hide_held_attempts(own, feedback.load_holds_by_exercise(db, student))
-    return find_states(counting_objectives(module, frozenset(counted)), own, MisconceptionLookup(course))
+        own = remove_withheld_feedback(own, feedback.load_holds_by_exercise(db, student))
+    return find_objective_states(
+        list_practised_objectives(module, frozenset(counted)), own, MisconceptionLookup(course)
+    )
 
 
-def load_own_states(
+def load_own_objective_states(
     db: Session, course: Course, module: Module, account_id: UUID, now: datetime
 ) -> tuple[ObjectiveState, ...]:
     """Return the states that an account may know of itself: in its class of the module, or of all exercises of it."""
@@ -141,14 +152,18 @@ def load_own_states(
         school_class, membership = joined.school_class, joined.membership
         is_student = membership.status is Status.active and not membership.is_staff
         if is_student and school_class.module == module.slug and school_class.archived_at is None:
-            return load_student_states(db, course, school_class, account_id, now, None, as_student=True)
+            return load_student_objective_states(db, course, school_class, account_id, now, None, as_student=True)
     counted = [exercise.id for exercise in module.exercises]
-    own = group_by_account(load_attempts(db, load_revisions(db, [account_id]), counted, None)).get(account_id, {})
-    own = hide_held_attempts(own, feedback.load_holds_by_exercise(db, account_id))
-    return find_states(counting_objectives(module, frozenset(counted)), own, MisconceptionLookup(course))
+    own = group_by_account(load_attempts_by_pair(db, load_revisions(db, [account_id]), counted, None)).get(
+        account_id, {}
+    )
+    own = remove_withheld_feedback(own, feedback.load_holds_by_exercise(db, account_id))
+    return find_objective_states(
+        list_practised_objectives(module, frozenset(counted)), own, MisconceptionLookup(course)
+    )
 
 
-def hide_held_attempts(own: Mapping[str, Attempts], holds: Mapping[str, FeedbackHolds]) -> Mapping[str, Attempts]:
+def remove_withheld_feedback(own: Mapping[str, Attempts], holds: Mapping[str, FeedbackHolds]) -> Mapping[str, Attempts]:
     """Return the attempts without what is held back from their author. Pure."""
     shown: dict[str, Attempts] = {}
     for exercise, series in own.items():

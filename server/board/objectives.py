@@ -8,9 +8,9 @@ from datetime import datetime, timedelta
 from enum import StrEnum
 from uuid import UUID
 
-from server.board.attempts import FAILURES, solved_at
+from server.board.attempts import FAILURES, first_success_time
 from server.board.catalogue import find_misconception
-from server.board.stuck import failures_without_progress
+from server.board.stuck import trailing_failures_without_progress
 from server.course import Course, Module
 from server.course.objectives import Objective
 from server.course.practice import practised_objectives
@@ -66,7 +66,7 @@ class ObjectiveState:
     mastered_at: datetime | None
 
 
-def counting_objectives(module: Module, counted: Collection[str]) -> tuple[PractisedObjective, ...]:
+def list_practised_objectives(module: Module, counted: Collection[str]) -> tuple[PractisedObjective, ...]:
     """Return the objectives of a module that some counting exercise practises, in reading order."""
     stars = {exercise.slug: exercise.stars for exercise in module.exercises if exercise.id in counted}
     practised = []
@@ -88,26 +88,26 @@ class MisconceptionLookup:
         self._course = course
         self._functions: dict[tuple[str, str], tuple[str, ...]] = {}
 
-    def belongs(self, objective: Objective, exercise: str, misconception: str) -> bool:
+    def belongs_to_objective(self, objective: Objective, exercise: str, misconception: str) -> bool:
         key = exercise, misconception
         if key not in self._functions:
             self._functions[key] = find_misconception(self._course, exercise, misconception).functions
         return objective.carries(exercise.partition("/")[2], misconception, self._functions[key])
 
-    def title(self, exercise: str, misconception: str) -> str:
+    def misconception_title(self, exercise: str, misconception: str) -> str:
         """Return the title of a misconception."""
         return find_misconception(self._course, exercise, misconception).diagnosis.title
 
 
-def find_states(
+def find_objective_states(
     objectives: Sequence[PractisedObjective], own: Mapping[str, Attempts], lookup: MisconceptionLookup
 ) -> tuple[ObjectiveState, ...]:
     """Return the state of a student in each objective; `own`: their attempts by exercise."""
-    solved_times = {exercise: at for exercise, series in own.items() if (at := solved_at(series)) is not None}
-    return tuple(_find_state(practised, own, solved_times, lookup) for practised in objectives)
+    solved_times = {exercise: at for exercise, series in own.items() if (at := first_success_time(series)) is not None}
+    return tuple(_find_objective_state(practised, own, solved_times, lookup) for practised in objectives)
 
 
-def _find_state(
+def _find_objective_state(
     practised: PractisedObjective,
     own: Mapping[str, Attempts],
     solved_times: Mapping[str, datetime],
@@ -120,11 +120,11 @@ def _find_state(
     for exercise in (*failing, *(name for name in practised.related if own.get(name) and name not in solved_times)):
         series = own[exercise]
         latest = series[-1].diagnosis
-        if latest is not None and lookup.belongs(practised.objective, exercise, latest):
+        if latest is not None and lookup.belongs_to_objective(practised.objective, exercise, latest):
             mistakes.append((exercise, latest))
-            is_weak |= _count_mistaken(practised.objective, exercise, series, lookup) >= MIN_MISTAKEN
+            is_weak |= _count_failures_with_mistake(practised.objective, exercise, series, lookup) >= MIN_MISTAKEN
         elif latest is None and exercise in failing:
-            run = [attempt for attempt in failures_without_progress(series) if attempt.diagnosis is None]
+            run = [attempt for attempt in trailing_failures_without_progress(series) if attempt.diagnosis is None]
             is_weak |= len({attempt.digest for attempt in run}) >= MIN_UNEXPLAINED
     times = sorted(solved_times[exercise] for exercise in solved)
     mastered_at = times[practised.required - 1] if len(times) >= practised.required else None
@@ -137,7 +137,9 @@ def _find_state(
     return ObjectiveState(practised, state, tuple(solved), tuple(failing), tuple(mistakes), mastered_at)
 
 
-def _count_mistaken(objective: Objective, exercise: str, attempts: Attempts, lookup: MisconceptionLookup) -> int:
+def _count_failures_with_mistake(
+    objective: Objective, exercise: str, attempts: Attempts, lookup: MisconceptionLookup
+) -> int:
     """Count the different failures of a series that show a mistake of an objective."""
     return len(
         {
@@ -145,7 +147,7 @@ def _count_mistaken(objective: Objective, exercise: str, attempts: Attempts, loo
             for attempt in attempts
             if attempt.outcome in FAILURES
             and attempt.diagnosis is not None
-            and lookup.belongs(objective, exercise, attempt.diagnosis)
+            and lookup.belongs_to_objective(objective, exercise, attempt.diagnosis)
         }
     )
 
@@ -163,11 +165,11 @@ class ClassObjective:
     mistakes: tuple[tuple[tuple[str, str], int], ...]
     weekly: tuple[int, ...]
 
-    def count(self, state: Mastery) -> int:
+    def count_students(self, state: Mastery) -> int:
         return len(self.students[state])
 
 
-def summarise_class(
+def summarise_class_objectives(
     objectives: Sequence[PractisedObjective],
     states: Mapping[UUID, Sequence[ObjectiveState]],
     week_ends: Sequence[datetime],

@@ -14,7 +14,7 @@ from uuid import UUID
 
 from server.course import Course
 from server.gradebook.histories import Attempts, AttemptsByPair
-from server.gradebook.mistakes import past_mistakes
+from server.gradebook.mistakes import iter_past_mistakes
 from server.recall.models import RecallAnswer
 
 #: Cases of each kind under which no share is told.
@@ -31,7 +31,7 @@ class RelapseStats:
     unasked_again: int
 
     @property
-    def shares(self) -> tuple[float, float] | None:
+    def relapse_shares(self) -> tuple[float, float] | None:
         """The shares of those asked and of those not who made it again; None for too few of either."""
         if min(self.asked, self.unasked) < FEWEST_CASES:
             return None
@@ -39,7 +39,7 @@ class RelapseStats:
 
 
 @dataclass(frozen=True)
-class NextNeed:
+class NextFamilyExercise:
     """The first exercise that a student began after mending a mistake of a family, of those that have some of it."""
 
     mended_at: datetime
@@ -58,7 +58,7 @@ def count_relapses(course: Course, attempts: AttemptsByPair, answers: Iterable[R
     counts = {True: [0, 0], False: [0, 0]}
     for account, by_exercise in own.items():
         for family in course.families:
-            need = find_next_need(course, by_exercise, family)
+            need = find_next_family_exercise(course, by_exercise, family)
             if need is not None:
                 between = [at for at in asked_at[account, family] if need.mended_at <= at < need.begun_at]
                 counts[bool(between)][0] += 1
@@ -66,13 +66,16 @@ def count_relapses(course: Course, attempts: AttemptsByPair, answers: Iterable[R
     return RelapseStats(*counts[True], *counts[False])
 
 
-def find_next_need(course: Course, by_exercise: Mapping[str, Attempts], family: str) -> NextNeed | None:
+def find_next_family_exercise(
+    course: Course, by_exercise: Mapping[str, Attempts], family: str
+) -> NextFamilyExercise | None:
     """Return the case of a student and a family; None where nothing was mended, or nothing begun since."""
     mended = [
         (mistake.mended.sent_at, exercise)
         for exercise, series in by_exercise.items()
-        for mistake in past_mistakes(series)
-        if mistake.mended is not None and family in _families(course, exercise, [mistake.misconception])
+        for mistake in iter_past_mistakes(series)
+        if mistake.mended is not None
+        and family in _families_of_misconceptions(course, exercise, [mistake.misconception])
     ]
     if not mended:
         return None
@@ -86,10 +89,10 @@ def find_next_need(course: Course, by_exercise: Mapping[str, Attempts], family: 
         return None
     begun_at, following = min(later)
     diagnoses = [attempt.diagnosis for attempt in by_exercise[following] if attempt.diagnosis is not None]
-    return NextNeed(mended_at, begun_at, family in _families(course, following, diagnoses))
+    return NextFamilyExercise(mended_at, begun_at, family in _families_of_misconceptions(course, following, diagnoses))
 
 
-def _families(course: Course, exercise: str, misconceptions: Sequence[str]) -> set[str | None]:
+def _families_of_misconceptions(course: Course, exercise: str, misconceptions: Sequence[str]) -> set[str | None]:
     served = course.exercises.get(exercise)
     return set() if served is None else {served.filing.families.get(name) for name in misconceptions}
 

@@ -31,7 +31,7 @@ class BoardScope:
 
 
 @dataclass(frozen=True)
-class ClassPulse:
+class ClassVersionTag:
     """A version tag of a class: it changes when an attempt of a student is graded, and when members change.
 
     `revisions`: the tags of the students' attempts; `students`: those without attempts too. `others`: tags of what else
@@ -43,17 +43,21 @@ class ClassPulse:
     others: tuple[object, ...] = ()
 
 
-def load_pulse(db: Session, class_id: UUID) -> ClassPulse:
+def load_class_version_tag(db: Session, class_id: UUID) -> ClassVersionTag:
     graded = and_(Submission.account_id == Membership.account_id, Submission.revision.is_not(None))
     query = select(Membership.account_id, *REVISION_SUMS).outerjoin(Submission, graded)
-    query = query.where(*_active_students(class_id)).group_by(Membership.account_id).order_by(Membership.account_id)
+    query = (
+        query.where(*_active_student_conditions(class_id))
+        .group_by(Membership.account_id)
+        .order_by(Membership.account_id)
+    )
     rows = db.execute(query).all()
     revisions = {account_id: (int(low), int(high)) for account_id, low, high in rows if low is not None}
-    return ClassPulse(revisions, tuple(row[0] for row in rows))
+    return ClassVersionTag(revisions, tuple(row[0] for row in rows))
 
 
 @dataclass(frozen=True)
-class SourceRow:
+class SubmittedSource:
     """The source of a submission, and its student."""
 
     account: UUID
@@ -61,25 +65,27 @@ class SourceRow:
     source: bytes
 
 
-def load_sources(db: Session, scope: BoardScope, exercise: str, misconception: str, limit: int) -> Sequence[SourceRow]:
+def load_sources_with_misconception(
+    db: Session, scope: BoardScope, exercise: str, misconception: str, limit: int
+) -> Sequence[SubmittedSource]:
     """Load the latest attempts at an exercise that show a misconception, newest first."""
-    return _load_sources(db, scope, exercise, Grading.diagnosis == misconception, limit)
+    return _load_latest_sources(db, scope, exercise, Grading.diagnosis == misconception, limit)
 
 
-def load_right_sources(db: Session, scope: BoardScope, exercise: str, limit: int) -> Sequence[SourceRow]:
+def load_successful_sources(db: Session, scope: BoardScope, exercise: str, limit: int) -> Sequence[SubmittedSource]:
     """Load the latest successful attempts at an exercise, newest first."""
-    return _load_sources(db, scope, exercise, Grading.outcome == Outcome.OK.value, limit)
+    return _load_latest_sources(db, scope, exercise, Grading.outcome == Outcome.OK.value, limit)
 
 
-def _load_sources(
+def _load_latest_sources(
     db: Session, scope: BoardScope, exercise: str, wanted: ColumnElement[bool], limit: int
-) -> Sequence[SourceRow]:
+) -> Sequence[SubmittedSource]:
     query = (
         select(Submission.account_id, Submission.id, Submission.source)
         .join(Grading, Grading.id == Submission.grading_id)
         .join(Membership, Membership.account_id == Submission.account_id)
         .where(
-            *_active_students(scope.class_id),
+            *_active_student_conditions(scope.class_id),
             Submission.exercise == exercise,
             Submission.exercise.in_(scope.exercises),
             wanted,
@@ -89,10 +95,10 @@ def _load_sources(
     )
     if scope.until is not None:
         query = query.where(Submission.created_at <= scope.until)
-    return [SourceRow(*row) for row in db.execute(query.limit(limit))]
+    return [SubmittedSource(*row) for row in db.execute(query.limit(limit))]
 
 
-def _active_students(class_id: UUID) -> tuple[ColumnElement[bool], ...]:
+def _active_student_conditions(class_id: UUID) -> tuple[ColumnElement[bool], ...]:
     return (
         Membership.class_id == class_id,
         Membership.role == ClassRole.student,

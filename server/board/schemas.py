@@ -48,7 +48,7 @@ class ProgressCell(NamedTuple):
 
 
 @dataclass(frozen=True)
-class ClassCounts:
+class StudentCounts:
     """Numbers of students: in the class; with an attempt; who have solved all that counts; who are stuck now."""
 
     students: int
@@ -90,16 +90,16 @@ class Board:
     students: tuple[BoardStudent, ...]
     exercises: tuple[str, ...]
     rows: Mapping[UUID, tuple[ProgressCell, ...]]
-    counts: ClassCounts
+    counts: StudentCounts
     misconceptions: tuple[MisconceptionStats, ...]
     version: str
 
     @cached_property
-    def cells(self) -> Mapping[tuple[UUID, str], ProgressCell]:
+    def cells_by_pair(self) -> Mapping[tuple[UUID, str], ProgressCell]:
         """One cell for each student and exercise, in their orders."""
         return {(cell.student, cell.exercise): cell for row in self.rows.values() for cell in row}
 
-    def changed_since(self, before: Board) -> Sequence[ProgressCell]:
+    def cells_changed_since(self, before: Board) -> Sequence[ProgressCell]:
         """Return the cells that are not in `before`, or are other ones there."""
         changed: list[ProgressCell] = []
         for student, row in self.rows.items():
@@ -110,12 +110,12 @@ class Board:
         return changed
 
     @cached_property
-    def titles(self) -> Mapping[tuple[str, str], str]:
+    def misconception_titles(self) -> Mapping[tuple[str, str], str]:
         """The titles of misconceptions, by exercise and id."""
         return {(stats.exercise, stats.id): stats.title for stats in self.misconceptions}
 
     @property
-    def students_shown(self) -> Sequence[tuple[UUID, str, tuple[str, ...]]]:
+    def list_shown_students(self) -> Sequence[tuple[UUID, str, tuple[str, ...]]]:
         return [(student.id, student.name, student.groups) for student in self.students]
 
 
@@ -184,7 +184,7 @@ class ActivitySlot:
 
 
 @dataclass(frozen=True)
-class Insights:
+class BoardStatistics:
     """Statistics beside the board."""
 
     unnamed: tuple[UnexplainedFailure, ...]

@@ -63,7 +63,7 @@ class StuckStudent:
     failures: int
 
 
-def find_stuck(
+def find_stuck_students(
     attempts: AttemptsByPair,
     seen_at: Mapping[UUID, datetime | None],
     now: datetime,
@@ -94,17 +94,17 @@ def _judge_student(
         return None
     latest = max(all_series, key=_last_sent_at, default=())
     is_working = bool(latest) and now - latest[-1].sent_at <= MAX_SILENCE
-    run = failures_without_progress(latest) if is_working else ()
+    run = trailing_failures_without_progress(latest) if is_working else ()
     if run:
-        return _judge_failures(run, all_series, seen_at, now)
-    return None if expected is None else _judge_beginning(account, latest, all_series, seen_at, now, expected)
+        return _find_stuck_by_failures(run, all_series, seen_at, now)
+    return None if expected is None else _find_stuck_at_beginning(account, latest, all_series, seen_at, now, expected)
 
 
 def _last_sent_at(series: Attempts) -> datetime:
     return series[-1].sent_at
 
 
-def _judge_failures(
+def _find_stuck_by_failures(
     run: Attempts, all_series: Sequence[Attempts], seen_at: datetime, now: datetime
 ) -> StuckStudent | None:
     last = run[-1]
@@ -114,7 +114,7 @@ def _judge_failures(
     may_repeat = failures >= MIN_FAILURES and duration >= MIN_DURATION
     if not (may_repeat or silence >= MIN_SILENCE) or not _is_present(seen_at, last.sent_at, now):
         return None
-    pace = own_pace(all_series)
+    pace = median_pace(all_series)
     least_silence = max(MIN_SILENCE, PACES_OF_SILENCE * pace)
     repeats = may_repeat and duration >= PACES_WITHOUT_PROGRESS * pace
     if not (repeats or silence >= least_silence):
@@ -128,7 +128,7 @@ def _judge_failures(
     )
 
 
-def _judge_beginning(
+def _find_stuck_at_beginning(
     account: UUID,
     latest: Attempts,
     all_series: Sequence[Attempts],
@@ -143,7 +143,7 @@ def _judge_beginning(
         return None
     by_exercise = {series[0].exercise: series for series in all_series}
     left = [name for name in expected.exercises if not is_solved(by_exercise.get(name, ()))]
-    if not left or silence < PACES_OF_BEGINNING * own_pace(all_series):
+    if not left or silence < PACES_OF_BEGINNING * median_pace(all_series):
         return None
     return StuckStudent(account, left[0], now - silence, StuckSign.beginning, 0)
 
@@ -152,7 +152,7 @@ def _is_present(seen_at: datetime, sent_at: datetime, now: datetime) -> bool:
     return seen_at >= sent_at - PRESENCE and now - max(seen_at, sent_at) <= PRESENCE
 
 
-def failures_without_progress(attempts: Attempts, pause: timedelta = BREAK) -> Attempts:
+def trailing_failures_without_progress(attempts: Attempts, pause: timedelta = BREAK) -> Attempts:
     """Return the failures at the end of a series since its last progress, or the last gap longer than `pause`.
 
     None where one of them is no failure.
@@ -168,20 +168,20 @@ def failures_without_progress(attempts: Attempts, pause: timedelta = BREAK) -> A
     return run if all(attempt.outcome in FAILURES for attempt in run) else ()
 
 
-def own_pace(all_series: Sequence[Attempts]) -> timedelta:
+def median_pace(all_series: Sequence[Attempts]) -> timedelta:
     """Return the median time between two attempts of a student, breaks left out; the usual one for few attempts."""
-    gaps = [gap for series in all_series for gap in _gaps(series)]
+    gaps = [gap for series in all_series for gap in _gaps_in_seconds(series)]
     return timedelta(seconds=median(gaps)) if len(gaps) >= MIN_GAPS else USUAL_PACE
 
 
 @cached_per_series
-def _gaps(attempts: Attempts) -> Sequence[float]:
+def _gaps_in_seconds(attempts: Attempts) -> Sequence[float]:
     """Return the seconds between an attempt and the next, breaks left out."""
     gaps = [later.sent_at - earlier.sent_at for earlier, later in pairwise(attempts)]
     return tuple(gap.total_seconds() for gap in gaps if gap <= BREAK)
 
 
-def progress_state(totals: StandingTotals | None, *, stuck: bool) -> ProgressState:
+def classify_progress(totals: StandingTotals | None, *, stuck: bool) -> ProgressState:
     if totals is None:
         return ProgressState.none
     if totals.first_success_at is not None:

@@ -10,7 +10,7 @@ from typing import TypeVar
 from starlette.concurrency import run_in_threadpool
 
 from server.base import root_path
-from server.board.live import LiveBoards
+from server.board.live import LiveClassViews
 from server.board.service import may_watch_board
 from server.database import Database
 from server.identity.models import Account
@@ -26,7 +26,7 @@ ShownType = TypeVar("ShownType")
 
 
 async def require_watched_class(
-    database: Database, account: Account, boards: LiveBoards, class_id: str
+    database: Database, account: Account, boards: LiveClassViews, class_id: str
 ) -> tuple[ClassAccess, Callable[[], bool]]:
     """Return the class that a teacher watches, and whether they still may. Refusals come before the stream begins."""
     access = await run_in_threadpool(_require_access, database, account, class_id)

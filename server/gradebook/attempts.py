@@ -22,15 +22,15 @@ class StoredAttempt(NamedTuple):
     may_be_held: bool
 
 
-def load_attempt(db: Session, submission_id: UUID) -> StoredAttempt | None:
+def load_stored_attempt(db: Session, submission_id: UUID) -> StoredAttempt | None:
     """Load an attempt as it stands now."""
-    return _load(db, _select_attempts().where(Submission.id == submission_id))
+    return _load_attempt_of_query(db, _select_attempts().where(Submission.id == submission_id))
 
 
-def load_latest_attempt(db: Session, account_id: UUID, exercise: str) -> StoredAttempt | None:
+def load_latest_stored_attempt(db: Session, account_id: UUID, exercise: str) -> StoredAttempt | None:
     """Load the attempt that an account sent last to an exercise."""
     query = _select_attempts().where(Submission.account_id == account_id, Submission.exercise == exercise)
-    return _load(db, query.order_by(Submission.created_at.desc(), Submission.id.desc()).limit(1))
+    return _load_attempt_of_query(db, query.order_by(Submission.created_at.desc(), Submission.id.desc()).limit(1))
 
 
 def _select_attempts() -> Select[*tuple[Any, ...]]:
@@ -38,6 +38,6 @@ def _select_attempts() -> Select[*tuple[Any, ...]]:
     return query.outerjoin(Grading, Grading.id == Submission.grading_id)
 
 
-def _load(db: Session, query: Select[*tuple[Any, ...]]) -> StoredAttempt | None:
+def _load_attempt_of_query(db: Session, query: Select[*tuple[Any, ...]]) -> StoredAttempt | None:
     row = db.execute(query.execution_options(populate_existing=True), {"now": utc_now()}).one_or_none()
     return None if row is None else StoredAttempt(*row)

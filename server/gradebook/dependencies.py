@@ -11,7 +11,7 @@ from server.gradebook import solutions
 from server.identity.dependencies import SignedIn
 
 
-def _solution_toggle(
+def _make_solution_opener(
     account: SignedIn,
     db: Db,
     ouvrir: Annotated[bool, Form()],
@@ -24,4 +24,4 @@ def _solution_toggle(
 
 
 #: Opens or closes the solution of an exercise as a form says: to a class, or to everyone where none is named.
-SolutionToggle = Annotated[Callable[[str], None], Depends(_solution_toggle)]
+SolutionToggle = Annotated[Callable[[str], None], Depends(_make_solution_opener)]

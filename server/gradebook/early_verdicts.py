@@ -14,30 +14,30 @@ from server.gradebook.models import EarlyVerdict
 from server.submissions.models import Submission
 
 
-def store(db: Session, submission_id: UUID, verdict: Verdict) -> bool:
+def store_early_verdict(db: Session, submission_id: UUID, verdict: Verdict) -> bool:
     """Store the verdict of a submission without its diagnosis; False where the submission is gone or is graded."""
     waiting = select(Submission.id).where(Submission.id == submission_id, Submission.grading_id.is_(None))
     if db.execute(waiting).one_or_none() is None:
         return False
-    drop(db, submission_id)
+    delete_early_verdict(db, submission_id)
     written = limit_size(Judgement(verdict)).verdict.to_json()
     db.execute(insert(EarlyVerdict).values(submission_id=submission_id, verdict=written))
     return True
 
 
-def load(db: Session, submission_id: UUID) -> Verdict | None:
+def load_early_verdict(db: Session, submission_id: UUID) -> Verdict | None:
     """Return the stored verdict of a submission; None where there is none."""
     query = select(EarlyVerdict.verdict).where(EarlyVerdict.submission_id == submission_id)
     stored = db.execute(query).scalar_one_or_none()
     return None if stored is None else Verdict.from_json(stored)
 
 
-def exists(db: Session, submission_id: UUID) -> bool:
+def has_early_verdict(db: Session, submission_id: UUID) -> bool:
     """Whether there is a verdict to show while a submission is graded."""
     query = select(EarlyVerdict.submission_id).where(EarlyVerdict.submission_id == submission_id)
     return db.execute(query).one_or_none() is not None
 
 
-def drop(db: Session, submission_id: UUID) -> None:
+def delete_early_verdict(db: Session, submission_id: UUID) -> None:
     """Forget the verdict of a submission, once it is graded."""
     db.execute(delete(EarlyVerdict).where(EarlyVerdict.submission_id == submission_id))

@@ -20,7 +20,7 @@ def load_figure_data(db: Session, attempt: Attempt, name: str, grading_id: UUID 
 
     `grading_id`: one of its gradings, as an open page shows what that one said, whichever counts since.
     """
-    visible_id = _visible_grading(db, attempt, grading_id)
+    visible_id = _find_visible_grading(db, attempt, grading_id)
     data = None if visible_id is None else repository.load_figures(db, visible_id).get(name)
     if not isinstance(data, dict):
         raise NotFound(NO_FIGURE)
@@ -41,7 +41,7 @@ def load_film_data(
     db: Session, attempt: Attempt, check: str, grading_id: UUID | None = None
 ) -> tuple[dict[str, Any], str]:
     """Return the film of a check of this attempt, and the title of the check. Raise NotFound."""
-    visible_id = _visible_grading(db, attempt, grading_id)
+    visible_id = _find_visible_grading(db, attempt, grading_id)
     row = None if visible_id is None else repository.load_film(db, visible_id, check)
     if row is None or not isinstance(row[0], dict):
         raise NotFound(NO_FILM)
@@ -50,7 +50,7 @@ def load_film_data(
     return film, titles.get(check, check)
 
 
-def _visible_grading(db: Session, attempt: Attempt, grading_id: UUID | None) -> UUID | None:
+def _find_visible_grading(db: Session, attempt: Attempt, grading_id: UUID | None) -> UUID | None:
     """Return the grading to show: none of a withheld attempt, whichever is asked for."""
     counting = None if attempt.grading is None else attempt.grading.id
     if grading_id is None or grading_id == counting:

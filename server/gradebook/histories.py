@@ -25,7 +25,7 @@ from sqlalchemy.orm import Session
 from server.assignments.counting import ScoredAttempt
 from server.base.caches import LRUCache
 from server.gradebook.models import Grading
-from server.gradebook.standings import StandingTotals, compute_totals
+from server.gradebook.standings import StandingTotals, compute_standing_totals
 from server.submissions.models import Submission
 
 MAX_CACHED_ATTEMPTS = 60_000  # of all accounts together, 1 kB each at most
@@ -136,9 +136,9 @@ def cached_per_history(
 
 
 @cached_per_series
-def attempt_totals(attempts: Attempts) -> StandingTotals:
-    """Return what `compute_totals` does."""
-    return compute_totals(attempts)
+def cached_totals(attempts: Attempts) -> StandingTotals:
+    """Return what `compute_standing_totals` does."""
+    return compute_standing_totals(attempts)
 
 
 class AccountHistory(NamedTuple):
@@ -156,7 +156,7 @@ def load_revisions(db: Session, accounts: Collection[UUID]) -> Revisions:
     return {account_id: (int(low), int(high)) for account_id, low, high in rows}
 
 
-class AttemptHistories:
+class AttemptHistoryCache:
     """An LRU cache of histories by account, bounded by the attempts of all of them."""
 
     def __init__(self, max_attempts: int) -> None:
@@ -172,7 +172,7 @@ class AttemptHistories:
         }
         missing = revisions.keys() - histories.keys()
         if missing:
-            for account_id, history in _read_histories(db, missing).items():
+            for account_id, history in _read_account_histories(db, missing).items():
                 histories[account_id] = self._histories.put(account_id, history)
         return dict(sorted(histories.items(), key=lambda item: item[0].int))
 
@@ -180,10 +180,10 @@ class AttemptHistories:
         self._histories.clear()
 
 
-HISTORIES = AttemptHistories(MAX_CACHED_ATTEMPTS)
+HISTORIES = AttemptHistoryCache(MAX_CACHED_ATTEMPTS)
 
 
-def load_attempts(
+def load_attempts_by_pair(
     db: Session, revisions: Revisions, exercises: Collection[str], until: datetime | None
 ) -> LoadedAttempts:
     """Return the attempts at these exercises, sent by `until` (None: at any time), by account and exercise.
@@ -192,8 +192,8 @@ def load_attempts(
     """
     wanted = frozenset(exercises)
     histories = (history.attempts for history in HISTORIES.load(db, revisions).values())
-    attempts = (own if own.keys() <= wanted else _choose(own, wanted, own.account) for own in histories)
-    return LoadedAttempts(attempts if until is None else (_sent_by(own, until) for own in attempts))
+    attempts = (own if own.keys() <= wanted else _select_exercises(own, wanted, own.account) for own in histories)
+    return LoadedAttempts(attempts if until is None else (_sent_until(own, until) for own in attempts))
 
 
 def group_by_account(attempts: AttemptsByPair) -> Mapping[UUID, Mapping[str, Attempts]]:
@@ -207,18 +207,18 @@ def group_by_account(attempts: AttemptsByPair) -> Mapping[UUID, Mapping[str, Att
 
 
 @cached_per_history
-def _choose(own: Mapping[str, Attempts], wanted: frozenset[str], account: UUID) -> OwnAttempts:
+def _select_exercises(own: Mapping[str, Attempts], wanted: frozenset[str], account: UUID) -> OwnAttempts:
     return OwnAttempts(account, {exercise: series for exercise, series in own.items() if exercise in wanted})
 
 
-def _sent_by(own: OwnAttempts, until: datetime) -> OwnAttempts:
+def _sent_until(own: OwnAttempts, until: datetime) -> OwnAttempts:
     if all(series[-1].sent_at <= until for series in own.values()):
         return own
     sent = {name: [attempt for attempt in series if attempt.sent_at <= until] for name, series in own.items()}
     return OwnAttempts(own.account, {name: tuple(series) for name, series in sent.items() if series})
 
 
-def _read_histories(db: Session, accounts: Collection[UUID]) -> Mapping[UUID, AccountHistory]:
+def _read_account_histories(db: Session, accounts: Collection[UUID]) -> Mapping[UUID, AccountHistory]:
     columns = (
         *(Submission.account_id, Submission.exercise, Submission.created_at, Submission.id, Submission.digest),
         *(Grading.outcome, Grading.score, Grading.diagnosis, Submission.grading_id, Submission.revision),

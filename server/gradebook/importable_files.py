@@ -20,15 +20,19 @@ from server.submissions.repository import GradingRow
 
 def load_importable_files(db: Session, course: Course, submission: Submission | GradingRow) -> Own:
     """Load the files that an attempt may import, as of when it was sent; none where it does not mention any."""
-    return _load_files(db, course, submission.account_id, submission.exercise, submission.source, submission.created_at)
+    return _load_importable_files_at(
+        db, course, submission.account_id, submission.exercise, submission.source, submission.created_at
+    )
 
 
 def load_importable_files_now(db: Session, course: Course, account_id: UUID, exercise: str, source: bytes) -> Own:
     """Load the files that a program may import now, which has not been sent."""
-    return _load_files(db, course, account_id, exercise, source, utc_now())
+    return _load_importable_files_at(db, course, account_id, exercise, source, utc_now())
 
 
-def _load_files(db: Session, course: Course, account_id: UUID, exercise: str, source: bytes, sent_at: datetime) -> Own:
+def _load_importable_files_at(
+    db: Session, course: Course, account_id: UUID, exercise: str, source: bytes, sent_at: datetime
+) -> Own:
     reused = [earlier.id for earlier in course.reused(exercise)]
     if not reused or LIBRARY_MENTION not in source:
         return NOTHING_OWN
@@ -37,14 +41,14 @@ def _load_files(db: Session, course: Course, account_id: UUID, exercise: str, so
     return {row.exercise: row.source for row in rows}
 
 
-def load_tested_exercises(db: Session, course: Course, submission: Submission | GradingRow) -> frozenset[str]:
+def load_exercises_in_sat_tests(db: Session, course: Course, submission: Submission | GradingRow) -> frozenset[str]:
     """Load the exercises of the tests that the author sat when they sent an attempt, if it may import anything."""
     if not course.reused(submission.exercise):
         return frozenset()
     return sittings.load_exercises_in_sat_tests(db, submission.account_id, submission.created_at)
 
 
-def importable_file_times(db: Session, account_id: UUID, exercises: Collection[str]) -> Mapping[str, datetime]:
+def load_importable_file_times(db: Session, account_id: UUID, exercises: Collection[str]) -> Mapping[str, datetime]:
     """Return when the files were sent that a program may import now, by exercise."""
     if not exercises:
         return {}
@@ -62,13 +66,13 @@ def _select_importable(
         select(Submission.id, func.row_number().over(partition_by=Submission.exercise, order_by=order).label("rank"))
         .join(Grading, Grading.id == Submission.grading_id)
         .where(Submission.account_id == account_id, Grading.outcome == Outcome.OK, Submission.created_at < before)
-        .where(or_(*_not_withheld(db, account_id, exercises)))
+        .where(or_(*_conditions_not_withheld(db, account_id, exercises)))
         .subquery()
     )
     return select(ranked.c.id).where(ranked.c.rank == 1)
 
 
-def _not_withheld(db: Session, account_id: UUID, exercises: Collection[str]) -> list[ColumnElement[bool]]:
+def _conditions_not_withheld(db: Session, account_id: UUID, exercises: Collection[str]) -> list[ColumnElement[bool]]:
     """Return conditions for attempts whose verdict is not withheld: an import must not reveal it."""
     held_since = {
         exercise: holds.held_since for exercise, holds in feedback.load_holds_by_exercise(db, account_id).items()

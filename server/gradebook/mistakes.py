@@ -43,7 +43,7 @@ def load_past_mistakes(
 ) -> tuple[PastMistake, ...]:
     """Load the misconceptions that an account may know of, in these exercises or in all, the latest shown first."""
     attempts = load_attempts_with_feedback(db, account_id, exercises)
-    mistakes = [mistake for series in attempts.values() for mistake in past_mistakes(series)]
+    mistakes = [mistake for series in attempts.values() for mistake in iter_past_mistakes(series)]
     return tuple(sorted(mistakes, key=lambda mistake: mistake.last.sent_at, reverse=True))
 
 
@@ -79,7 +79,7 @@ def load_attempts_with_feedback(
     return {name: tuple(series) for name, series in groupby(sorted(attempts, key=by_exercise), by_exercise)}
 
 
-def past_mistakes(attempts: Attempts) -> Iterator[PastMistake]:
+def iter_past_mistakes(attempts: Attempts) -> Iterator[PastMistake]:
     """Yield each misconception that attempts at one exercise show, the oldest attempt first. Pure."""
     indices: dict[str, list[int]] = {}
     for index, attempt in enumerate(attempts):
@@ -88,16 +88,16 @@ def past_mistakes(attempts: Attempts) -> Iterator[PastMistake]:
     for misconception, shown in indices.items():
         last = attempts[shown[-1]]
         yield PastMistake(
-            misconception, attempts[shown[0]], last, len(shown), find_better(last, attempts[shown[-1] + 1 :])
+            misconception, attempts[shown[0]], last, len(shown), find_better_attempt(last, attempts[shown[-1] + 1 :])
         )
 
 
-def find_better(attempt: GradedAttempt, later: Iterable[GradedAttempt]) -> GradedAttempt | None:
+def find_better_attempt(attempt: GradedAttempt, later: Iterable[GradedAttempt]) -> GradedAttempt | None:
     """Return the first of later attempts that scored more. Pure."""
     return next((other for other in later if other.score > attempt.score), None)
 
 
-def load_sources(db: Session, submissions: Collection[UUID]) -> Mapping[UUID, bytes]:
+def load_submission_sources(db: Session, submissions: Collection[UUID]) -> Mapping[UUID, bytes]:
     """Load what was sent in these submissions."""
     rows = db.execute(select(Submission.id, Submission.source).where(Submission.id.in_(submissions)))
     return dict(rows.all())

@@ -52,7 +52,7 @@ class Standing(Base):
     """Totals of one account's counting gradings in one exercise, internal errors left out.
 
     `last_…` belong to the attempt that was sent last, and times are those of sending, so that the order of grading does
-    not matter. It can be rebuilt from the gradings (`gradebook.service.recount_standings`).
+    not matter. It can be rebuilt from the gradings (`gradebook.service.rebuild_account_standings`).
     """
 
     __tablename__ = "standing"

@@ -67,24 +67,24 @@ def list_attempts_with_total(
     db: Session, account_id: UUID, exercise: str, *, limit: int, offset: int
 ) -> Sequence[Row[int, UUID, datetime, str | None, float | None]]:
     """Return how many attempts there are in all, and id, time, outcome and score of some, newest first."""
-    total = select(func.count()).select_from(Submission).where(_attempts_of(account_id, exercise)).scalar_subquery()
+    total = select(func.count()).select_from(Submission).where(_is_attempt_of(account_id, exercise)).scalar_subquery()
     query = select(total, Submission.id, Submission.created_at, Grading.outcome, Grading.score)
-    query = query.outerjoin(Grading, Grading.id == Submission.grading_id).where(_attempts_of(account_id, exercise))
+    query = query.outerjoin(Grading, Grading.id == Submission.grading_id).where(_is_attempt_of(account_id, exercise))
     return db.execute(query.order_by(*NEWEST_FIRST).limit(limit).offset(offset)).all()
 
 
-def load_ids_not_loaded(db: Session, submission_ids: Collection[UUID]) -> frozenset[UUID]:
+def load_ids_of_files_not_run(db: Session, submission_ids: Collection[UUID]) -> frozenset[UUID]:
     """Return those of these attempts whose file did not run to its end, by the grading that counts."""
     query = select(Submission.id).join(Grading, Grading.id == Submission.grading_id)
     query = query.where(Submission.id.in_(submission_ids), Grading.verdict["load_error"].as_string() != "")
     return frozenset(db.scalars(query))
 
 
-def count_attempts_until(db: Session, submission: Submission) -> int:
+def count_attempts_up_to(db: Session, submission: Submission) -> int:
     """Count the author's attempts at the same exercise up to and including this one."""
     query = select(func.count()).select_from(Submission)
-    query = query.where(_attempts_of(submission.account_id, submission.exercise))
-    return db.execute(query.where(_place_of(submission) >= SENDING_ORDER)).scalar_one()
+    query = query.where(_is_attempt_of(submission.account_id, submission.exercise))
+    return db.execute(query.where(_sending_order_key(submission) >= SENDING_ORDER)).scalar_one()
 
 
 def find_duplicate(db: Session, file: SentFile, version: str, held_since: datetime | None) -> Submission | None:
@@ -99,7 +99,7 @@ def find_duplicate(db: Session, file: SentFile, version: str, held_since: dateti
     query = (
         select(Submission)
         .outerjoin(Grading, Grading.id == Submission.grading_id)
-        .where(_attempts_of(file.account_id, file.exercise))
+        .where(_is_attempt_of(file.account_id, file.exercise))
         .where(Submission.digest == file.digest, Submission.source == file.source)
         .where(or_(Submission.grading_id.is_(None), final))
         .order_by(*NEWEST_FIRST)
@@ -123,13 +123,15 @@ def load_previous_verdict(db: Session, submission: Submission) -> dict[str, Any]
         select(Grading.verdict)
         .select_from(Submission)
         .outerjoin(Grading, Grading.id == Submission.grading_id)
-        .where(_attempts_of(submission.account_id, submission.exercise), _place_of(submission) > SENDING_ORDER)
+        .where(
+            _is_attempt_of(submission.account_id, submission.exercise), _sending_order_key(submission) > SENDING_ORDER
+        )
         .order_by(*NEWEST_FIRST)
     )
     return db.execute(query.limit(1)).scalar_one_or_none()
 
 
-def _place_of(submission: Submission) -> ColumnElement[tuple[Any, ...]]:
+def _sending_order_key(submission: Submission) -> ColumnElement[tuple[Any, ...]]:
     """Return the place of a submission in `SENDING_ORDER`."""
     return tuple_(
         type_coerce(submission.created_at, Submission.created_at.type),
@@ -137,7 +139,7 @@ def _place_of(submission: Submission) -> ColumnElement[tuple[Any, ...]]:
     )
 
 
-def _attempts_of(account_id: UUID, exercise: str) -> ColumnElement[bool]:
+def _is_attempt_of(account_id: UUID, exercise: str) -> ColumnElement[bool]:
     return and_(Submission.account_id == account_id, Submission.exercise == exercise)
 
 
@@ -149,7 +151,9 @@ def count_distinct_failures(
         select(func.count(Submission.digest.distinct()))
         .join(Grading, Grading.id == Submission.grading_id)
         .where(
-            _attempts_of(account_id, exercise), Grading.outcome.in_(OPENING_HINTS), Submission.digest != excluded_digest
+            _is_attempt_of(account_id, exercise),
+            Grading.outcome.in_(OPENING_HINTS),
+            Submission.digest != excluded_digest,
         )
     )
     return db.execute(query if until is None else query.where(Submission.created_at < until)).scalar_one()
@@ -185,14 +189,14 @@ def add_grading(db: Session, submission_id: UUID, graded: GradingResult) -> UUID
     return grading_id
 
 
-def list_failed_submissions(db: Session) -> Sequence[Submission]:
+def list_internal_error_submissions(db: Session) -> Sequence[Submission]:
     """Return the submissions whose counting grading is an internal error, the oldest first."""
     query = select(Submission).join(Grading, Grading.id == Submission.grading_id).options(defer(Submission.source))
     query = query.where(Grading.outcome == Outcome.INTERNAL_ERROR)
     return db.execute(query.order_by(Submission.created_at, Submission.id)).scalars().all()
 
 
-def load_with_author(db: Session, submission_id: UUID) -> tuple[Submission, Account] | None:
+def load_submission_with_author(db: Session, submission_id: UUID) -> tuple[Submission, Account] | None:
     query = select(Submission, Account).join(Account, Account.id == Submission.account_id)
     row = db.execute(query.where(Submission.id == submission_id)).one_or_none()
     return None if row is None else (row[0], row[1])
@@ -253,7 +257,7 @@ def load_film(db: Session, grading_id: UUID, check: str) -> tuple[Any, dict[str,
     return None if row is None or not films or check not in films else (films[check], row[1])
 
 
-def find_opening(db: Session, exercise: str) -> SolutionOpening | None:
+def find_solution_opening(db: Session, exercise: str) -> SolutionOpening | None:
     return db.get(SolutionOpening, exercise)
 
 

@@ -12,13 +12,15 @@ from server.submissions.service import UNKNOWN_SUBMISSION, Submissions, parse_su
 NOTHING_TO_DO = "L’essai {name} a son verdict : une recorrection, depuis la classe, le corrige à nouveau."
 
 
-def requeue(database: Database, submissions: Submissions, *, failed: bool, names: Collection[str] = ()) -> list[UUID]:
+def requeue_for_grading(
+    database: Database, submissions: Submissions, *, failed: bool, names: Collection[str] = ()
+) -> list[UUID]:
     """Queue submissions that wait without a job, with `failed` also those with an internal error, or these alone.
 
     Each takes a transaction of its own. Failed gradings stay in the history. Return the ids; raise NotFound.
     """
     with database.read() as db:
-        rows = (*stored.list_ungraded(db), *(repository.list_failed_submissions(db) if failed or names else ()))
+        rows = (*stored.list_ungraded(db), *(repository.list_internal_error_submissions(db) if failed or names else ()))
         grading_by_submission = {submission.id: submission.grading_id for submission in rows}
     wanted = list(map(parse_submission_id, names))
     for submission_id in sorted(set(wanted) - grading_by_submission.keys()):
@@ -28,12 +30,14 @@ def requeue(database: Database, submissions: Submissions, *, failed: bool, names
     return [
         submission_id
         for submission_id in wanted or grading_by_submission
-        if _requeue(database, submissions, submission_id, grading_by_submission[submission_id])
+        if _requeue_submission(database, submissions, submission_id, grading_by_submission[submission_id])
     ]
 
 
-def _requeue(database: Database, submissions: Submissions, submission_id: UUID, grading_id: UUID | None) -> bool:
+def _requeue_submission(
+    database: Database, submissions: Submissions, submission_id: UUID, grading_id: UUID | None
+) -> bool:
     """Return False where it has been graded meanwhile, is queued already, or is gone."""
     with database.write() as db:
-        row = repository.load_with_author(db, submission_id)
+        row = repository.load_submission_with_author(db, submission_id)
         return row is not None and row[0].grading_id == grading_id and submissions.requeue(db, *row)

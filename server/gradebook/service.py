@@ -16,7 +16,7 @@ from server.assignments.team_repository import is_teammate
 from server.base.errors import NotFound
 from server.database import Database
 from server.gradebook import early_verdicts, repository, standings
-from server.gradebook.attempts import StoredAttempt, load_attempt, load_latest_attempt
+from server.gradebook.attempts import StoredAttempt, load_latest_stored_attempt, load_stored_attempt
 from server.gradebook.models import Grading
 from server.gradebook.schemas import Attempt, AttemptLine, AttemptList, ExerciseProgress, GradingResult
 from server.gradebook.standings import CountedAttempt, StandingTotals
@@ -36,13 +36,13 @@ def record_grading(db: Session, submission_id: UUID, graded: GradingResult) -> U
     account_id, exercise, sent_at, earlier_grading = row
     repository.set_counting_grading(db, submission_id, repository.add_grading(db, submission_id, graded))
     if graded.verdict.diagnosis is not None or graded.verdict.outcome is not Outcome.OK:
-        early_verdicts.drop(db, submission_id)
+        early_verdicts.delete_early_verdict(db, submission_id)
     if earlier_grading is not None:
         standings.rebuild_account(db, account_id, exercise)
     elif graded.verdict.outcome.counts:
         verdict = graded.verdict
         attempt = CountedAttempt(sent_at, verdict.outcome.value, verdict.score, verdict.counted_misconception)
-        standings.count_attempt(db, account_id, exercise, attempt)
+        standings.add_attempt_to_standing(db, account_id, exercise, attempt)
     return account_id
 
 
@@ -57,7 +57,7 @@ def set_counting_grading(db: Session, submission_id: UUID, grading_id: UUID) -> 
     if row is None or not repository.is_grading_of(db, grading_id, submission_id):
         raise NotFound(UNKNOWN_SUBMISSION)
     repository.set_counting_grading(db, submission_id, grading_id)
-    recount_standings(db, row[0], row[1])
+    rebuild_account_standings(db, row[0], row[1])
 
 
 def set_counting_gradings(
@@ -71,7 +71,7 @@ def set_counting_gradings(
     standings.rebuild_accounts(db, accounts, exercise)
 
 
-def recount_standings(db: Session, account_id: UUID, exercise: str | None = None) -> int:
+def rebuild_account_standings(db: Session, account_id: UUID, exercise: str | None = None) -> int:
     """Rebuild an account's standings from its history. Return how many have changed."""
     return standings.rebuild_account(db, account_id, exercise)
 
@@ -79,22 +79,22 @@ def recount_standings(db: Session, account_id: UUID, exercise: str | None = None
 def rebuild_all_standings(database: Database) -> tuple[int, int]:
     """Rebuild every standing, one account a transaction. Return how many there are, and how many have changed."""
     with database.read() as db:
-        accounts = standings.list_accounts(db)
+        accounts = standings.list_accounts_with_standings(db)
     changed = 0
     for account_id in accounts:
         with database.write() as db:
-            changed += recount_standings(db, account_id)
+            changed += rebuild_account_standings(db, account_id)
     with database.read() as db:
         return standings.count_standings(db), changed
 
 
-def adopt_attempts(db: Session, guest_id: UUID, account_id: UUID) -> None:
+def move_guest_attempts(db: Session, guest_id: UUID, account_id: UUID) -> None:
     """Move a guest's attempts and variants to the account that the same person has just opened."""
     standings.lock_accounts(db, [guest_id, account_id])
     stored.move_submissions(db, guest_id, account_id)
     variants.adopt_guest_variants(db, guest_id, account_id)
     for owner in (guest_id, account_id):
-        recount_standings(db, owner)
+        rebuild_account_standings(db, owner)
 
 
 def hand_over_attempts(db: Session, account_id: UUID, heir_id: UUID, submissions: Collection[UUID]) -> None:
@@ -102,7 +102,7 @@ def hand_over_attempts(db: Session, account_id: UUID, heir_id: UUID, submissions
     standings.lock_accounts(db, [account_id, heir_id])
     stored.give_submissions(db, submissions, heir_id)
     for owner in (account_id, heir_id):
-        recount_standings(db, owner)
+        rebuild_account_standings(db, owner)
 
 
 def find_attempt(db: Session, account: Account | None, submission_id: UUID | str) -> Attempt:
@@ -110,15 +110,15 @@ def find_attempt(db: Session, account: Account | None, submission_id: UUID | str
 
     Raise NotFound for any other, existing or not.
     """
-    attempt = load_attempt(db, parse_submission_id(submission_id))
+    attempt = load_stored_attempt(db, parse_submission_id(submission_id))
     if attempt is None or account is None:
         raise NotFound(UNKNOWN_SUBMISSION)
     if may_view(db, account, attempt.submission):
-        return _attempt_seen_by(db, account.id, attempt)
-    return _shared_attempt(db, account.id, attempt)
+        return _stored_attempt_seen_by(db, account.id, attempt)
+    return _attempt_shared_by_teammate(db, account.id, attempt)
 
 
-def _shared_attempt(db: Session, account_id: UUID, attempt: StoredAttempt) -> Attempt:
+def _attempt_shared_by_teammate(db: Session, account_id: UUID, attempt: StoredAttempt) -> Attempt:
     """Return an attempt of somebody with whom the account hands in, without what is withheld from either of them.
 
     Raise NotFound for the attempt of anybody else, or of a test.
@@ -134,7 +134,7 @@ def _shared_attempt(db: Session, account_id: UUID, attempt: StoredAttempt) -> At
     return Attempt(submission, attempt.grading, own, shared=True)
 
 
-def _attempt_seen_by(db: Session, account_id: UUID, attempt: StoredAttempt) -> Attempt:
+def _stored_attempt_seen_by(db: Session, account_id: UUID, attempt: StoredAttempt) -> Attempt:
     if not attempt.may_be_held:
         feedback.memoise_no_holds(db, attempt.submission.account_id, attempt.submission.exercise)
     return attempt_seen_by(db, account_id, attempt.submission, attempt.grading)
@@ -154,8 +154,8 @@ def attempt_seen_by(db: Session, account_id: UUID, submission: Submission, gradi
 
 def find_latest_attempt(db: Session, account: Account | None, exercise_id: str) -> Attempt | None:
     """Return the account's last attempt at an exercise."""
-    attempt = None if account is None else load_latest_attempt(db, account.id, exercise_id)
-    return None if attempt is None or account is None else _attempt_seen_by(db, account.id, attempt)
+    attempt = None if account is None else load_latest_stored_attempt(db, account.id, exercise_id)
+    return None if attempt is None or account is None else _stored_attempt_seen_by(db, account.id, attempt)
 
 
 def list_attempts(db: Session, account: Account | None, exercise_id: str, limit: int, offset: int = 0) -> AttemptList:
@@ -165,7 +165,7 @@ def list_attempts(db: Session, account: Account | None, exercise_id: str, limit:
     rows = repository.list_attempts_with_total(db, account.id, exercise_id, limit=limit, offset=offset)
     holds = feedback.load_holds(db, account.id, exercise_id)
     held = {row.id for row in rows if holds.find_withholding_test(row.created_at)}
-    not_loaded = repository.load_ids_not_loaded(db, held) if held else frozenset()
+    not_loaded = repository.load_ids_of_files_not_run(db, held) if held else frozenset()
     lines = (
         AttemptLine(
             id, total - index, sent_at, None, None, True, outcome == Outcome.INTERNAL_ERROR, id not in not_loaded
@@ -192,7 +192,7 @@ def find_duplicate(db: Session, account: Account, exercise_id: str, code: str, v
     return repository.find_duplicate(db, file, version, holds.held_since)
 
 
-def previous_verdict(db: Session, attempt: Attempt) -> Verdict | None:
+def load_previous_verdict(db: Session, attempt: Attempt) -> Verdict | None:
     """Return the verdict of the attempt just before this one, of the same author at the same exercise."""
     verdict = repository.load_previous_verdict(db, attempt.submission)
     return None if verdict is None else attempt.feedback.remove_withheld_parts(Verdict.from_json(verdict))
@@ -200,7 +200,7 @@ def previous_verdict(db: Session, attempt: Attempt) -> Verdict | None:
 
 def attempt_number(db: Session, submission: Submission) -> int:
     """Return 1 for the author's first attempt at the exercise, and so on."""
-    return repository.count_attempts_until(db, submission)
+    return repository.count_attempts_up_to(db, submission)
 
 
 def load_progress(db: Session, account: Account | None, exercise_id: str | None = None) -> dict[str, ExerciseProgress]:

@@ -50,7 +50,7 @@ class SolutionAccess:
     hints_held: FeedbackHold | None = None
     solution_held: FeedbackHold | None = None
 
-    def reason(self, progress: ExerciseProgress) -> AccessReason | None:
+    def access_reason(self, progress: ExerciseProgress) -> AccessReason | None:
         """Return why the account may read the solution, None where it may not."""
         if self.solution_held is not None:
             return AccessReason.teaches if self.teaches else None
@@ -73,7 +73,7 @@ class SolutionAccess:
 def load_solution_access(db: Session, account: Account | None, exercise_id: str) -> SolutionAccess:
     """Load the access of an account in one query, besides what is withheld."""
     if account is None:
-        return SolutionAccess(repository.find_opening(db, exercise_id) is not None, False, False)
+        return SolutionAccess(repository.find_solution_opening(db, exercise_id) is not None, False, False)
     module = rights.module_of_exercise(exercise_id)
     to_all, to_class, teaches = repository.load_solution_access(
         db, account.id, exercise_id, module, rights.teaches_clause
@@ -87,7 +87,7 @@ def list_audiences(db: Session, account: Account | None, exercise_id: str) -> Se
     if account is None:
         return []
     to_all = (
-        [SolutionAudience(None, "", repository.find_opening(db, exercise_id) is not None)]
+        [SolutionAudience(None, "", repository.find_solution_opening(db, exercise_id) is not None)]
         if Right.open_solutions_to_all in rights.server_rights(account)
         else []
     )
@@ -108,7 +108,7 @@ def set_solution_open(db: Session, account: Account, exercise_id: str, class_id:
             raise NotFound(UNKNOWN_CLASS)
     opening = _find_opening(db, exercise_id, class_id)
     if is_open and opening is None:
-        db.add(_new_opening(exercise_id, class_id, account.id))
+        db.add(_build_opening(exercise_id, class_id, account.id))
     elif not is_open and opening is not None:
         db.delete(opening)
 
@@ -118,11 +118,11 @@ Opening = SolutionOpening | ClassOpening
 
 def _find_opening(db: Session, exercise: str, class_id: UUID | None) -> Opening | None:
     if class_id is None:
-        return repository.find_opening(db, exercise)
+        return repository.find_solution_opening(db, exercise)
     return repository.find_class_opening(db, class_id, exercise)
 
 
-def _new_opening(exercise: str, class_id: UUID | None, by: UUID) -> Opening:
+def _build_opening(exercise: str, class_id: UUID | None, by: UUID) -> Opening:
     if class_id is None:
         return SolutionOpening(exercise=exercise, opened_by=by)
     return ClassOpening(class_id=class_id, exercise=exercise, opened_by=by)

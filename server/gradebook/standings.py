@@ -68,7 +68,7 @@ class StandingTotals:
 TOTAL_COLUMNS = tuple(field.name for field in fields(StandingTotals))
 
 
-def compute_totals(attempts: Sequence[Countable]) -> StandingTotals:
+def compute_standing_totals(attempts: Sequence[Countable]) -> StandingTotals:
     """Return the totals of attempts in the order of sending, one at least."""
     successes = [attempt.sent_at for attempt in attempts if attempt.outcome == Outcome.OK]
     last = attempts[-1]
@@ -82,18 +82,18 @@ def compute_totals(attempts: Sequence[Countable]) -> StandingTotals:
     )
 
 
-def count_attempt(db: Session, account_id: UUID, exercise: str, attempt: CountedAttempt) -> None:
+def add_attempt_to_standing(db: Session, account_id: UUID, exercise: str, attempt: CountedAttempt) -> None:
     """Count an attempt's first grading, in one statement: two workers that end at once are both counted.
 
     No two attempts of one account have the same time: the rate limit of the account serialises them.
     """
-    row = {"account_id": account_id, "exercise": exercise, **vars(compute_totals([attempt]))}
-    write_core(db, _count_statement(db.get_bind().dialect.name), row)
+    row = {"account_id": account_id, "exercise": exercise, **vars(compute_standing_totals([attempt]))}
+    write_core(db, _build_upsert_statement(db.get_bind().dialect.name), row)
 
 
 @cache
-def _count_statement(dialect: str) -> Insert:
-    """Return the statement of `count_attempt`, built once: it is on the hot path of a verdict."""
+def _build_upsert_statement(dialect: str) -> Insert:
+    """Return the statement of `add_attempt_to_standing`, built once: it is on the hot path of a verdict."""
     insert = postgresql.insert if dialect == "postgresql" else sqlite.insert
     statement = insert(table_of(Standing))
     new, old = statement.excluded, table_of(Standing).c
@@ -119,13 +119,14 @@ def rebuild_accounts(db: Session, accounts: Collection[UUID], exercise: str | No
     """Rebuild the standings of many accounts, in one exercise or in all. Return how many have changed.
 
     The rows of the accounts and of their standings are locked before the history is read, so that a grading that ends
-    meanwhile is counted afterwards: `count_attempt` waits for the row of the standing, or for that of the account.
+    meanwhile is counted afterwards: `add_attempt_to_standing` waits for the row of the standing, or for that of the
+    account.
     """
     lock_accounts(db, accounts)
-    stored = _load_locked(db, accounts, exercise)
-    rebuilt = _from_history(db, accounts, exercise)
+    stored = _load_locked_standings(db, accounts, exercise)
+    rebuilt = _compute_from_history(db, accounts, exercise)
     wrong = [key for key in stored.keys() | rebuilt.keys() if stored.get(key) != rebuilt.get(key)]
-    _write(db, {key: rebuilt.get(key) for key in wrong})
+    _write_standings(db, {key: rebuilt.get(key) for key in wrong})
     return len(wrong)
 
 
@@ -134,7 +135,7 @@ def lock_accounts(db: Session, accounts: Collection[UUID]) -> None:
     db.execute(select(Account.id).where(Account.id.in_(accounts)).order_by(Account.id).with_for_update())
 
 
-def _write(db: Session, totals_by_pair: Mapping[tuple[UUID, str], StandingTotals | None]) -> None:
+def _write_standings(db: Session, totals_by_pair: Mapping[tuple[UUID, str], StandingTotals | None]) -> None:
     """Insert or update standings, and delete those without totals."""
     rows = [
         {"account_id": account_id, "exercise": exercise, **vars(totals)}
@@ -150,15 +151,15 @@ def _write(db: Session, totals_by_pair: Mapping[tuple[UUID, str], StandingTotals
             db.execute(delete(Standing).where(Standing.account_id == account_id, Standing.exercise == exercise))
 
 
-def _load_locked(db: Session, accounts: Collection[UUID], exercise: str | None) -> TotalsByPair:
+def _load_locked_standings(db: Session, accounts: Collection[UUID], exercise: str | None) -> TotalsByPair:
     query = _select_standings().where(Standing.account_id.in_(accounts))
     query = query if exercise is None else query.where(Standing.exercise == exercise)
-    return _by_pair(db, query.order_by(Standing.account_id, Standing.exercise).with_for_update())
+    return _load_totals_by_pair(db, query.order_by(Standing.account_id, Standing.exercise).with_for_update())
 
 
-def _from_history(db: Session, accounts: Collection[UUID], exercise: str | None) -> TotalsByPair:
+def _compute_from_history(db: Session, accounts: Collection[UUID], exercise: str | None) -> TotalsByPair:
     query = _select_history(accounts)
-    return _load_totals(db, query if exercise is None else query.where(Submission.exercise == exercise))
+    return _compute_totals_by_pair(db, query if exercise is None else query.where(Submission.exercise == exercise))
 
 
 def _select_history(accounts: Collection[UUID]) -> HistoryQuery:
@@ -171,16 +172,17 @@ def _select_history(accounts: Collection[UUID]) -> HistoryQuery:
     )
 
 
-def _load_totals(db: Session, query: HistoryQuery) -> TotalsByPair:
+def _compute_totals_by_pair(db: Session, query: HistoryQuery) -> TotalsByPair:
     groups = groupby(db.execute(query), key=lambda row: (row[0], row[1]))
-    return {key: compute_totals([_counted_attempt(*row[2:]) for row in rows]) for key, rows in groups}
+    return {key: compute_standing_totals([_build_counted_attempt(*row[2:]) for row in rows]) for key, rows in groups}
 
 
 def load_standings_until(db: Session, account_id: UUID, until: Mapping[str, datetime]) -> Mapping[str, StandingTotals]:
     """Return the totals of the attempts sent before these times, by exercise, in these exercises alone."""
     earlier = [and_(Submission.exercise == name, Submission.created_at < when) for name, when in until.items()]
     return {
-        key[1]: totals for key, totals in _load_totals(db, _select_history([account_id]).where(or_(*earlier))).items()
+        key[1]: totals
+        for key, totals in _compute_totals_by_pair(db, _select_history([account_id]).where(or_(*earlier))).items()
     }
 
 
@@ -197,13 +199,15 @@ def _select_standings() -> StandingQuery:
     )
 
 
-def _counted_attempt(sent_at: datetime, outcome: str, score: float | None, diagnosis: str | None) -> CountedAttempt:
+def _build_counted_attempt(
+    sent_at: datetime, outcome: str, score: float | None, diagnosis: str | None
+) -> CountedAttempt:
     if score is None:
         raise ValueError(f"a grading that ended as {outcome} has no score")
     return CountedAttempt(sent_at, outcome, score, diagnosis)
 
 
-def _by_pair(db: Session, query: StandingQuery) -> TotalsByPair:
+def _load_totals_by_pair(db: Session, query: StandingQuery) -> TotalsByPair:
     return {(row[0], row[1]): StandingTotals(*row[2:]) for row in db.execute(query)}
 
 
@@ -214,7 +218,7 @@ def load_account_standings(db: Session, account_id: UUID, exercise: str | None =
     return {row[1]: StandingTotals(*row[2:]) for row in rows}
 
 
-def list_accounts(db: Session) -> Sequence[UUID]:
+def list_accounts_with_standings(db: Session) -> Sequence[UUID]:
     """Return every account that has a standing, or should have one."""
     senders = select(Submission.account_id).where(Submission.grading_id.is_not(None))
     return db.execute(union(senders, select(Standing.account_id))).scalars().all()

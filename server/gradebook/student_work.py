@@ -41,11 +41,11 @@ class ExerciseWork:
     mistake: str
 
 
-def list_attempts(
+def list_attempt_summaries(
     db: Session, account_id: UUID, exercise: str, until: datetime | None, *, limit: int, offset: int = 0
 ) -> tuple[Sequence[AttemptSummary], int]:
     """Return some attempts, newest first, and how many there are in all."""
-    sent = _sent(account_id, exercise, until)
+    sent = _is_sent_attempt(account_id, exercise, until)
     total = select(func.count()).select_from(Submission).where(sent).scalar_subquery()
     columns = (Submission.id, Submission.created_at, Grading.outcome, Grading.score, MISCONCEPTION_TITLE)
     query = (
@@ -62,24 +62,26 @@ def list_attempts(
     return attempts, rows[0][0] if rows else 0
 
 
-def load_with_previous(
+def load_attempt_and_previous(
     db: Session, account_id: UUID, exercise: str, until: datetime | None, number: int
 ) -> Sequence[Submission]:
     """Return the attempt of that number (from 1) after the one before it; the first one alone; nothing beyond."""
     offset = max(0, number - 2)
-    query = select(Submission).where(_sent(account_id, exercise, until))
+    query = select(Submission).where(_is_sent_attempt(account_id, exercise, until))
     query = query.order_by(Submission.created_at, Submission.id).limit(number - offset).offset(offset)
     submissions = db.execute(query).scalars().all()
     return submissions if len(submissions) == number - offset else []
 
 
-def load_by_exercise(db: Session, account_id: UUID, module: str, until: datetime | None) -> Mapping[str, ExerciseWork]:
+def load_work_by_exercise(
+    db: Session, account_id: UUID, module: str, until: datetime | None
+) -> Mapping[str, ExerciseWork]:
     """Return a student's work at each exercise of a module that they have tried."""
     query = select(
         Submission.exercise, func.count(Submission.id), func.max(Grading.score), func.max(Submission.created_at)
     ).outerjoin(Grading, Grading.id == Submission.grading_id)
     query = query.where(Submission.account_id == account_id, Submission.created_at <= (until or END_OF_TIME))
-    mistakes = _load_latest_mistakes(db, account_id, until or END_OF_TIME)
+    mistakes = _load_latest_mistake_titles(db, account_id, until or END_OF_TIME)
     return {
         exercise: ExerciseWork(count, best, last_at, mistakes.get(exercise) or "")
         for exercise, count, best, last_at in db.execute(query.group_by(Submission.exercise))
@@ -87,7 +89,7 @@ def load_by_exercise(db: Session, account_id: UUID, module: str, until: datetime
     }
 
 
-def _load_latest_mistakes(db: Session, account_id: UUID, until: datetime) -> Mapping[str, str | None]:
+def _load_latest_mistake_titles(db: Session, account_id: UUID, until: datetime) -> Mapping[str, str | None]:
     """Return the title of the misconception of the latest attempt at each exercise, internal errors left out."""
     rank = func.row_number().over(
         partition_by=Submission.exercise, order_by=(Submission.created_at.desc(), Submission.id.desc())
@@ -102,7 +104,7 @@ def _load_latest_mistakes(db: Session, account_id: UUID, until: datetime) -> Map
     return {row[0]: row[1] for row in db.execute(query.where(ranked.c.rank == 1))}
 
 
-def _sent(account_id: UUID, exercise: str, until: datetime | None) -> ColumnElement[bool]:
+def _is_sent_attempt(account_id: UUID, exercise: str, until: datetime | None) -> ColumnElement[bool]:
     return and_(
         Submission.account_id == account_id,
         Submission.exercise == exercise,

@@ -23,7 +23,7 @@ from server.submissions.models import Submission
 
 
 @dataclass(frozen=True)
-class TeamAttempt:
+class TeammateAttempt:
     """A graded attempt that a partner, of that name, has sent for a student too; `score` in [0, 1]."""
 
     id: UUID
@@ -32,10 +32,10 @@ class TeamAttempt:
     score: float
 
 
-TeamAttempts = Mapping[tuple[UUID, str], TeamAttempt]
+TeamAttempts = Mapping[tuple[UUID, str], TeammateAttempt]
 
 
-def load_team_attempts(
+def load_teammate_attempts(
     db: Session,
     students: Collection[UUID],
     *,
@@ -66,22 +66,22 @@ def load_team_attempts(
         query = query.where(Assignment.class_id == class_id)
     if exercise is not None:
         query = query.where(AssignedExercise.exercise == exercise)
-    counted: dict[tuple[UUID, str], TeamAttempt] = {}
+    counted: dict[tuple[UUID, str], TeammateAttempt] = {}
     for student, name, id, sent_at, score, counts, *names in db.execute(query) if students else ():
         if score is None:
             continue
-        attempt = TeamAttempt(id, display_name(*names), sent_at, score)
+        attempt = TeammateAttempt(id, display_name(*names), sent_at, score)
         earlier = counted.get((student, name))
         if earlier is None or counts == AttemptSelection.last or score > earlier.score:
             counted[student, name] = attempt
     return counted
 
 
-def find_team_attempt(db: Session, account: Account | None, exercise: str) -> TeamAttempt | None:
+def find_teammate_attempt(db: Session, account: Account | None, exercise: str) -> TeammateAttempt | None:
     """Return what a partner has sent for the account too; None without any, and where a test withholds it."""
     if account is None:
         return None
-    shared = load_team_attempts(db, [account.id], exercise=exercise).get((account.id, exercise))
+    shared = load_teammate_attempts(db, [account.id], exercise=exercise).get((account.id, exercise))
     if shared is None:
         return None
     try:

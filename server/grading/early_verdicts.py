@@ -49,7 +49,7 @@ class EarlyVerdictStore:
         """Store the verdict. Where that fails, the page waits for the whole one."""
         try:
             with self._database.write() as db:
-                if early_verdicts.store(db, submission_id, judgement.verdict):
+                if early_verdicts.store_early_verdict(db, submission_id, judgement.verdict):
                     self._notifier.job_changed(db, job_key(submission_id) + JOB_STARTED_SUFFIX)
         except SQLAlchemyError:
             log.warning("the early verdict of %s was not stored", submission_id, exc_info=True)

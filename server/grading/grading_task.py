@@ -51,7 +51,7 @@ def load_grading_input(
 ) -> GradingInput:
     """Load a submission's input, with the earlier files of its author that it may import from."""
     own = importable_files.load_importable_files(db, course, submission)
-    tested = importable_files.load_tested_exercises(db, course, submission)
+    tested = importable_files.load_exercises_in_sat_tests(db, course, submission)
     return GradingInput(submission.id, submission.exercise, submission.source, submission.seed, started_at, own, tested)
 
 

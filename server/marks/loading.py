@@ -18,7 +18,7 @@ from server.classes import repository as classes
 from server.classes.models import SchoolClass
 from server.classes.schemas import StudentRecord
 from server.course import Course
-from server.gradebook.histories import Revisions, load_attempts, load_revisions
+from server.gradebook.histories import Revisions, load_attempts_by_pair, load_revisions
 from server.marks import columns_repository, repository
 from server.marks.marking import AssignmentMarker, TeacherChoices, mark_exercise
 from server.marks.schemas import (
@@ -127,7 +127,7 @@ def build_gradebook(db: Session, inputs: GradebookInputs) -> Gradebook:
     """Compute the marks, in the transaction that loaded the inputs."""
     course, assigned = inputs.course, inputs.assigned
     exercises = {row.exercise for rows in assigned.exercises.values() for row in rows}
-    attempts = load_attempts(db, inputs.revisions, exercises, inputs.school_class.archived_at)
+    attempts = load_attempts_by_pair(db, inputs.revisions, exercises, inputs.school_class.archived_at)
     weights = tuple(assignment.weight for assignment in assigned.assignments)
     marking = inputs.marking.rules
     choices = TeacherChoices(inputs.overrides, inputs.decisions, marking)
@@ -184,7 +184,7 @@ def _undated_assignment(school_class: SchoolClass) -> Assignment:
 
 def load_unassigned_mark(db: Session, school_class: SchoolClass, student: UUID, exercise: str) -> ExerciseMark:
     """Load a student's mark at an exercise that no assignment of the class asks: the best of all attempts."""
-    attempts = load_attempts(db, load_revisions(db, [student]), [exercise], school_class.archived_at)
+    attempts = load_attempts_by_pair(db, load_revisions(db, [student]), [exercise], school_class.archived_at)
     override = repository.load_active_overrides(db, school_class.id, [student], [exercise]).get(
         (student, exercise, None)
     )

@@ -80,7 +80,7 @@ def _load_passed_program(
             return None
         progress = gradebook.load_progress(db, account, exercise.id).get(exercise.id, NOTHING_YET)
         access = solutions.load_solution_access(db, account, exercise.id)
-        return PassedProgram(exercise, attempt.submission.code, access.reason(progress) is not None)
+        return PassedProgram(exercise, attempt.submission.code, access.access_reason(progress) is not None)
 
 
 def _build_review_page(

@@ -11,7 +11,7 @@ from fastapi import APIRouter, Request
 from fastapi.responses import Response
 
 from server.board.catalogue import find_misconception
-from server.board.latest_change import LatestChange, compare_attempts
+from server.board.latest_change import LatestChange, find_change_between
 from server.comments.side_by_side import compare_side_by_side
 from server.course import Course, Exercise
 from server.course.families import MisconceptionFamily, find_family
@@ -91,9 +91,9 @@ def _load_mending_change(reader: Reader, exercise: Exercise, mistake: PastMistak
     """Load what an author changed to mend a misconception, in one query."""
     if mistake.mended is None:
         return None
-    sources = mistakes.load_sources(reader.db, (mistake.last.id, mistake.mended.id))
+    sources = mistakes.load_submission_sources(reader.db, (mistake.last.id, mistake.mended.id))
     before, after = sources[mistake.last.id], sources[mistake.mended.id]
-    return compare_attempts(before, after, is_code=exercise.answers is None)
+    return find_change_between(before, after, is_code=exercise.answers is None)
 
 
 def _may_show_family(exercise: Exercise, family: MisconceptionFamily) -> bool:
@@ -130,13 +130,15 @@ def _add_changes_and_tests(reader: Reader, entries: Sequence[NotebookEntry]) -> 
     answers = recall.load_answers(reader.db, account.id) if account is not None and entries else ()
     latest = {answer.subject: answer for answer in answers}
     pairs = {entry: (entry.mistake.last.id, entry.mistake.mended.id) for entry in entries if entry.mistake.mended}
-    sources = mistakes.load_sources(reader.db, {submission for pair in pairs.values() for submission in pair})
+    sources = mistakes.load_submission_sources(
+        reader.db, {submission for pair in pairs.values() for submission in pair}
+    )
     changed = []
     for entry in entries:
         change = None
         if entry in pairs:
             before, after = (sources[submission] for submission in pairs[entry])
-            change = compare_attempts(before, after, is_code=entry.exercise.answers is None)
+            change = find_change_between(before, after, is_code=entry.exercise.answers is None)
         tested = latest.get(subject_of(reader.course, entry.exercise, entry.mistake.misconception))
         changed.append(replace(entry, change=change, tested=tested))
     return changed
@@ -197,5 +199,5 @@ def _find_next_better_attempt(reader: Reader, attempt: Attempt) -> Attempt | Non
     seen = mistakes.load_attempts_with_feedback(reader.db, submission.account_id, [submission.exercise])
     series = seen.get(submission.exercise, ())
     place = next((index for index, other in enumerate(series) if other.id == submission.id), None)
-    better = None if place is None else mistakes.find_better(series[place], series[place + 1 :])
+    better = None if place is None else mistakes.find_better_attempt(series[place], series[place + 1 :])
     return None if better is None else gradebook.find_attempt(reader.db, reader.account, better.id)

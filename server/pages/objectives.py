@@ -9,7 +9,7 @@ from typing import Any
 from fastapi import APIRouter, Request
 from fastapi.responses import Response
 
-from server.board.objective_loading import load_own_states
+from server.board.objective_loading import load_own_objective_states
 from server.board.objectives import RULE, Mastery, MisconceptionLookup, ObjectiveState
 from server.course import Course, Exercise, Module
 from server.course.lengths import estimate_minutes, reading_minutes
@@ -76,7 +76,7 @@ def build_objectives_page(reader: Reader, module: Module) -> Mapping[str, Any]:
         progress = gradebook.load_progress(reader.db, reader.account)
         choices = paths.load_paths(reader.db, reader.account.id)
         recall = _load_recall_state(reader, progress, choices)
-        states = load_own_states(reader.db, reader.course, module, reader.account.id, utc_now())
+        states = load_own_objective_states(reader.db, reader.course, module, reader.account.id, utc_now())
     rows = [own_row(reader.course, module.slug, state) for state in states]
     fading = find_fading_misconceptions(reader.course, module, rows, {} if recall is None else recall.fading)
     path = paths.find_path(module, choices)
@@ -137,10 +137,12 @@ def find_fading_misconceptions(
                 candidate
                 for candidate in candidates
                 if candidate.exercise.startswith(f"{module.slug}/")
-                and lookup.belongs(objective, candidate.exercise, candidate.misconception)
+                and lookup.belongs_to_objective(objective, candidate.exercise, candidate.misconception)
             ]
             if own:
-                title = title_of_subject(course, subject) or lookup.title(own[0].exercise, own[0].misconception)
+                title = title_of_subject(course, subject) or lookup.misconception_title(
+                    own[0].exercise, own[0].misconception
+                )
                 found.setdefault(objective.id, []).append(title)
     return found
 

@@ -51,7 +51,7 @@ def build_solution_view(
     reader: Reader, exercise: Exercise, progress: ExerciseProgress, access: SolutionAccess, seed: int | None
 ) -> SolutionView | None:
     """Return the solution, or None where the reader may not see it yet."""
-    why = access.reason(progress)
+    why = access.access_reason(progress)
     if why is None or (exercise.answers is not None and seed is None):
         return None
     html = (

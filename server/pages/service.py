@@ -94,7 +94,7 @@ def _list_reusable_exercises(reader: Reader, exercise: Exercise) -> Iterator[Reu
     """The functions that the program may import, and whose they are."""
     earlier = reader.course.reused(exercise.id)
     own = (
-        importable_files.importable_file_times(reader.db, reader.account.id, [exercise.id for exercise in earlier])
+        importable_files.load_importable_file_times(reader.db, reader.account.id, [exercise.id for exercise in earlier])
         if reader.account
         else {}
     )
@@ -195,7 +195,7 @@ def build_attempts_page(reader: Reader, exercise: Exercise, number: int) -> dict
         "exercise_title": exercise.title,
         "exercise_href": exercise_href(exercise),
         "attempts": _build_attempt_rows(exercise, attempts),
-        "shared": None if attempts.lines else team_work.find_team_attempt(reader.db, reader.account, exercise.id),
+        "shared": None if attempts.lines else team_work.find_teammate_attempt(reader.db, reader.account, exercise.id),
         "total": attempts.total,
         "number": number,
         "more": skipped + ATTEMPTS_A_PAGE < attempts.total,
@@ -306,7 +306,7 @@ def _early_verdict(reader: Reader, exercise: Exercise, attempt: Attempt, state: 
     """Return the checks of an attempt whose mistake is still sought; None where nothing may be shown yet."""
     if attempt.held or state is not SubmissionState.running:
         return None
-    verdict = early_verdicts.load(reader.db, attempt.submission.id)
+    verdict = early_verdicts.load_early_verdict(reader.db, attempt.submission.id)
     if verdict is None:
         return None
     undrawn = replace(verdict, checks=[replace(check, figure=None) for check in verdict.checks])
@@ -325,7 +325,7 @@ def _build_progress(reader: Reader, exercise: Exercise, attempt: Attempt, verdic
     """What code mended since the attempt before; answers without code are marked one by one in their places."""
     before = None
     if verdict is not None and exercise.answers is None:
-        before = gradebook.previous_verdict(reader.db, attempt)
+        before = gradebook.load_previous_verdict(reader.db, attempt)
     return None if before is None or verdict is None else progress_since(before, verdict)
 
 

@@ -81,5 +81,5 @@ class WatchedSubmission:
                     return withheld_state(attempt)
                 place = self.store.progress(db, attempt.submission)
             self.waits = place.state is not SubmissionState.done
-            early = place.state is SubmissionState.running and early_verdicts.exists(db, self.submission)
+            early = place.state is SubmissionState.running and early_verdicts.has_early_verdict(db, self.submission)
             return WaitingState(place.state, describe_waiting(place), early=early)

@@ -41,7 +41,7 @@ def adopt_guest_data(db: Session, guest_id: UUID, account_id: UUID) -> None:
     Runs inside the caller's transaction.
     """
     comments.move_guest_threads(db, guest_id, account_id)
-    gradebook.adopt_attempts(db, guest_id, account_id)
+    gradebook.move_guest_attempts(db, guest_id, account_id)
     sittings.move_guest_sittings(db, guest_id, account_id)
     classes.move_guest_memberships(db, guest_id, account_id)
     exemption_service.move_guest_exemptions(db, guest_id, account_id)

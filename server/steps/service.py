@@ -129,7 +129,7 @@ class StepService:
             assert check.counterexample is not None
             sittings.require_no_tested_imports(db, account.id, submission.source, self._reused_exercises(exercise.id))
             own = importable_files.load_importable_files(db, self.course, submission)
-            tested = importable_files.load_tested_exercises(db, self.course, submission)
+            tested = importable_files.load_exercises_in_sat_tests(db, self.course, submission)
             tested |= sittings.load_exercises_in_sat_tests(db, account.id, utc_now())
             return ReplayTraceRequest(
                 exercise=exercise.id,

@@ -15,12 +15,12 @@ from server.base.errors import Conflict, Invalid, NotFound
 from server.board.progress import ClassProgress
 from server.board.relapses import RelapseStats, count_relapses
 from server.board.schemas import FEWEST_TO_PROJECT
-from server.board.service import load_progress
+from server.board.service import load_class_progress
 from server.classes.models import SchoolClass
 from server.classes.service import require_not_archived
 from server.course import Course, Exercise
 from server.database import Database, utc_now
-from server.gradebook.mistakes import PastMistake, past_mistakes
+from server.gradebook.mistakes import PastMistake, iter_past_mistakes
 from server.hunts.service import HuntService, hunt_names_of_misconceptions, may_have_hunts
 from server.identity.models import Account
 from server.lesson.service import load_projection_rules
@@ -109,7 +109,7 @@ def load_subjects_to_review(
     db: Session, course: Course, school_class: SchoolClass, now: datetime
 ) -> Sequence[SubjectReviewNeed]:
     """Load what a class is to see again, those of most students first. Raises Conflict for too few students."""
-    progress = load_progress(db, course, school_class, now)
+    progress = load_class_progress(db, course, school_class, now)
     if len(progress.students) < FEWEST_TO_PROJECT:
         raise Conflict(TOO_FEW)
     may_ask = partial(_may_ask_about_exercise, course, _exercises_with_held_back_feedback(db, progress))
@@ -147,7 +147,7 @@ def _load_recall_histories(
     past: dict[UUID, list[PastMistake]] = {student: [] for student in answers}
     for (account, exercise), attempts in progress.attempts.items():
         if account in past and exercise in course.exercises and may_ask(course.exercises[exercise]):
-            past[account] += past_mistakes(attempts)
+            past[account] += iter_past_mistakes(attempts)
     return {student: _build_recall_history(course, past[student], own, may_ask) for student, own in answers.items()}
 
 
@@ -167,7 +167,7 @@ def _build_recall_history(
 
 def load_relapse_stats(db: Session, course: Course, school_class: SchoolClass) -> RelapseStats:
     """Load whether what was asked again is rarer later, with one query beside those of the class's progress."""
-    progress = load_progress(db, course, school_class, utc_now())
+    progress = load_class_progress(db, course, school_class, utc_now())
     answers = recall.load_answers_of(db, [student.id for student in progress.students])
     return count_relapses(course, progress.attempts, answers)
 

@@ -12,7 +12,7 @@ from server.api.board import changes
 from server.api.board_schemas import DashboardOut
 from server.base.app_services import get_service
 from server.board import service
-from server.board.live import MAX_STREAMS_PER_ACCOUNT, LiveBoards
+from server.board.live import MAX_STREAMS_PER_ACCOUNT, LiveClassViews
 from server.board.schemas import Board
 from server.classes.models import SchoolClass
 from server.course import Course
@@ -84,7 +84,7 @@ def test_it_is_for_who_teaches_there(site: Site, martin: Person, made: SchoolCla
 def test_events_tell_the_counts_then_what_changes(
     site: Site, martin: Person, made: SchoolClass, course: Course
 ) -> None:
-    boards = get_service(site.app, LiveBoards)
+    boards = get_service(site.app, LiveClassViews)
     boards.max_stream_seconds = 0.0
     (ada,) = seated(site.database, made, 1)
 

@@ -101,7 +101,7 @@ def test_what_a_student_is_given_is_what_counts_for_them(database: Database, cou
     with database.read() as db:
         board = load_board(db, course, term.made, now)
         assert board.counts.finished == 1, "alan needs nothing that is given to others"
-        assert not board.cells[alan.id, POSES].is_concerned
+        assert not board.cells_by_pair[alan.id, POSES].is_concerned
 
 
 def test_a_test_of_others_holds_nothing_and_cannot_be_begun(database: Database) -> None:

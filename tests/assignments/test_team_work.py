@@ -8,10 +8,10 @@ import pytest
 
 from server.assignments.models import Mode, TeamMember
 from server.board.schemas import ProgressState
-from server.board.service import load_inputs
+from server.board.service import load_board_inputs
 from server.course import Course
 from server.database import utc_now
-from server.gradebook.team_work import find_team_attempt, load_team_attempts
+from server.gradebook.team_work import find_teammate_attempt, load_teammate_attempts
 from server.identity.models import Role
 from tests.support.classes import person, seat
 from tests.support.marks import AFTER, CLOSES, DAY, ODOMETRY, OPENS, POSES, Term
@@ -37,15 +37,15 @@ def test_pages_name_the_partner_who_has_sent(site: Site, term: Term, course: Cou
             db.add(TeamMember(assignment_id=work.id, **row))
     term.send(ada.account, ODOMETRY, 20, now - 2 * DAY)  # before they hand in together
     with site.database.read() as db:
-        before = load_inputs(db, course, term.made, now)
-    assert before.board.cells[blaise.id, POSES].state is ProgressState.none
+        before = load_board_inputs(db, course, term.made, now)
+    assert before.board.cells_by_pair[blaise.id, POSES].state is ProgressState.none
     sent = term.send(ada.account, POSES, 12, now - HOUR)
     with site.database.read() as db:
-        inputs = load_inputs(db, course, term.made, now)
-    cell = inputs.board.cells[blaise.id, POSES]
+        inputs = load_board_inputs(db, course, term.made, now)
+    cell = inputs.board.cells_by_pair[blaise.id, POSES]
     assert (cell.points, cell.attempts, cell.state, cell.partner) == (12, 0, ProgressState.trying, "Ada Abel")
-    assert inputs.board.cells[ada.id, POSES].partner == ""
-    assert inputs.board.cells[blaise.id, ODOMETRY].state is ProgressState.none
+    assert inputs.board.cells_by_pair[ada.id, POSES].partner == ""
+    assert inputs.board.cells_by_pair[blaise.id, ODOMETRY].state is ProgressState.none
     assert inputs.version != before.version
     assert inputs.board.counts.started == 2
 
@@ -75,9 +75,9 @@ def test_the_attempt_is_the_one_that_the_assignment_takes(term: Term) -> None:
         for points, at in ((16, OPENS + HOUR), (8, OPENS + DAY), (20, AFTER)):
             term.send(ada, exercise, points, at)
         with term.database.read() as db:
-            read = load_team_attempts(db, [blaise.id], exercise=exercise)[blaise.id, exercise]
+            read = load_teammate_attempts(db, [blaise.id], exercise=exercise)[blaise.id, exercise]
             assert (read.score, read.partner) == (expected, "Ada Abel")
-            assert not load_team_attempts(db, [blaise.id], until=OPENS)
+            assert not load_teammate_attempts(db, [blaise.id], until=OPENS)
 
 
 def test_what_a_test_withholds_is_not_told_to_the_partner(term: Term) -> None:
@@ -88,8 +88,8 @@ def test_what_a_test_withholds_is_not_told_to_the_partner(term: Term) -> None:
             db.add(TeamMember(assignment_id=work.id, team_id=work.id, account_id=student.id, since=OPENS))
     term.send(ada, POSES, 20, OPENS + DAY)
     with term.database.read() as db:
-        assert find_team_attempt(db, blaise, POSES) is not None
+        assert find_teammate_attempt(db, blaise, POSES) is not None
     term.sit(term.assignment("Contrôle", exercises={POSES: 1.0}, mode=Mode.test, due_at=None, closes_at=None), ada)
     with term.database.read() as db:
-        assert find_team_attempt(db, blaise, POSES) is None
-        assert find_team_attempt(db, None, POSES) is None
+        assert find_teammate_attempt(db, blaise, POSES) is None
+        assert find_teammate_attempt(db, None, POSES) is None

@@ -93,7 +93,7 @@ def contenders(
 
     def pulse() -> None:
         with database.read() as db:
-            repository.load_pulse(db, made.id)
+            repository.load_class_version_tag(db, made.id)
 
     size = f"{students} × {len(names)}"
     actions = {

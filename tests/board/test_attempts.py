@@ -11,10 +11,10 @@ import pytest
 from graders.core.contract.outcomes import Outcome
 from server.board.attempts import (
     MisconceptionEpisode,
-    first_success,
-    improvements_after_hints,
-    is_unexplained,
-    misconception_episodes,
+    find_first_success,
+    find_misconception_episodes,
+    is_latest_failure_unexplained,
+    iter_improvements_after_hints,
 )
 from server.board.insights import ScoreSum, item_rest_correlation
 from server.gradebook.histories import Attempts, GradedAttempt
@@ -52,29 +52,31 @@ def attempts_of(*attempts: str) -> Attempts:
     ],
 )
 def test_misconception_episodes(attempts: list[str], expected: dict[str, MisconceptionEpisode]) -> None:
-    assert dict(misconception_episodes(attempts_of(*attempts))) == expected
+    assert dict(find_misconception_episodes(attempts_of(*attempts))) == expected
 
 
 def test_first_success_has_number_and_minutes() -> None:
-    assert first_success(attempts_of("30,0", "20,20", "10,0", "5,20")) == (2, 10.0)
-    assert first_success(attempts_of("30,0")) is None
+    assert find_first_success(attempts_of("30,0", "20,20", "10,0", "5,20")) == (2, 10.0)
+    assert find_first_success(attempts_of("30,0")) is None
 
 
 def test_improvements_are_counted_after_hints_that_an_attempt_followed() -> None:
     codes = attempts_of("9,0,start", "8,0,a", "7,0,a", "6,5,b", "5,4,c", "4,9,d")
-    assert list(improvements_after_hints(codes, "start", HINT_OPENS_AFTER)) == [(1, False), (2, False)]
-    assert list(improvements_after_hints(attempts_of("9,0,a", "8,5,b", "7,20,c"), None, HINT_OPENS_AFTER)) == [
+    assert list(iter_improvements_after_hints(codes, "start", HINT_OPENS_AFTER)) == [(1, False), (2, False)]
+    assert list(iter_improvements_after_hints(attempts_of("9,0,a", "8,5,b", "7,20,c"), None, HINT_OPENS_AFTER)) == [
         (1, True),
         (2, True),
     ]
 
 
 def test_running_failures_without_misconception_are_unexplained() -> None:
-    assert is_unexplained(attempts_of("9,5"))
-    assert not is_unexplained(attempts_of("9,5,,a"))
-    assert not is_unexplained(attempts_of("9,20"))
+    assert is_latest_failure_unexplained(attempts_of("9,5"))
+    assert not is_latest_failure_unexplained(attempts_of("9,5,,a"))
+    assert not is_latest_failure_unexplained(attempts_of("9,20"))
     (one,) = attempts_of("9,5")
-    assert not is_unexplained((replace(one, outcome=Outcome.SYNTAX_ERROR.value),)), "it says of itself what it is"
+    assert not is_latest_failure_unexplained((replace(one, outcome=Outcome.SYNTAX_ERROR.value),)), (
+        "it says of itself what it is"
+    )
 
 
 def test_item_rest_correlation_is_hidden_under_twenty() -> None:

@@ -13,7 +13,7 @@ import pytest
 from server.assignments.models import AssignedExercise, Assignment
 from server.behaviour.models import BehaviourGroup, Fingerprint
 from server.board import service
-from server.board.schemas import Board, Insights, ProgressCell, ProgressState
+from server.board.schemas import Board, BoardStatistics, ProgressCell, ProgressState
 from server.classes.models import ClassRole, SchoolClass, Status
 from server.course import Course
 from server.database import Database, utc_now
@@ -34,11 +34,13 @@ def made(database: Database) -> SchoolClass:
     return new_class(database, new_account(database, Role.teacher))
 
 
-def read(database: Database, course: Course, made: SchoolClass, now: datetime | None = None) -> tuple[Board, Insights]:
+def read(
+    database: Database, course: Course, made: SchoolClass, now: datetime | None = None
+) -> tuple[Board, BoardStatistics]:
     with database.read() as db:
         school_class = db.get(SchoolClass, made.id)
         assert school_class is not None
-        return service.load_dashboard(db, course, school_class, now or utc_now())
+        return service.load_board_and_statistics(db, course, school_class, now or utc_now())
 
 
 def assign(database: Database, made: SchoolClass, exercises: Sequence[str], opens_in_days: float = -1) -> None:
@@ -64,9 +66,9 @@ def test_cells_and_counts(database: Database, course: Course, made: SchoolClass)
     board, insights = read(database, course, made)
     assert board.exercises == (EXERCISE, OTHER), "neither what opens tomorrow, nor what has left the course"
     assert vars(board.counts) == {"students": 3, "started": 2, "finished": 1, "stuck": 1}
-    assert board.cells[alan, EXERCISE] == ProgressCell(alan, EXERCISE, 5.0, 3, ProgressState.stuck, WRONG)
-    assert board.cells[alan, OTHER] == ProgressCell(alan, OTHER, None, 0, ProgressState.none, None)
-    assert board.cells[grace, EXERCISE].state is ProgressState.none, "an error of ours is nobody's attempt"
+    assert board.cells_by_pair[alan, EXERCISE] == ProgressCell(alan, EXERCISE, 5.0, 3, ProgressState.stuck, WRONG)
+    assert board.cells_by_pair[alan, OTHER] == ProgressCell(alan, OTHER, None, 0, ProgressState.none, None)
+    assert board.cells_by_pair[grace, EXERCISE].state is ProgressState.none, "an error of ours is nobody's attempt"
     (row,) = board.misconceptions
     assert (row.exercise, row.id, row.now, row.ever, row.students) == (EXERCISE, WRONG, 1, 1, (alan,))
     assert "rotation" in row.title
@@ -88,7 +90,7 @@ def test_only_students_of_the_class_are_on_its_board(database: Database, course:
     store(database, [Sent(one.id, EXERCISE, now, 0.5, WRONG) for one in others.values()])
     board, insights = read(database, course, made)
     assert vars(board.counts) == {"students": 1, "started": 0, "finished": 0, "stuck": 0}
-    assert {student for student, _ in board.cells} == {ada}
+    assert {student for student, _ in board.cells_by_pair} == {ada}
     assert board.misconceptions == ()
     assert insights.unnamed == ()
     assert sum(slot.attempts for slot in insights.days) == 0
@@ -106,9 +108,9 @@ def test_overrides_are_in_force_on_the_board(sqlite: Database, course: Course) -
         db.add(Override(account_id=alan, exercise=EXERCISE, points=12.5, **row))
         db.add(Override(account_id=alan, exercise=OTHER, points=8.0, **row))
     board, _ = read(sqlite, course, made)
-    points = [[board.cells[one, name].points for name in (EXERCISE, OTHER)] for one in (ada, alan)]
+    points = [[board.cells_by_pair[one, name].points for name in (EXERCISE, OTHER)] for one in (ada, alan)]
     assert points == [[20.0, None], [12.5, 8.0]]
-    assert board.cells[alan, OTHER].state is ProgressState.none, "a mark is no attempt"
+    assert board.cells_by_pair[alan, OTHER].state is ProgressState.none, "a mark is no attempt"
     assert vars(board.counts) == {"students": 2, "started": 2, "finished": 1, "stuck": 0}
 
 
@@ -120,7 +122,7 @@ def test_an_archived_class_stays_as_it_was(database: Database, course: Course, m
         assert row is not None
         row.archived_at = now - timedelta(days=1)
     store(database, [Sent(ada, EXERCISE, now - timedelta(days=2), 0.5), Sent(ada, EXERCISE, now, 1.0)])
-    assert read(database, course, made)[0].cells[ada, EXERCISE] == ProgressCell(
+    assert read(database, course, made)[0].cells_by_pair[ada, EXERCISE] == ProgressCell(
         ada, EXERCISE, 10.0, 1, ProgressState.trying, None
     )
 
@@ -134,7 +136,7 @@ def test_a_class_without_students_or_without_its_module(sqlite: Database, course
         assert row is not None
         row.module = "parti9"
     board, insights = read(sqlite, course, made)
-    assert (board.cells, board.exercises, insights.items) == ({}, (), ())
+    assert (board.cells_by_pair, board.exercises, insights.items) == ({}, (), ())
     assert vars(board.counts) == {"students": 2, "started": 0, "finished": 0, "stuck": 0}
 
 
@@ -160,7 +162,7 @@ def test_a_simulated_class_against_its_definitions(sqlite: Database, course: Cou
     assert [one.now for one in board.misconceptions] == sorted((one.now for one in board.misconceptions), reverse=True)
     named = {(one.exercise, one.diagnosis) for one in attempts if one.diagnosis}
     assert {(one.exercise, one.id) for one in board.misconceptions} == named
-    for pair, cell in board.cells.items():
+    for pair, cell in board.cells_by_pair.items():
         sent = by_pair.get(pair, [])
         assert cell.attempts == len(sent)
         assert cell.points == (pytest.approx(20 * max(one.score or 0.0 for one in sent)) if sent else None)
@@ -212,4 +214,4 @@ def test_boards_that_show_the_same_have_one_version(sqlite: Database, course: Co
     store(sqlite, [Sent(ada, EXERCISE, utc_now(), 0.5)])
     second = read(sqlite, course, made)[0]
     assert second.version != first.version
-    assert [cell.exercise for cell in second.changed_since(first)] == [EXERCISE]
+    assert [cell.exercise for cell in second.cells_changed_since(first)] == [EXERCISE]

@@ -10,8 +10,8 @@ from sqlalchemy import delete, select, update
 from sqlalchemy.orm import Session
 
 from server.board import repository, service
-from server.board.insights import slot_begin
-from server.board.schemas import Board, Insights
+from server.board.insights import activity_slot_start
+from server.board.schemas import Board, BoardStatistics
 from server.board.service import BoardInputs
 from server.classes.models import Membership, SchoolClass, Status
 from server.course import Course
@@ -31,27 +31,27 @@ NOW = utc_now() + timedelta(minutes=1)
 
 
 #: Boards and insights by version, as fragments of pages are cached.
-CACHE: dict[Hashable, Board | Insights] = {}
+CACHE: dict[Hashable, Board | BoardStatistics] = {}
 
 
 def load(db: Session, course: Course, made: SchoolClass) -> BoardInputs:
     school_class = db.get(SchoolClass, made.id)
     assert school_class is not None
-    return service.load_inputs(db, course, school_class, NOW)
+    return service.load_board_inputs(db, course, school_class, NOW)
 
 
-def read(database: Database, course: Course, made: SchoolClass) -> tuple[Board, Insights]:
+def read(database: Database, course: Course, made: SchoolClass) -> tuple[Board, BoardStatistics]:
     with database.read() as db:
         inputs = load(db, course, made)
-        groups = tuple(service.load_unnamed_groups(db, inputs.progress))
-        side_key = (inputs.progress.version, groups, slot_begin(inputs.progress.now))
+        groups = tuple(service.load_unnamed_behaviour_groups(db, inputs.progress))
+        side_key = (inputs.progress.version, groups, activity_slot_start(inputs.progress.now))
         if inputs.version not in CACHE:
             CACHE[inputs.version] = inputs.board
         if side_key not in CACHE:
-            CACHE[side_key] = service.build_insights(inputs.progress, groups)
+            CACHE[side_key] = service.build_board_statistics(inputs.progress, groups)
         board, insights = CACHE[inputs.version], CACHE[side_key]
         assert isinstance(board, Board)
-        assert isinstance(insights, Insights)
+        assert isinstance(insights, BoardStatistics)
         return board, insights
 
 
@@ -156,7 +156,7 @@ def test_the_pulse_changes_whenever_the_board_may_change(database: Database, cou
 
     def pulse() -> str:
         with database.read() as db:
-            return str(repository.load_pulse(db, made.id))
+            return str(repository.load_class_version_tag(db, made.id))
 
     def graded_anew() -> None:
         """Of as many points."""

@@ -6,7 +6,7 @@ import pytest
 
 from graders.core.contract.outcomes import Outcome
 from graders.core.contract.verdict import CheckResult, Verdict
-from server.board.failed_checks import first_failure
+from server.board.failed_checks import find_first_failed_check
 from server.course import Course
 from server.desk.lesson.stuck_rows import failure_words
 from tests.support.service import EXERCISE
@@ -29,5 +29,5 @@ def check(title: str, cause: Outcome | None = None, *, passed: bool = False, rep
 def test_the_first_failed_check_is_named(
     course: Course, outcome: Outcome, checks: list[CheckResult], words: str
 ) -> None:
-    failure = first_failure(Verdict(EXERCISE, "v1", outcome, 1, checks))
+    failure = find_first_failed_check(Verdict(EXERCISE, "v1", outcome, 1, checks))
     assert failure_words(course, EXERCISE, failure) == words

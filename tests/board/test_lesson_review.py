@@ -11,11 +11,11 @@ from server.board.lesson_review import (
     MIN_FAILURES,
     MIN_FAILURES_OF_WEEK,
     MIN_TRIED,
-    ExerciseAtFault,
-    build_review,
-    list_to_see,
+    SuspectExercise,
+    build_lesson_review,
+    list_student_ids_to_see,
 )
-from server.board.service import load_progress
+from server.board.service import load_class_progress
 from server.board.stuck import StuckSign
 from server.classes.models import Membership
 from server.course import Course
@@ -31,8 +31,8 @@ def test_who_has_solved_an_exercise_does_not_fail_it(database: Database, course:
             term.send(student, POSES, 20, OPENS)
         term.send(student, POSES, 5, OPENS + timedelta(minutes=5))
     with database.read() as db:
-        progress = load_progress(db, course, term.made, AFTER)
-    assert build_review(progress, [POSES], OPENS, AFTER).at_fault == ()
+        progress = load_class_progress(db, course, term.made, AFTER)
+    assert build_lesson_review(progress, [POSES], OPENS, AFTER).at_fault == ()
     for student in students[1:]:
         term.send(student, POSES, 5, AFTER + timedelta(minutes=1))
     later = AFTER + timedelta(hours=1)
@@ -40,9 +40,9 @@ def test_who_has_solved_an_exercise_does_not_fail_it(database: Database, course:
     for student in fresh:
         term.send(student, POSES, 5, later)
     with database.read() as db:
-        progress = load_progress(db, course, term.made, later)
-    fault = build_review(progress, [POSES], OPENS, later).at_fault
-    assert fault == (ExerciseAtFault(POSES, 2 * MIN_TRIED, MIN_TRIED - 1, MIN_TRIED + 1),)
+        progress = load_class_progress(db, course, term.made, later)
+    fault = build_lesson_review(progress, [POSES], OPENS, later).at_fault
+    assert fault == (SuspectExercise(POSES, 2 * MIN_TRIED, MIN_TRIED - 1, MIN_TRIED + 1),)
 
 
 def test_students_without_an_attempt_are_told_apart_by_what_is_known_of_them(sqlite: Database, course: Course) -> None:
@@ -54,7 +54,7 @@ def test_students_without_an_attempt_are_told_apart_by_what_is_known_of_them(sql
             own = Membership.class_id == term.made.id, Membership.account_id == student.id
             db.execute(update(Membership).where(*own).values(last_seen_at=seen_at))
     with sqlite.read() as db:
-        review = build_review(load_progress(db, course, term.made, after), [POSES], OPENS, AFTER)
+        review = build_lesson_review(load_class_progress(db, course, term.made, after), [POSES], OPENS, AFTER)
     assert (review.idle, review.absent) == ((present.id,), (absent.id,))
     assert review.unknown == (later.id,), "seen after the lesson: nobody knows whether they were there"
     assert review.elsewhere == (busy.id,)
@@ -67,7 +67,7 @@ def test_those_for_whom_there_is_no_room_are_named_too(sqlite: Database, course:
         for points in (5, 4, 3):
             term.send(student, POSES, points, OPENS + timedelta(minutes=10 - points))
     with sqlite.read() as db:
-        review = build_review(load_progress(db, course, term.made, AFTER), [POSES], OPENS, AFTER)
+        review = build_lesson_review(load_class_progress(db, course, term.made, AFTER), [POSES], OPENS, AFTER)
     assert (len(review.to_see), len(review.more_to_see)) == (MAX_TO_SEE, 2)
 
 
@@ -86,15 +86,17 @@ def test_a_week_says_to_see_fewer_students_than_its_lessons(sqlite: Database, co
         term.send(overcame, POSES, 4 - day, OPENS + day * DAY, diagnosis=mistake)
     term.send(solved, POSES, 20, end)
     with sqlite.read() as db:
-        progress = load_progress(db, course, term.made, end)
-    review = build_review(progress, [POSES, ODOMETRY], OPENS, end, is_week=True)
+        progress = load_class_progress(db, course, term.made, end)
+    review = build_lesson_review(progress, [POSES, ODOMETRY], OPENS, end, is_week=True)
     assert [(row.account, row.failures) for row in review.to_see] == [
         (repeating.id, 2),
         (many.id, MIN_FAILURES_OF_WEEK),
     ]
     assert [[day.isoformat() for day in row.days] for row in review.to_see] == [["2026-03-03", "2026-03-05"], []]
     lesson = [POSES], OPENS + 2 * DAY, OPENS + 2 * DAY + timedelta(hours=1)
-    assert list_to_see(progress, *lesson) == {many.id, few.id, moved_on.id}, "the rule of a lesson is not as strict"
+    assert list_student_ids_to_see(progress, *lesson) == {many.id, few.id, moved_on.id}, (
+        "the rule of a lesson is not as strict"
+    )
 
 
 def test_who_was_stuck_until_the_end_of_a_lesson_is_to_be_seen(sqlite: Database, course: Course) -> None:
@@ -111,10 +113,10 @@ def test_who_was_stuck_until_the_end_of_a_lesson_is_to_be_seen(sqlite: Database,
             own = Membership.class_id == term.made.id, Membership.account_id == student.id
             db.execute(update(Membership).where(*own).values(last_seen_at=seen_at))
     with sqlite.read() as db:
-        progress = load_progress(db, course, term.made, end)
-    review = build_review(progress, [POSES, ODOMETRY], OPENS, end)
+        progress = load_class_progress(db, course, term.made, end)
+    review = build_lesson_review(progress, [POSES, ODOMETRY], OPENS, end)
     assert [(row.account, row.failures) for row in review.to_see] == [(stuck.id, 2), (silent.id, 1)]
     shown = review.to_see[1].stuck
     assert shown is not None
     assert (shown.sign, shown.since) == (StuckSign.silence, end - timedelta(minutes=25)), "as the lesson's page said"
-    assert list_to_see(progress, [POSES, ODOMETRY], OPENS, end) == {stuck.id, silent.id}
+    assert list_student_ids_to_see(progress, [POSES, ODOMETRY], OPENS, end) == {stuck.id, silent.id}

@@ -13,7 +13,7 @@ import pytest
 
 from server.base.errors import RateLimited
 from server.board import live, service
-from server.board.live import BOARD, MAX_STREAMS_PER_ACCOUNT, LiveBoards
+from server.board.live import BOARD, MAX_STREAMS_PER_ACCOUNT, LiveClassViews
 from server.board.schemas import Board
 from server.classes.models import ClassRole, SchoolClass, Status
 from server.course import Course
@@ -37,7 +37,7 @@ class Watched:
         self.made = new_class(database, self.teacher)
         (self.student,) = seated(database, self.made, 1)
         self.events = JobEvents()
-        self.boards = LiveBoards(database, course, self.events)
+        self.boards = LiveClassViews(database, course, self.events)
         self.view = BOARD
 
     def may(self, account: Account) -> Callable[[], bool]:
@@ -49,7 +49,7 @@ class Watched:
 
     def follow(self, account: Account | None = None) -> AsyncIterator[Board | None]:
         account = account or self.teacher
-        return self.boards.follow(self.view, self.made.id, account.id, self.may(account))
+        return self.boards.stream_view(self.view, self.made.id, account.id, self.may(account))
 
     def grade(self, score: float = 0.5) -> None:
         store(self.database, [Sent(self.student, EXERCISE, utc_now(), score)])
@@ -150,7 +150,7 @@ def test_streams_end_after_their_time_with_the_class_and_with_the_server(watched
 def test_streams_of_an_account_are_limited(watched: Watched) -> None:
     @contextmanager
     def streams(account: UUID) -> Iterator[None]:
-        with watched.boards._stream(account):
+        with watched.boards._count_stream(account):
             yield
 
     async def scene() -> None:

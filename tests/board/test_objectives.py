@@ -10,14 +10,14 @@ from uuid import UUID
 import pytest
 
 from server.assignments.feedback import FeedbackHold, FeedbackHolds, SittingStage, WithholdingTest
-from server.board.objective_loading import hide_held_attempts
+from server.board.objective_loading import remove_withheld_feedback
 from server.board.objectives import (
     Mastery,
     MisconceptionLookup,
     PractisedObjective,
-    counting_objectives,
-    find_states,
-    summarise_class,
+    find_objective_states,
+    list_practised_objectives,
+    summarise_class_objectives,
 )
 from server.course import Course
 from server.course.objectives import Objective
@@ -39,7 +39,7 @@ PRACTISED = PractisedObjective(OBJECTIVE, (FIRST, SECOND), (OTHER,), 2)
 class KnownFunctions:
     """Misconceptions that begin with « b » are in `inverse`, which the objective does not have."""
 
-    def belongs(self, objective: Objective, exercise: str, misconception: str) -> bool:
+    def belongs_to_objective(self, objective: Objective, exercise: str, misconception: str) -> bool:
         function = "inverse" if misconception.startswith("b") else "composer"
         return objective.carries(exercise.partition("/")[2], misconception, {function})
 
@@ -74,7 +74,7 @@ def series(exercise: str, *attempts: str) -> Attempts:
 def test_the_state_of_a_student(first: list[str], second: list[str], other: list[str], expected: Mastery) -> None:
     sent = {FIRST: first, SECOND: second, OTHER: other}
     own = {name: series(name, *attempts) for name, attempts in sent.items() if attempts}
-    (found,) = find_states((PRACTISED,), own, FINDER)
+    (found,) = find_objective_states((PRACTISED,), own, FINDER)
     assert found.state is expected
 
 
@@ -83,9 +83,9 @@ def test_a_class_is_counted_week_by_week() -> None:
     done = {FIRST: series(FIRST, "9,20"), SECOND: series(SECOND, f"{60 * 24 * 8},20")}
     weak = {FIRST: series(FIRST, "9,5,,a", "8,5,,a")}
     students = {ADA: done, UUID(int=2): weak, UUID(int=3): {}}
-    states = {account: find_states((PRACTISED,), own, FINDER) for account, own in students.items()}
-    (row,) = summarise_class((PRACTISED,), states, [NOW - week, NOW])
-    assert [row.count(state) for state in Mastery] == [1, 0, 1, 1]
+    states = {account: find_objective_states((PRACTISED,), own, FINDER) for account, own in students.items()}
+    (row,) = summarise_class_objectives((PRACTISED,), states, [NOW - week, NOW])
+    assert [row.count_students(state) for state in Mastery] == [1, 0, 1, 1]
     assert row.students[Mastery.weak] == (UUID(int=2),)
     assert row.mistakes == (((FIRST, "a"), 1),)
     assert row.weekly == (0, 1)
@@ -94,7 +94,7 @@ def test_a_class_is_counted_week_by_week() -> None:
 def test_a_challenge_shows_an_objective_but_is_not_required(course: Course) -> None:
     module = course.modules["l20"]
     counted = {f"l20/{slug}" for slug in ("mcl", "defi_kidnappe", "kabsch")}
-    rows = {row.objective.id: row for row in counting_objectives(module, counted)}
+    rows = {row.objective.id: row for row in list_practised_objectives(module, counted)}
     assert rows["monte-carlo"].exercises == ("l20/mcl", "l20/defi_kidnappe")
     assert rows["monte-carlo"].required == 1
     assert rows["recalage"].required == 1, "of five exercises, one counts here"
@@ -106,7 +106,7 @@ def test_what_is_held_is_not_told() -> None:
     since = NOW - timedelta(minutes=5)
     test = WithholdingTest(ADA, ADA, "Contrôle", SittingStage.over, since, None)
     hold = FeedbackHold("Devoir", None)
-    shown = hide_held_attempts(attempts, {FIRST: FeedbackHolds((test,)), SECOND: FeedbackHolds(diagnosis=hold)})
+    shown = remove_withheld_feedback(attempts, {FIRST: FeedbackHolds((test,)), SECOND: FeedbackHolds(diagnosis=hold)})
     assert [attempt.score for attempt in shown[FIRST]] == [0.25], "what the test holds is not there"
     assert [attempt.diagnosis for attempt in shown[SECOND]] == [None]
-    assert FIRST not in hide_held_attempts({FIRST: series(FIRST, "3,20")}, {FIRST: FeedbackHolds((test,))})
+    assert FIRST not in remove_withheld_feedback({FIRST: series(FIRST, "3,20")}, {FIRST: FeedbackHolds((test,))})

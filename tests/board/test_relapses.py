@@ -50,14 +50,14 @@ def test_the_cases_are_those_of_the_simulation_and_their_shares_its_chances(cour
     stats, again = simulate(course, 800)
     assert (stats.asked, stats.unasked) == (400, 400)
     assert [stats.asked_again, stats.unasked_again] == again
-    assert stats.shares is not None
-    assert stats.shares[0] == pytest.approx(0.2, abs=0.06)
-    assert stats.shares[1] == pytest.approx(0.5, abs=0.08)
+    assert stats.relapse_shares is not None
+    assert stats.relapse_shares[0] == pytest.approx(0.2, abs=0.06)
+    assert stats.relapse_shares[1] == pytest.approx(0.5, abs=0.08)
 
 
 def test_no_share_is_told_of_fewer_than_twenty_cases(course: Course) -> None:
-    assert simulate(course, 2 * FEWEST_CASES - 1)[0].shares is None
-    assert simulate(course, 2 * FEWEST_CASES)[0].shares is not None
+    assert simulate(course, 2 * FEWEST_CASES - 1)[0].relapse_shares is None
+    assert simulate(course, 2 * FEWEST_CASES)[0].relapse_shares is not None
 
 
 def test_what_is_not_mended_or_was_begun_before_is_no_case(course: Course) -> None:

@@ -9,7 +9,7 @@ from uuid import UUID
 import pytest
 
 from graders.core.contract.outcomes import Outcome
-from server.board.stuck import LessonExercises, StuckSign, find_stuck, own_pace
+from server.board.stuck import LessonExercises, StuckSign, find_stuck_students, median_pace
 from server.gradebook.histories import Attempts, GradedAttempt
 from tests.support.stuck_class import EXERCISES, START, SimulatedClass, simulate_class
 
@@ -56,7 +56,7 @@ STUCK = {
 
 @pytest.mark.parametrize(("attempts", "stuck"), STUCK.values(), ids=STUCK.keys())
 def test_failures_without_progress_are_stuck(attempts: list[str], stuck: bool) -> None:
-    found = find_stuck({(ADA, EXERCISE): attempts_of(*attempts)}, {ADA: NOW}, NOW)
+    found = find_stuck_students({(ADA, EXERCISE): attempts_of(*attempts)}, {ADA: NOW}, NOW)
     assert [row.exercise for row in found] == ([EXERCISE] if stuck else [])
 
 
@@ -67,34 +67,34 @@ def test_failures_without_progress_are_stuck(attempts: list[str], stuck: bool) -
 def test_present_students_who_fall_silent_are_stuck(sent: int, seen: int | None, stuck: bool) -> None:
     seen_at = {ADA: None if seen is None else NOW - timedelta(minutes=seen)}
     attempts = {(ADA, EXERCISE): attempts_of(f"{sent},5")}
-    found = find_stuck(attempts, seen_at, NOW)
+    found = find_stuck_students(attempts, seen_at, NOW)
     assert [row.sign for row in found] == ([StuckSign.silence] if stuck else [])
     elsewhere = {**attempts, (ADA, OTHER): attempts_of("1,5", exercise=OTHER)}
-    assert not find_stuck(elsewhere, seen_at, NOW), "who works at something else is not held up here"
+    assert not find_stuck_students(elsewhere, seen_at, NOW), "who works at something else is not held up here"
 
 
 def test_a_student_may_be_stuck_before_the_first_attempt_of_a_lesson() -> None:
     lesson = LessonExercises((EXERCISE, OTHER), NOW - timedelta(minutes=12))
-    (row,) = find_stuck({}, {ADA: NOW}, NOW, lesson)
+    (row,) = find_stuck_students({}, {ADA: NOW}, NOW, lesson)
     assert (row.exercise, row.sign, row.since) == (EXERCISE, StuckSign.beginning, lesson.started_at)
-    assert not find_stuck({}, {ADA: NOW}, NOW), "outside a lesson nothing is expected"
-    assert not find_stuck({}, {ADA: NOW - timedelta(days=1)}, NOW, lesson), "who is absent is not stuck"
+    assert not find_stuck_students({}, {ADA: NOW}, NOW), "outside a lesson nothing is expected"
+    assert not find_stuck_students({}, {ADA: NOW - timedelta(days=1)}, NOW, lesson), "who is absent is not stuck"
     solved = {(ADA, EXERCISE): attempts_of("11,20")}
-    (row,) = find_stuck(solved, {ADA: NOW}, NOW, lesson)
+    (row,) = find_stuck_students(solved, {ADA: NOW}, NOW, lesson)
     assert (row.exercise, row.since) == (OTHER, NOW - timedelta(minutes=11))
     done = {**solved, (ADA, OTHER): attempts_of("11,20", exercise=OTHER)}
-    assert not find_stuck(done, {ADA: NOW}, NOW, lesson), "who has finished is not stuck"
+    assert not find_stuck_students(done, {ADA: NOW}, NOW, lesson), "who has finished is not stuck"
 
 
 def test_a_pace_needs_some_attempts_and_leaves_breaks_out() -> None:
-    assert own_pace([attempts_of("9,5", "1,5")]) == timedelta(minutes=3)
-    assert own_pace([attempts_of("900,5", "300,5", "296,5", "292,5", "288,5")]) == timedelta(minutes=4)
+    assert median_pace([attempts_of("9,5", "1,5")]) == timedelta(minutes=3)
+    assert median_pace([attempts_of("900,5", "300,5", "296,5", "292,5", "288,5")]) == timedelta(minutes=4)
 
 
 def first_of(simulated: SimulatedClass, minute: float) -> Sequence[UUID]:
     now = START + timedelta(minutes=minute)
     lesson = LessonExercises(EXERCISES, START)
-    rows = find_stuck(simulated.attempts_at(minute), simulated.seen_at(minute), now, lesson)
+    rows = find_stuck_students(simulated.attempts_at(minute), simulated.seen_at(minute), now, lesson)
     return [row.account for row in rows[:FIRST]]
 
 

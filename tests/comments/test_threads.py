@@ -282,13 +282,13 @@ def test_a_word_is_for_those_who_have_the_mistake_now(either: Room) -> None:
             ("autre", "Erreur", 1),
             ("signe", "Erreur", 1),
         ]
-        (tried,), total = student_work.list_attempts(db, cleo.id, EXERCISE, None, limit=1)
+        (tried,), total = student_work.list_attempt_summaries(db, cleo.id, EXERCISE, None, limit=1)
         assert (tried.number, tried.mistake, tried.diagnosis, total) == (2, "Erreur", "autre", 2)
-        assert len(student_work.load_with_previous(db, cleo.id, EXERCISE, None, 2)) == 2
-        assert not student_work.load_with_previous(db, cleo.id, EXERCISE, None, 3)
-        sums = student_work.load_by_exercise(db, cleo.id, "l20", None)[EXERCISE]
+        assert len(student_work.load_attempt_and_previous(db, cleo.id, EXERCISE, None, 2)) == 2
+        assert not student_work.load_attempt_and_previous(db, cleo.id, EXERCISE, None, 3)
+        sums = student_work.load_work_by_exercise(db, cleo.id, "l20", None)[EXERCISE]
         assert (sums.attempts, sums.best, sums.mistake) == (2, 0.5, "Erreur")
-        assert not student_work.load_by_exercise(db, cleo.id, "l20", utc_now().replace(year=2000))
+        assert not student_work.load_work_by_exercise(db, cleo.id, "l20", utc_now().replace(year=2000))
     with room.database.write() as db:
         assert [one.seen_at for one in notes_repository.load_received_notes(db, bob.id, EXERCISE)] == [None]
         assert not notes_repository.load_all_received_notes(db, cleo.id)

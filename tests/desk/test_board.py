@@ -13,7 +13,7 @@ import pytest
 
 from server.base.app_services import get_service
 from server.board import service
-from server.board.live import LiveBoards
+from server.board.live import LiveClassViews
 from server.board.schemas import Board
 from server.classes.models import SchoolClass
 from server.course import Course
@@ -227,7 +227,7 @@ def test_stream_events_hold_the_same_html_as_the_page(
 def test_the_stream_begins_with_the_version_of_the_page(
     site: Site, martin: Person, made: SchoolClass, course: Course
 ) -> None:
-    get_service(site.app, LiveBoards).max_stream_seconds = 0.0
+    get_service(site.app, LiveClassViews).max_stream_seconds = 0.0
     version = board_of(site, course, made).version
     browser, path = martin.browser(site), f"/classes/{made.id}/evenements"
     answer = browser.get(path, params={"version": version})

@@ -322,7 +322,7 @@ def test_who_succeeded_before_has_neither_solution_nor_hints_in_the_test_and_kee
     room.grade()
     with room.site.database.write() as db:
         db.execute(update(Submission).values(created_at=utc_now() - timedelta(days=1)))
-        gradebook.recount_standings(db, ada.id)
+        gradebook.rebuild_account_standings(db, ada.id)
     browser = ada.browser(room.site)
     assert "Corrigé commenté" in browser.get(PAGE).text
     seat(room.site.database, room.made, ada.account)

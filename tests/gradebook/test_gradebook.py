@@ -26,7 +26,7 @@ from server.base.settings import Settings
 from server.cli import main
 from server.database import Database, utc_now
 from server.gradebook import repository, service, standings
-from server.gradebook.histories import AttemptHistories, load_revisions
+from server.gradebook.histories import AttemptHistoryCache, load_revisions
 from server.gradebook.models import Grading, Standing
 from server.gradebook.schemas import ExerciseProgress, GradingResult
 from server.gradebook.standings import StandingTotals
@@ -37,7 +37,7 @@ from tests.support.quick import migrated
 from tests.support.service import EXERCISE, new_account, worker_of
 
 EXERCISES = ("m/a", "m/b")
-HISTORIES = AttemptHistories(10_000)
+HISTORIES = AttemptHistoryCache(10_000)
 
 
 def graded(outcome: Outcome = Outcome.WRONG_ANSWER, score: float = 0.0, diagnosis: str | None = None) -> GradingResult:
@@ -126,7 +126,7 @@ def test_concurrent_gradings_are_all_counted(database: Database, ada: Account, b
 
     def recount(_: int) -> None:
         with database.write() as db:
-            service.recount_standings(db, ada.id)
+            service.rebuild_account_standings(db, ada.id)
 
     with ThreadPoolExecutor(8) as pool:
         graded_ones = [pool.submit(grade, name) for name in names]
@@ -135,7 +135,7 @@ def test_concurrent_gradings_are_all_counted(database: Database, ada: Account, b
             future.result()
     assert sums(database, ada.id)[EXERCISE].attempts == 24
     with database.write() as db:
-        assert service.recount_standings(db, ada.id) == 0
+        assert service.rebuild_account_standings(db, ada.id) == 0
 
 
 def test_concurrent_guests_are_all_adopted(database: Database, ada: Account) -> None:
@@ -145,7 +145,7 @@ def test_concurrent_guests_are_all_adopted(database: Database, ada: Account) -> 
 
     def join(guest: UUID) -> None:
         with database.write() as db:
-            service.adopt_attempts(db, guest, ada.id)
+            service.move_guest_attempts(db, guest, ada.id)
             identity.delete_account(db, guest)
 
     with ThreadPoolExecutor(6) as pool:
@@ -205,7 +205,7 @@ class Story:
         if guest == account:
             return
         with self.database.write() as db:
-            service.adopt_attempts(db, guest, account)
+            service.move_guest_attempts(db, guest, account)
             identity.delete_account(db, guest)
         self.accounts.remove(guest)
         for row in self.sent:
@@ -230,7 +230,7 @@ class Story:
         with self.database.read() as db:
             cached, fresh = (
                 histories.load(db, load_revisions(db, self.accounts))
-                for histories in (HISTORIES, AttemptHistories(1000))
+                for histories in (HISTORIES, AttemptHistoryCache(1000))
             )
             assert cached == fresh
         for account in self.accounts:

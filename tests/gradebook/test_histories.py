@@ -16,7 +16,7 @@ from server.gradebook import service
 from server.gradebook.histories import (
     MAX_RESULTS,
     AccountHistory,
-    AttemptHistories,
+    AttemptHistoryCache,
     Attempts,
     GradedAttempt,
     Revision,
@@ -50,18 +50,18 @@ def revision(database: Database, account: UUID) -> Revision | None:
         return load_revisions(db, [account]).get(account)
 
 
-def attempts_in(db: Session, histories: AttemptHistories, *accounts: UUID) -> dict[UUID, tuple[GradedAttempt, ...]]:
+def attempts_in(db: Session, histories: AttemptHistoryCache, *accounts: UUID) -> dict[UUID, tuple[GradedAttempt, ...]]:
     loaded = histories.load(db, load_revisions(db, accounts))
     return {one: tuple(chain.from_iterable(history.attempts.values())) for one, history in loaded.items()}
 
 
-def look(database: Database, histories: AttemptHistories, *accounts: UUID) -> dict[UUID, tuple[GradedAttempt, ...]]:
+def look(database: Database, histories: AttemptHistoryCache, *accounts: UUID) -> dict[UUID, tuple[GradedAttempt, ...]]:
     with database.read() as db:
         return attempts_in(db, histories, *accounts)
 
 
-def anew() -> AttemptHistories:
-    return AttemptHistories(1000)
+def anew() -> AttemptHistoryCache:
+    return AttemptHistoryCache(1000)
 
 
 def test_every_change_is_loaded_at_once(database: Database, ada: UUID) -> None:

@@ -68,7 +68,7 @@ def test_the_authors_last_accepted_file_before_the_attempt_is_imported(database:
     assert used(database, ada, minutes=30) == {POSES: b"later"}
     assert used(database, ada, source=b"import numpy\n") == {}
     with database.read() as db:
-        assert importable_files.importable_file_times(db, ada.id, [POSES, GRAPH]) == {POSES: at(20)}
+        assert importable_files.load_importable_file_times(db, ada.id, [POSES, GRAPH]) == {POSES: at(20)}
 
 
 def test_importing_a_file_reveals_no_withheld_verdict(database: Database) -> None:

@@ -17,10 +17,10 @@ from server.assignments.models import Mode, Visibility
 from server.base import school_time
 from server.base.app_services import get_service
 from server.base.errors import Conflict, Invalid
-from server.board.lesson_loading import propose_exercises
-from server.board.lesson_state import lesson_mistakes
-from server.board.live import LiveBoards
-from server.board.service import load_progress
+from server.board.lesson_loading import propose_lesson_exercises
+from server.board.lesson_state import find_lesson_mistakes
+from server.board.live import LiveClassViews
+from server.board.service import load_class_progress
 from server.board.stuck import LessonExercises
 from server.classes.models import Membership, SchoolClass
 from server.classes.presence import PresenceRecorder
@@ -104,8 +104,8 @@ def test_exercises_of_open_assignments_are_proposed(sqlite: Database, course: Co
     with sqlite.read() as db:
         available = service.available_exercises(db, course, made, utc_now())
         assert list(available) == [OTHER, THIRD, EXERCISE], "what is open comes first"
-        progress = load_progress(db, course, made, utc_now())
-        assert propose_exercises(progress, available) == (THIRD, EXERCISE), "most have solved the other one"
+        progress = load_class_progress(db, course, made, utc_now())
+        assert propose_lesson_exercises(progress, available) == (THIRD, EXERCISE), "most have solved the other one"
 
 
 def test_a_mistake_counts_whoever_still_makes_it_and_those_that_all_have_corrected_come_last(
@@ -119,8 +119,8 @@ def test_a_mistake_counts_whoever_still_makes_it_and_those_that_all_have_correct
     held = [Sent(silent, OTHER, long_ago, 0.25, "vt_pour_v"), Sent(elsewhere, THIRD, long_ago, 0.25, "ordre_matrices")]
     store(sqlite, [*overcome, *right, *held])
     with sqlite.read() as db:
-        progress = load_progress(db, course, made, utc_now())
-    mistakes = lesson_mistakes(progress, LessonExercises((EXERCISE, OTHER), long_ago + timedelta(minutes=1)))
+        progress = load_class_progress(db, course, made, utc_now())
+    mistakes = find_lesson_mistakes(progress, LessonExercises((EXERCISE, OTHER), long_ago + timedelta(minutes=1)))
     assert [(row.id, row.still, row.made) for row in mistakes] == [("vt_pour_v", (silent,), 1), (WRONG, (), 2)]
 
 
@@ -232,7 +232,7 @@ def test_the_page_names_who_is_stuck_and_on_what(site: Site, course: Course, mar
 def test_the_stream_sends_the_parts_and_the_end(site: Site, course: Course, martin: Person, made: SchoolClass) -> None:
     stuck_students(site, made, 1)
     begin(site.database, course, made, martin.account, EXERCISE)
-    get_service(site.app, LiveBoards).max_stream_seconds = 0.0
+    get_service(site.app, LiveClassViews).max_stream_seconds = 0.0
     browser, path = martin.browser(site), f"/classes/{made.id}/seance/evenements"
     parts = parts_of(browser.get(path).text)
     assert parts.keys() == {"clock", "tabs", "days", "stuck", "mistakes", "finished"}

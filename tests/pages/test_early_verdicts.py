@@ -52,7 +52,7 @@ def test_checks_are_shown_while_the_mistake_is_sought(small_site: SmallSite) -> 
     assert "Rien n’est doublé" in page
     assert "encore cherchée" not in page
     with small_site.database.read() as db:
-        assert not early_verdicts.exists(db, _identity(href))
+        assert not early_verdicts.has_early_verdict(db, _identity(href))
 
 
 def _identity(href: str) -> Any:
@@ -63,7 +63,7 @@ def _identity(href: str) -> Any:
 
 def _is_early(site: SmallSite, sent: GradingInput) -> bool:
     with site.database.read() as db:
-        return early_verdicts.exists(db, sent.submission_id)
+        return early_verdicts.has_early_verdict(db, sent.submission_id)
 
 
 def test_a_name_that_is_found_at_once_stores_nothing(small_site: SmallSite) -> None:
@@ -73,7 +73,7 @@ def test_a_name_that_is_found_at_once_stores_nothing(small_site: SmallSite) -> N
     ):
         pass
     with small_site.database.read() as db:
-        assert not early_verdicts.exists(db, identity)
+        assert not early_verdicts.has_early_verdict(db, identity)
 
 
 def test_only_what_a_name_is_sought_for_comes_early() -> None:

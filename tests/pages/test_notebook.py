@@ -16,7 +16,7 @@ from server.assignments import feedback
 from server.assignments.feedback import FeedbackHold, FeedbackHolds
 from server.database import utc_now
 from server.gradebook.histories import GradedAttempt
-from server.gradebook.mistakes import past_mistakes
+from server.gradebook.mistakes import iter_past_mistakes
 from server.grading.grading_task import GradingInput
 from tests.support.client import TestClient
 from tests.support.service import Site
@@ -120,9 +120,9 @@ def test_a_worse_attempt_mends_nothing() -> None:
         GradedAttempt(uuid4(), start + timedelta(minutes=n), score, account, "e", "", "", name, uuid4())
         for n, (score, name) in enumerate(scores)
     ]
-    mended = {mistake.misconception: mistake.mended for mistake in past_mistakes(attempts)}
+    mended = {mistake.misconception: mistake.mended for mistake in iter_past_mistakes(attempts)}
     assert mended == {"a": attempts[3], "b": attempts[3]}
-    assert [mistake.mended for mistake in past_mistakes(attempts[:3])] == [None, None]
+    assert [mistake.mended for mistake in iter_past_mistakes(attempts[:3])] == [None, None]
 
 
 @pytest.mark.parametrize("path", [NOTEBOOK, "/administration/journal"])

@@ -394,7 +394,7 @@ def test_a_guest_who_makes_an_account_takes_the_regrade_along(lesson: Lesson) ->
     regrade = lesson.prepared()
     apply(lesson, regrade)
     with lesson.database.write() as db:
-        gradebook.adopt_attempts(db, guest.id, account.id)
+        gradebook.move_guest_attempts(db, guest.id, account.id)
         identity.delete_account(db, guest.id)
     lesson.students = [account]
     assert best(lesson) == [8]
@@ -442,7 +442,7 @@ def test_students_send_while_it_is_applied_and_undone_again_and_again(lesson: Le
             future.result()
     apply(lesson, regrade)
     with lesson.database.write() as db:
-        assert [gradebook.recount_standings(db, one.id) for one in lesson.students] == [0, 0, 0]
+        assert [gradebook.rebuild_account_standings(db, one.id) for one in lesson.students] == [0, 0, 0]
     assert sum(sums.attempts for sums in marks(lesson).values()) == 11
     assert best(lesson) == [8, 8, 8]
 
@@ -633,7 +633,7 @@ class Story:
             kept = db.execute(select(Standing.__table__).order_by(Standing.account_id)).all()
             db.execute(delete(Standing))
             for student in self.lesson.students:
-                gradebook.recount_standings(db, student.id)
+                gradebook.rebuild_account_standings(db, student.id)
             assert db.execute(select(Standing.__table__).order_by(Standing.account_id)).all() == kept
 
 

@@ -167,7 +167,7 @@ def test_a_guest_s_deals_follow_and_an_account_keeps_its_own(
     theirs = {name: variants.ensure_seed(database, guest, name) for name in (ODOMETRY, QUIZ)}
     with database.write() as db:
         store.submit_answers(db, guest, ODOMETRY, {"ds": 1}, address=ADDRESS)
-        gradebook.adopt_attempts(db, guest.id, ada.id)
+        gradebook.move_guest_attempts(db, guest.id, ada.id)
         identity.delete_account(db, guest.id)
     assert variants.ensure_seed(database, ada, ODOMETRY) == mine != theirs[ODOMETRY]
     assert variants.ensure_seed(database, ada, QUIZ) == theirs[QUIZ]

@@ -221,7 +221,8 @@ def test_the_solution_opens_after_success_or_by_a_teacher(desk: Desk, ada: Accou
     def open_to() -> list[bool]:
         with desk.database.read() as db:
             return [
-                solutions.load_solution_access(db, account, EXERCISE).reason(progress_of(db, account)) is not None
+                solutions.load_solution_access(db, account, EXERCISE).access_reason(progress_of(db, account))
+                is not None
                 for account in (ada, bob, eve, teacher, None)
             ]
 

@@ -17,7 +17,7 @@ from graders.core.contract.verdict import CheckResult, Diagnosis, Verdict
 from server.classes.models import ClassRole, Membership, SchoolClass, Status
 from server.database import Database, table_of
 from server.gradebook.models import Grading, Standing
-from server.gradebook.standings import CountedAttempt, compute_totals
+from server.gradebook.standings import CountedAttempt, compute_standing_totals
 from server.identity.models import Account, Role
 from server.submissions.models import Submission
 from server.submissions.service import code_digest
@@ -75,7 +75,7 @@ def store(database: Database, attempts: Collection[Sent], padding: int = 0) -> S
                 if one.score is not None
             ]
             if counted:
-                db.merge(Standing(account_id=account, exercise=exercise, **vars(compute_totals(counted))))
+                db.merge(Standing(account_id=account, exercise=exercise, **vars(compute_standing_totals(counted))))
     return [submission["id"] for submission, _ in rows]
 
 

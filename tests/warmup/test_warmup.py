@@ -14,7 +14,7 @@ from httpx2 import Response
 from sqlalchemy import select
 
 from server.base.app_services import add_services, get_service
-from server.board.live import LiveBoards
+from server.board.live import LiveClassViews
 from server.classes.models import SchoolClass
 from server.course import Course
 from server.database import utc_now
@@ -138,7 +138,7 @@ def test_answers_are_counted_live_and_relapses_when_asked_for(site: Site, martin
     ada = person(site, name="Ada")
     seat(site.database, made, ada.account)
     page, teacher = f"/classes/{made.id}/pour-commencer", martin.browser(site)
-    get_service(site.app, LiveBoards).max_stream_seconds = 0.0
+    get_service(site.app, LiveClassViews).max_stream_seconds = 0.0
     assert "event: parts" not in teacher.get(f"{page}/evenements").text, "nothing was prepared"
     teacher.post(page)
     shown = teacher.get(page).text

@@ -100,7 +100,7 @@ def purge_guests(database: Database, settings: Settings, arguments: Namespace) -
 def requeue(database: Database, settings: Settings, arguments: Namespace) -> Answer:
     # Nobody is told: an idle worker finds it within a second, and where NATS carries the work the server calls for it.
     submissions = Submissions(settings, TableQueue(NullNotifier()))
-    found = requeuing.requeue(database, submissions, failed=arguments.failed, names=arguments.submissions)
+    found = requeuing.requeue_for_grading(database, submissions, failed=arguments.failed, names=arguments.submissions)
     journal.record_now(database, AuditAction.submissions_requeued, after={"attempts": len(found)})
     line = f"{plural(len(found), 'essai remis', 'essais remis')} dans la file de correction."
     return Answer([*(f"  {name}" for name in found), line], {"requeued": found})

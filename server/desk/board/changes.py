@@ -30,7 +30,7 @@ def board_events(page: OpenBoard, before: Board | None, board: Board) -> str:
     """Return the events that lead from `before` to `board`; without `before`, from what the page shows."""
     if before is None:
         events = [] if page.version == board.version else [(OUTDATED, "")]
-    elif (before.students_shown, before.exercises) != (board.students_shown, board.exercises):
+    elif (before.list_shown_students, before.exercises) != (board.list_shown_students, board.exercises):
         events = [(OUTDATED, "")]
     else:
         events = _changes(page, before, board)
@@ -44,7 +44,7 @@ def board_events(page: OpenBoard, before: Board | None, board: Board) -> str:
 
 def _changes(page: OpenBoard, before: Board, board: Board) -> list[tuple[str, str]]:
     events = []
-    for cell in board.changed_since(before):
+    for cell in board.cells_changed_since(before):
         html = root_path.with_external_paths(render_cell(page.href, board, cell))
         events.append(("cell", json.dumps({"key": cell_key(cell.student, cell.exercise), "html": html})))
     if before.counts != board.counts:

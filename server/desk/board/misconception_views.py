@@ -10,7 +10,7 @@ from sqlalchemy.orm import Session
 from server.base.errors import NotFound
 from server.board import repository, service
 from server.board.catalogue import CataloguedMisconception, find_misconception
-from server.board.extracts import anonymise_extract, extract_function, name_words
+from server.board.extracts import anonymise_extract, extract_function, folded_name_words
 from server.board.progress import ClassProgress
 from server.board.schemas import FEWEST_FOR_A_SHARE, ImprovementStats, MisconceptionStats
 from server.course import Course, Exercise
@@ -34,8 +34,8 @@ def misconception_page(
 ) -> MisconceptionPage:
     """Build the page. Raise NotFound where nobody had it."""
     school_class = access.school_class
-    progress = service.load_progress(db, course, school_class, utc_now(), only=exercise_id)
-    by_id = {stats.id: stats for stats in progress.misconceptions}
+    progress = service.load_class_progress(db, course, school_class, utc_now(), only=exercise_id)
+    by_id = {stats.id: stats for stats in progress.sorted_misconception_stats}
     stats = by_id.get(misconception)
     if stats is None:
         raise NotFound(UNKNOWN)
@@ -84,8 +84,8 @@ def _extracts(
     if exercise.answers is not None:
         return ()
     functions = known.functions or tuple(function.name for function in exercise.functions)
-    people = name_words(student.name for student in progress.students)
-    rows = repository.load_sources(db, progress.scope, exercise.id, misconception, MAX_SOURCES)
+    people = folded_name_words(student.name for student in progress.students)
+    rows = repository.load_sources_with_misconception(db, progress.scope, exercise.id, misconception, MAX_SOURCES)
     by_student = {row.account: row.source for row in reversed(rows)}
     texts = {_extract(source, functions, people) for source in by_student.values()} - {""}
     return tuple(sorted(texts, key=lambda text: (len(text), text))[:EXTRACTS])

@@ -14,11 +14,11 @@ from server.base.caches import LRUCache
 from server.base.errors import NotFound, ServiceError
 from server.board import repository, service
 from server.board.catalogue import CataloguedMisconception, find_misconception
-from server.board.contrast import Extract, ProgramLine, contrast_programs, extract_lines
-from server.board.extracts import name_words
-from server.board.lesson_state import MAX_MISTAKES, count_makers, lesson_mistakes
+from server.board.contrast import Extract, ProgramLine, contrast_with_most_alike, extract_lines
+from server.board.extracts import folded_name_words
+from server.board.lesson_state import MAX_MISTAKES, count_students_with_misconception, find_lesson_mistakes
 from server.board.progress import ClassProgress
-from server.board.repository import SourceRow
+from server.board.repository import SubmittedSource
 from server.board.schemas import FEWEST_TO_PROJECT
 from server.board.stuck import LessonExercises
 from server.course import Exercise
@@ -97,7 +97,9 @@ def prepare_projection(
     """
     db, course, school_class, now = reader.db, reader.course, access.school_class, utc_now()
     lesson = lessons.find_current_lesson(db, school_class.id, now)
-    progress = service.load_progress(db, course, school_class, now, besides=() if lesson is None else lesson.exercises)
+    progress = service.load_class_progress(
+        db, course, school_class, now, besides=() if lesson is None else lesson.exercises
+    )
     had = progress.students_who_had(exercise_id, misconception)
     if not had:
         raise NotFound(UNKNOWN)
@@ -130,13 +132,13 @@ def _count_today(progress: ClassProgress, lesson: LiveLesson, exercise: str, mis
     """Count who has made a mistake in this lesson, or makes it still: among all who ever did, they would be guessed."""
     had = progress.students_who_had(exercise, misconception)
     made_by = (progress.attempts[account, exercise] for account in had)
-    return count_makers(made_by, misconception, lesson.started_at)
+    return count_students_with_misconception(made_by, misconception, lesson.started_at)
 
 
 def _other_hrefs(progress: ClassProgress, lesson: LiveLesson, href: str) -> tuple[str, ...]:
     """Return the addresses of the mistakes of a lesson that may be projected."""
-    mistakes = lesson_mistakes(progress, LessonExercises(tuple(lesson.exercises), lesson.started_at))
-    shared = [mistake for mistake in mistakes if mistake.may_be_projected][:MAX_MISTAKES]
+    mistakes = find_lesson_mistakes(progress, LessonExercises(tuple(lesson.exercises), lesson.started_at))
+    shared = [mistake for mistake in mistakes if mistake.has_enough_students_to_project][:MAX_MISTAKES]
     return tuple(f"{misconception_href(href, mistake.exercise, mistake.id)}/projeter" for mistake in shared)
 
 
@@ -156,9 +158,9 @@ def _programs(
     *,
     shows_solution: bool,
 ) -> Programs | None:
-    people = name_words(student.name for student in progress.students)
-    wrong = repository.load_sources(db, progress.scope, exercise.id, known.diagnosis.id, MAX_SOURCES)
-    right = repository.load_right_sources(db, progress.scope, exercise.id, MAX_RIGHT_SOURCES)
+    people = folded_name_words(student.name for student in progress.students)
+    wrong = repository.load_sources_with_misconception(db, progress.scope, exercise.id, known.diagnosis.id, MAX_SOURCES)
+    right = repository.load_successful_sources(db, progress.scope, exercise.id, MAX_RIGHT_SOURCES)
     for function in dict.fromkeys((*known.functions, *(wanted.name for wanted in exercise.functions))):
         right_extracts = [_extract(row, function, people) for row in right]
         right_texts = {tuple(extract.texts) for extract in right_extracts}
@@ -173,7 +175,7 @@ def _programs(
     return None
 
 
-def _extract(row: SourceRow, function: str, people: Collection[str]) -> Extract:
+def _extract(row: SubmittedSource, function: str, people: Collection[str]) -> Extract:
     code = row.source.decode("utf-8-sig", errors="replace").replace("\r\n", "\n").replace("\r", "\n")
     return extract_lines(code, (function,), people)
 
@@ -192,7 +194,7 @@ async def complete_projection(
     if programs is None:
         return page
     line = await _locate(programs, steps, account, address)
-    contrast = contrast_programs(programs.wrong, line or None, programs.right)
+    contrast = contrast_with_most_alike(programs.wrong, line or None, programs.right)
     return replace(page, wrong=_coloured(contrast.wrong), right=_coloured(contrast.right))
 
 

@@ -80,7 +80,7 @@ async def events(
     """Stream the changes of the page as HTML. `version`, or the id of the last event: the version that it shows."""
     access, allowed = await require_watched_class(database, account, boards, class_id)
     view = OpenBoard(course, class_href(access.school_class), last_event_id or version, bool(erreurs))
-    stream = _event_stream(boards.follow(BOARD, access.school_class.id, account.id, allowed), view)
+    stream = _event_stream(boards.stream_view(BOARD, access.school_class.id, account.id, allowed), view)
     return StreamingResponse(stream, media_type="text/event-stream", headers=STREAM_HEADERS)
 
 

@@ -156,7 +156,7 @@ class SidePanel:
 
 @dataclass(frozen=True)
 class BoardPage:
-    """`counts`, `body` and `side_panel` are rendered fragments: of `ClassCounts`, `BoardBody` and `SidePanel`."""
+    """`counts`, `body` and `side_panel` are rendered fragments: of `StudentCounts`, `BoardBody` and `SidePanel`."""
 
     head: ClassHead
     has_students: bool

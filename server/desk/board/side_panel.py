@@ -9,9 +9,9 @@ from server.board.schemas import (
     FEWEST_FOR_A_CORRELATION,
     FEWEST_FOR_A_SHARE,
     ActivitySlot,
+    BoardStatistics,
     ExerciseStats,
     ImprovementStats,
-    Insights,
     UnexplainedFailure,
 )
 from server.desk.board.links import BoardLinks
@@ -25,7 +25,7 @@ NO_VALUE = "—"
 FEW_STUDENTS = f"moins de {FEWEST_FOR_A_SHARE} élèves"
 
 
-def side_panel(links: BoardLinks, insights: Insights, *, may_regrade: bool) -> SidePanel:
+def side_panel(links: BoardLinks, insights: BoardStatistics, *, may_regrade: bool) -> SidePanel:
     return SidePanel(
         unexplained=_unexplained_rows(links, insights.unnamed),
         improvements=tuple(

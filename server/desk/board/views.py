@@ -89,18 +89,18 @@ class BoardQuery:
 def board_page(reader: Reader, access: ClassAccess, query: BoardQuery, base: str) -> BoardPage:
     """Build the page, rendering only the fragments that are not cached. `base` is the address of the service."""
     db, course, school_class = reader.db, reader.course, access.school_class
-    inputs = service.load_inputs(db, course, school_class, utc_now())
+    inputs = service.load_board_inputs(db, course, school_class, utc_now())
     progress = inputs.progress
-    unnamed_groups = tuple(service.load_unnamed_groups(db, progress))
+    unnamed_groups = tuple(service.load_unnamed_behaviour_groups(db, progress))
     may_regrade = access.has(Right.regrade)
     links = BoardLinks(course, class_href(school_class), progress.students)
 
     def render_side_panel() -> str:
-        panel = side_panel(links, service.build_insights(progress, unnamed_groups), may_regrade=may_regrade)
+        panel = side_panel(links, service.build_board_statistics(progress, unnamed_groups), may_regrade=may_regrade)
         return str(_macros("board_body").side_panel(panel))
 
     side_panel_key = (
-        *("board side panel", progress.version, unnamed_groups, insights.slot_begin(progress.now)),
+        *("board side panel", progress.version, unnamed_groups, insights.activity_slot_start(progress.now)),
         *(may_regrade, school_time.time_zone().key),
     )
     return BoardPage(
@@ -109,7 +109,7 @@ def board_page(reader: Reader, access: ClassAccess, query: BoardQuery, base: str
         rule=RULE,
         waiting=classes.count_students(db, [school_class.id])[school_class.id][1],
         code=join_code_view(school_class, base) if not progress.students and access.has(Right.see_code) else None,
-        version=inputs.tag,
+        version=inputs.version_text,
         stream=f"{links.href}/evenements{'?erreurs=toutes' if query.everything else ''}",
         again=_href(links, query),
         generated=iso_moment(progress.now),
@@ -253,7 +253,7 @@ def board_cell(class_href: str, board: Board, cell: ProgressCell) -> BoardCell:
     is_left_out = not (tried or by or cell.is_concerned)
     label = WORDS[cell.state] + (f", {plural(cell.attempts, 'essai')}" if tried else f", {by}" if by else "")
     if misconception is not None and cell.state is not ProgressState.solved:
-        label += f" : {board.titles.get((cell.exercise, misconception), misconception)}"
+        label += f" : {board.misconception_titles.get((cell.exercise, misconception), misconception)}"
     return BoardCell(
         key=cell_key(cell.student, cell.exercise),
         kind=cell.state.value,

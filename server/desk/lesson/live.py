@@ -10,8 +10,8 @@ from uuid import UUID
 from sqlalchemy.orm import Session
 
 from server.board.live import ClassView
-from server.board.repository import ClassPulse, load_pulse
-from server.board.service import load_progress
+from server.board.repository import ClassVersionTag, load_class_version_tag
+from server.board.service import load_class_progress
 from server.classes.models import SchoolClass
 from server.course import Course
 from server.desk.lesson.schemas import LessonParts
@@ -31,18 +31,18 @@ class ShownLesson:
 
 
 def load_lesson(
-    db: Session, course: Course, school_class: SchoolClass, now: datetime, pulse: ClassPulse
+    db: Session, course: Course, school_class: SchoolClass, now: datetime, pulse: ClassVersionTag
 ) -> ShownLesson:
     lesson = service.find_current_lesson(db, school_class.id, now)
     if lesson is None:
         return ShownLesson(None)
-    progress = load_progress(db, course, school_class, now, besides=lesson.exercises, pulse=pulse)
+    progress = load_class_progress(db, course, school_class, now, besides=lesson.exercises, pulse=pulse)
     return ShownLesson(lesson_parts(db, progress, school_class, lesson))
 
 
-def load_lesson_pulse(db: Session, class_id: UUID) -> ClassPulse:
+def load_lesson_pulse(db: Session, class_id: UUID) -> ClassVersionTag:
     """Load a version tag of the class, of its latest lesson, and of whom its teacher has seen in it."""
-    pulse, lesson = load_pulse(db, class_id), repository.find_latest(db, class_id)
+    pulse, lesson = load_class_version_tag(db, class_id), repository.find_latest(db, class_id)
     if lesson is None:
         return pulse
     plan = lesson.id, tuple(lesson.exercises), lesson.next_step, lesson.challenge, lesson.ended_at
@@ -51,4 +51,4 @@ def load_lesson_pulse(db: Session, class_id: UUID) -> ClassPulse:
     return replace(pulse, others=(plan, *seen))
 
 
-LESSON: ClassView[ClassPulse, ShownLesson] = ClassView(load_lesson_pulse, load_lesson)
+LESSON: ClassView[ClassVersionTag, ShownLesson] = ClassView(load_lesson_pulse, load_lesson)

@@ -15,10 +15,10 @@ from server.assignments.repository import load_class_assignments
 from server.assignments.team_repository import load_places_of_team_assignments
 from server.assignments.team_rules import list_current_partners
 from server.base import school_time
-from server.board.failed_checks import load_failures
-from server.board.lesson_review import MIN_DAYS, LessonReview, build_review, list_to_see
+from server.board.failed_checks import load_first_failed_checks
+from server.board.lesson_review import MIN_DAYS, LessonReview, build_lesson_review, list_student_ids_to_see
 from server.board.progress import ClassProgress
-from server.board.service import load_progress
+from server.board.service import load_class_progress
 from server.board.stuck import StuckSign, StuckStudent
 from server.classes.models import SchoolClass
 from server.course import Course
@@ -137,16 +137,18 @@ def review_page(
     school_class = access.school_class
     earlier = () if lesson is None else lessons.load_earlier_lessons(db, lesson, MEMORY)
     besides = {name for each in (lesson, *earlier) if each is not None for name in each.exercises}
-    progress = load_progress(db, course, school_class, now, besides=sorted(besides))
+    progress = load_class_progress(db, course, school_class, now, besides=sorted(besides))
     exercises = progress.scope.exercises if lesson is None else tuple(lesson.exercises)
     since = now - WEEK if lesson is None else lesson.started_at
     until = now if lesson is None else min(now, lesson_end(lesson))
-    review = build_review(progress, exercises, since, until, _load_partners(db, school_class), is_week=lesson is None)
+    review = build_lesson_review(
+        progress, exercises, since, until, _load_partners(db, school_class), is_week=lesson is None
+    )
     named_before = _days_named_before(progress, earlier)
     links = BoardLinks(course, class_href(school_class), progress.students)
     names = {student.id: student.name for student in progress.students}
 
-    failures = load_failures(db, [row.grading for row in review.to_see if row.mistake is None])
+    failures = load_first_failed_checks(db, [row.grading for row in review.to_see if row.mistake is None])
     may_assign = access.has(Right.manage_assignments) and school_class.archived_at is None
 
     def remedy(exercise: str, students: Collection[UUID]) -> str:
@@ -215,7 +217,7 @@ def _days_named_before(progress: ClassProgress, earlier: Sequence[LiveLesson]) -
     """Return on which day the page of an earlier lesson said to see a student, the latest of them."""
     days: dict[UUID, str] = {}
     for lesson in earlier:
-        for account in list_to_see(progress, lesson.exercises, lesson.started_at, lesson_end(lesson)):
+        for account in list_student_ids_to_see(progress, lesson.exercises, lesson.started_at, lesson_end(lesson)):
             days.setdefault(account, short_day(school_time.to_local(lesson.started_at)))
     return days
 

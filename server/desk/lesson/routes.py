@@ -131,7 +131,7 @@ async def stream_lesson(
 ) -> StreamingResponse:  # fmt: skip
     """Stream the parts of the page that change, as HTML; `mur`: of the view for the projector."""
     access, allowed = await require_watched_class(database, account, boards, class_id)
-    shown = boards.follow(LESSON, access.school_class.id, account.id, allowed)
+    shown = boards.stream_view(LESSON, access.school_class.id, account.id, allowed)
     render = views.render_wall if mur else partial(views.render_parts, access=access)
 
     def render_shown(lesson: ShownLesson) -> Mapping[str, str] | None:

@@ -13,7 +13,7 @@ from graders.core.contract.outcomes import Outcome
 from server.board import lesson_loading
 from server.board.attempts import Pair
 from server.board.catalogue import find_misconception
-from server.board.failed_checks import FailedCheck, load_failures
+from server.board.failed_checks import FailedCheck, load_first_failed_checks
 from server.board.latest_change import LatestChange
 from server.board.lesson_state import LessonState
 from server.board.progress import ClassProgress
@@ -84,7 +84,7 @@ def build_stuck_rows(
     """Build the rows of the first stuck students."""
     shown = state.stuck[:limit]
     pairs = [(row.account, row.exercise) for row in shown if row.account not in state.just_seen]
-    changes = lesson_loading.load_changes(db, progress, pairs)
+    changes = lesson_loading.load_latest_changes(db, progress, pairs)
     failures = load_unnamed_failures(db, [progress.attempts.get((row.account, row.exercise), ()) for row in shown])
     rows = StuckRows(progress, links, names, state, helpers, changes, failures)
     return tuple(map(rows.build, shown))
@@ -93,7 +93,7 @@ def build_stuck_rows(
 def load_unnamed_failures(db: Session, all_series: Sequence[Attempts]) -> Mapping[UUID, FailedCheck]:
     """Load what the latest attempts fail at whose mistakes have no name, by grading."""
     latest = [series[-1] for series in all_series if series]
-    return load_failures(db, [attempt.grading_id for attempt in latest if attempt.diagnosis is None])
+    return load_first_failed_checks(db, [attempt.grading_id for attempt in latest if attempt.diagnosis is None])
 
 
 def mistake_words(course: Course, attempts: Attempts, failures: Mapping[UUID, FailedCheck]) -> str:

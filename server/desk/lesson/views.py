@@ -14,7 +14,7 @@ from server.board import lesson_loading
 from server.board.lesson_state import LessonMistake, LessonState
 from server.board.progress import ClassProgress
 from server.board.schemas import FEWEST_TO_PROJECT
-from server.board.service import load_progress
+from server.board.service import load_class_progress
 from server.board.stuck import StuckStudent
 from server.classes.models import SchoolClass
 from server.course import Course
@@ -53,7 +53,7 @@ def lesson_page(
 ) -> LessonPage:
     """Build the page of a lesson that goes on; `refused`: the form as it was sent, with the reason."""
     school_class = access.school_class
-    progress = load_progress(db, course, school_class, now, besides=lesson.exercises)
+    progress = load_class_progress(db, course, school_class, now, besides=lesson.exercises)
     return LessonPage(
         head=class_head(course, access, "/seance"),
         loaded=school_time.format_hour(school_time.to_local(now)),
@@ -75,9 +75,9 @@ def start_page(
 ) -> StartPage:
     """Build the page of a class in which no lesson goes on."""
     school_class = access.school_class
-    progress = load_progress(db, course, school_class, now)
+    progress = load_class_progress(db, course, school_class, now)
     available = service.available_exercises(db, course, school_class, now)
-    proposed = LessonPlan(lesson_loading.propose_exercises(progress, available))
+    proposed = LessonPlan(lesson_loading.propose_lesson_exercises(progress, available))
     past = repository.load_lessons(db, school_class.id)[:SHOWN_LESSONS]
     return StartPage(
         head=class_head(course, access, "/seance"),
@@ -110,7 +110,7 @@ def _stars(course: Course, exercise: str) -> int:
 
 def lesson_parts(db: Session, progress: ClassProgress, school_class: SchoolClass, lesson: LiveLesson) -> LessonParts:
     """Build what changes on the page, for the attempts of `progress`."""
-    state = lesson_loading.load_state(db, progress, lesson)
+    state = lesson_loading.load_lesson_state(db, progress, lesson)
     links = BoardLinks(progress.course, class_href(school_class), progress.students)
     names = {student.id: student.name for student in progress.students}
     stuck = {row.account: row for row in state.stuck}
@@ -159,7 +159,7 @@ def _mistake_row(
         ),
         made=mistake.made,
         href=href,
-        project_href=f"{href}/projeter" if mistake.may_be_projected else "",
+        project_href=f"{href}/projeter" if mistake.has_enough_students_to_project else "",
         fewest=FEWEST_TO_PROJECT,
         remedial_href=remedial_href(links.href, mistake.exercise, sorted(mistake.still)),
     )

@@ -66,10 +66,10 @@ def build_council_page(db: Session, course: Course, access: ClassAccess, now: da
 
 def describe_student(course: Course, loaded: ClassObjectives, student: UUID, since: datetime) -> tuple[str, ...]:
     """Return what is to be said of a student in one line or two, without a word on any other."""
-    states = loaded.states[student]
+    states = loaded.states_by_student[student]
     times = [
         attempt.sent_at
-        for series in loaded.attempts.get(student, {}).values()
+        for series in loaded.attempts_by_student.get(student, {}).values()
         for attempt in series
         if since <= attempt.sent_at
     ]

@@ -12,7 +12,7 @@ from fastapi.responses import Response
 
 from server.base import school_time
 from server.base.errors import Invalid
-from server.board.mistake_files import mistake_sheets, mistakes_sheet
+from server.board.mistake_files import build_mistake_workbook, build_mistakes_sheet
 from server.classes import repository as classes
 from server.course.dependencies import CourseOf
 from server.database import utc_now
@@ -118,10 +118,10 @@ def download_mistakes(
     loaded = views.load_class_objectives(db, course, access.school_class, utc_now())
     students = classes.load_student_records(db, access.school_class.id)
     if format is MistakeFormat.csv:
-        sheet = mistakes_sheet(loaded, students, short_moment)
+        sheet = build_mistakes_sheet(loaded, students, short_moment)
         content, media_type = b"".join(write_french_csv(sheet.header, sheet.rows)), CSV
     else:
-        content = build_xlsx(mistake_sheets(loaded, students, short_moment))
+        content = build_xlsx(build_mistake_workbook(loaded, students, short_moment))
         media_type = GradebookFormat.xlsx.media_type
     slug = ascii_slug(access.school_class.name, "classe")
     name = f"balise-{slug}-erreurs-{loaded.progress.now:%Y-%m-%d}.{format.value}"

@@ -14,10 +14,10 @@ from sqlalchemy.orm import Session
 
 from server.base import school_time
 from server.board.catalogue import find_misconception
-from server.board.objective_loading import ClassObjectives, load_student_states
+from server.board.objective_loading import ClassObjectives, load_student_objective_states
 from server.board.objectives import RULE, ClassObjective, Mastery
 from server.board.schemas import FEWEST_FOR_A_SHARE
-from server.board.service import load_progress
+from server.board.service import load_class_progress
 from server.classes.models import SchoolClass
 from server.course import Course
 from server.course.kinds import SEANCE
@@ -108,7 +108,7 @@ class StudentObjectivesPage:
 
 
 def load_class_objectives(db: Session, course: Course, school_class: SchoolClass, now: datetime) -> ClassObjectives:
-    return ClassObjectives(load_progress(db, course, school_class, now), school_class.module)
+    return ClassObjectives(load_class_progress(db, course, school_class, now), school_class.module)
 
 
 def build_class_page(db: Session, course: Course, access: ClassAccess, now: datetime) -> ClassObjectivesPage:
@@ -137,7 +137,7 @@ def _render_body(loaded: ClassObjectives, school_class: SchoolClass) -> str:
 
     groups = [
         ClassObjectiveGroup(lesson_title(lesson), lesson.kind is SEANCE, tuple(map(render, own)))
-        for lesson, own in _by_lesson(progress.course, school_class.module, loaded.summarise(week_ends))
+        for lesson, own in _by_lesson(progress.course, school_class.module, loaded.summarise_objectives(week_ends))
     ]
     return str(macros.class_objectives(groups, RULE))
 
@@ -151,8 +151,8 @@ def _by_lesson(
 
 def _class_row(links: BoardLinks, people: Mapping[UUID, Link], row: ClassObjective) -> ObjectiveRow:
     students = len(people)
-    begun = students - row.count(Mastery.none)
-    percent = f"{round(100 * row.count(Mastery.mastered) / begun)} %" if begun >= FEWEST_FOR_A_SHARE else ""
+    begun = students - row.count_students(Mastery.none)
+    percent = f"{round(100 * row.count_students(Mastery.mastered) / begun)} %" if begun >= FEWEST_FOR_A_SHARE else ""
     shown = [number for number in row.weekly if number] or [0]
     return ObjectiveRow(
         id=row.practised.objective.id,
@@ -163,8 +163,8 @@ def _class_row(links: BoardLinks, people: Mapping[UUID, Link], row: ClassObjecti
                 state,
                 SIGNS[state],
                 WORDS[state],
-                row.count(state),
-                round(100 * row.count(state) / max(1, students), 1),
+                row.count_students(state),
+                round(100 * row.count_students(state) / max(1, students), 1),
                 tuple(people[account] for account in row.students[state]),
             )
             for state in SHOWN_STATES
@@ -197,7 +197,7 @@ def build_student_page(
 ) -> StudentObjectivesPage:
     """Build the page of one student, for their teacher or for themselves: nothing on it is of other students."""
     school_class = access.school_class
-    states = load_student_states(db, course, school_class, student, now, until, as_student=is_own)
+    states = load_student_objective_states(db, course, school_class, student, now, until, as_student=is_own)
     rows = [own_row(course, school_class.module, state) for state in states]
     return StudentObjectivesPage(
         head=class_head(course, access, "" if is_own else "/objectifs"),

@@ -16,7 +16,7 @@ from server.comments.side_by_side import compare_side_by_side
 from server.course import Exercise
 from server.desk.views import class_head, class_href
 from server.gradebook import student_work
-from server.gradebook.team_work import TeamAttempt, load_team_attempts
+from server.gradebook.team_work import TeammateAttempt, load_teammate_attempts
 from server.identity.models import Account
 from server.rights.service import ClassAccess
 from server.web.threads import Draft, thread_views, writer_view
@@ -65,8 +65,8 @@ def find_student_work(reader: Reader, access: ClassAccess, student: UUID) -> Stu
 def build_student_page(reader: Reader, student: StudentWork) -> dict[str, Any]:
     school_class = student.access.school_class
     module = reader.course.modules.get(school_class.module)
-    work = student_work.load_by_exercise(reader.db, student.member.id, school_class.module, student.until)
-    by_pair = load_team_attempts(reader.db, [student.member.id], class_id=school_class.id, until=student.until)
+    work = student_work.load_work_by_exercise(reader.db, student.member.id, school_class.module, student.until)
+    by_pair = load_teammate_attempts(reader.db, [student.member.id], class_id=school_class.id, until=student.until)
     shared = {name: attempt for (_, name), attempt in by_pair.items() if name not in work}
     asking = service.count_open_questions(reader.db, student.member.id, student.until)
     exercises = exercises_in_reading_order(module) if module else []
@@ -83,7 +83,7 @@ def build_student_page(reader: Reader, student: StudentWork) -> dict[str, Any]:
     }
 
 
-def _is_solved(own: student_work.ExerciseWork | None, shared: TeamAttempt | None) -> bool:
+def _is_solved(own: student_work.ExerciseWork | None, shared: TeammateAttempt | None) -> bool:
     return own.best == 1 if own else shared is not None and shared.score == 1
 
 
@@ -111,7 +111,7 @@ def build_work_page(
     href = student.exercise_href(exercise.id)
     skipped = (number - 1) * ATTEMPTS_A_PAGE
     work = (reader.db, student.member.id, exercise.id, student.until)
-    attempts, total = student_work.list_attempts(*work, limit=ATTEMPTS_A_PAGE, offset=skipped)
+    attempts, total = student_work.list_attempt_summaries(*work, limit=ATTEMPTS_A_PAGE, offset=skipped)
     if skipped and not attempts:
         raise NotFound("Il n’y a pas d’essais plus anciens.")
     shown = chosen or (attempts[0].number if attempts else 0)
@@ -135,16 +135,16 @@ def build_work_page(
     }
 
 
-def _load_shared(reader: Reader, student: StudentWork, exercise: Exercise) -> TeamAttempt | None:
+def _load_shared(reader: Reader, student: StudentWork, exercise: Exercise) -> TeammateAttempt | None:
     """Return what a partner has sent for the student too, None without any."""
     own, class_id = student.member.id, student.access.school_class.id
-    rows = load_team_attempts(reader.db, [own], class_id=class_id, exercise=exercise.id, until=student.until)
+    rows = load_teammate_attempts(reader.db, [own], class_id=class_id, exercise=exercise.id, until=student.until)
     return rows.get((own, exercise.id))
 
 
 def _code_change(reader: Reader, student: StudentWork, exercise: Exercise, number: int) -> dict[str, Any] | None:
     """Compare an attempt with the one before it; None for the first, and without code. Raise NotFound."""
-    pair = student_work.load_with_previous(reader.db, student.member.id, exercise.id, student.until, number)
+    pair = student_work.load_attempt_and_previous(reader.db, student.member.id, exercise.id, student.until, number)
     if not pair:
         raise NotFound(NO_SUCH_ATTEMPT)
     if len(pair) == 1 or exercise.answers is not None:

@@ -118,7 +118,7 @@ async def stream_answers(
 ) -> StreamingResponse:
     """Stream the numbers of answers, as HTML; `mur`: those of one projected question."""
     access, allowed = await require_watched_class(database, account, boards, class_id)
-    shown = boards.follow(live.WARM_UP, access.school_class.id, account.id, allowed)
+    shown = boards.stream_view(live.WARM_UP, access.school_class.id, account.id, allowed)
     wall = partial(live.render_wall, number=number - 1, shows_answers=bool(reponses))
     stream = stream_parts(shown, wall if mur else live.render_counts)
     return StreamingResponse(stream, media_type="text/event-stream", headers=STREAM_HEADERS)

@@ -20,7 +20,7 @@ from server.base import root_path
 from server.base.app_services import get_service
 from server.base.http import SESSION_COOKIE
 from server.base.settings import Settings
-from server.board.live import LiveBoards
+from server.board.live import LiveClassViews
 from server.database import Database
 from server.figures.service import FigureService
 from server.grading.grading_task import GradingInput
@@ -147,7 +147,7 @@ def everything(table: dict[str, Any]) -> list[str]:
 def test_nothing_of_any_route_leads_out_of_the_path(site: Site, asked: Any, people: tuple[str, ...]) -> None:
     """Every route that the table of rights knows."""
     get_service(site.app, FigureService).pictures._drawer = Drawer()  # type: ignore[assignment]
-    get_service(site.app, LiveBoards).max_stream_seconds = 0.0
+    get_service(site.app, LiveClassViews).max_stream_seconds = 0.0
     client = Watched(site.app)
     stage = Stage(Site(site.app, client, site.settings))
     for name in asked(expected()):

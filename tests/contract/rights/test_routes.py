@@ -22,7 +22,7 @@ from server.base.app_services import get_service
 from server.base.files import ROOT
 from server.base.http import SESSION_COOKIE
 from server.behaviour.models import BehaviourGroup, BehaviourName, Fingerprint
-from server.board.live import LiveBoards
+from server.board.live import LiveClassViews
 from server.calendars import service as calendars
 from server.classes.codes import draw_join_code
 from server.classes.models import ClassRole, Membership, SchoolClass
@@ -403,7 +403,7 @@ def test_every_route_does_for_everybody_what_the_table_says(site: Site, monkeypa
     monkeypatch.setattr(readiness, "NOBODY_GRADES_AFTER", timedelta(days=1))  # however slow the machine is
     site.tighten(sign_up_burst=1000, guest_burst=10_000)
     get_service(site.app, FigureService).pictures._drawer = Drawer()  # type: ignore[assignment]
-    get_service(site.app, LiveBoards).max_stream_seconds = 0.0
+    get_service(site.app, LiveClassViews).max_stream_seconds = 0.0
     found, read_only = {}, Stage(site)
     for name in expected():
         stage = read_only if name.startswith("GET ") else Stage(site)
