@@ -353,9 +353,9 @@ READERS: tuple[Reader, ...] = (
         _form("name issuer client_id authorization_url token_url keys_url deployments frames", _platform_form),
         BODY,
         TEXTS,
-        "form:deploiement raw:server.pages.school.lti_forms._typed",
+        "form:deploiement raw:server.pages.school.lti_forms._read_text_fields",
     ),
-    Reader("a server's form", _server_form, BODY, TEXTS, "raw:server.pages.school.server_forms._typed"),
+    Reader("a server's form", _server_form, BODY, TEXTS, "raw:server.pages.school.server_forms._read_text_fields"),
     Reader("a rule's form", _rule, BODY, ANYTHING, "raw:server.pages.school.rules.change_rule"),
     Reader(
         "the end of a session",
@@ -369,8 +369,8 @@ READERS: tuple[Reader, ...] = (
         lambda text: (sha256_hex(text), is_service_ticket(text)),
         HEAD,
         TEXTS,
-        "query:etat query:ticket query:iss query:error raw:server.pages.school.entries.come_back "
-        "raw:server.pages.school.entries.leave",
+        "query:etat query:ticket query:iss query:error raw:server.pages.school.entries.complete_provider_sign_in "
+        "raw:server.pages.school.entries.redirect_to_provider",
     ),
     Reader("a search", lambda text: (_index().find_passages(text), normalise_name(text)), HEAD, TEXTS, "query:q"),
     Reader("a list", _encoded(read_roster), BODY, TEXTS, "raw:server.api.classes.import_list"),
@@ -398,9 +398,9 @@ READERS: tuple[Reader, ...] = (
         BODY,
         {**TEXTS, **PROGRAMS},
         "body:NewSubmission.code body:CellRunInput.code body:CallBody.code body:CallBody.after body:CellBody.code "
-        "raw:server.pages.routes._code "
-        "raw:server.pages.own_run.run_own_call "
-        "raw:server.pages.routes.save raw:server.pages.routes.submit",
+        "raw:server.pages.routes._read_code_field "
+        "raw:server.pages.own_run.run_typed_call "
+        "raw:server.pages.routes.save_test_work raw:server.pages.routes.submit_attempt",
     ),
     Reader("a program in colours", colour_lines_uncached, CODE, {**TEXTS, **PROGRAMS}),
     Reader("a program before it is opened", _encoded(lambda code: require_text(code, Policy())), CODE, ANYTHING),
@@ -433,8 +433,8 @@ READERS: tuple[Reader, ...] = (
         CODE,
         {**TEXTS, **PROGRAMS},
         "body:NewSubmission.answers form:reponse raw:server.reading.routes.mark_retrieval_answer "
-        "raw:server.pages.answers._placed raw:server.pages.answers._text "
-        "raw:server.pages.answers._ticked",
+        "raw:server.pages.answers._read_placed_steps raw:server.pages.answers._read_typed_answer "
+        "raw:server.pages.answers._read_ticked_options",
     ),
     Reader("a sentence of a verdict", lambda text: (ticks(text), sentence(text), french(text)), SENTENCE, TEXTS),
     Reader("a name to file by", lambda text: (unaccented(text), ascii_slug(text, "x")), SENTENCE, TEXTS),
@@ -455,7 +455,7 @@ READERS: tuple[Reader, ...] = (
         lambda text: version_of({"a": text}),
         BODY,
         TEXTS,
-        "raw:server.pages.form_state.base_version raw:server.pages.form_state.require_same_tests "
+        "raw:server.pages.form_state.read_base_version raw:server.pages.form_state.require_same_tests "
         "raw:server.web.form_version.require_version raw:server.web.form_identity.typed_fields",
     ),
     Reader(
@@ -501,9 +501,9 @@ READERS: tuple[Reader, ...] = (
         raw:server.base.root_path.RootPathMiddleware.__call__ raw:server.base.root_path.RootPathMiddleware._inside
         raw:server.base.root_path.service_url raw:server.desk.people.routes.show_class
         raw:server.desk.people.management._render_settings raw:server.web.forms.redirect_to_login
-        raw:server.health.routes.show_metrics raw:server.pages.drawn.film
-        raw:server.pages.school.launches._open
-        raw:server.pages.school.launches._without_cookies
+        raw:server.health.routes.show_metrics raw:server.pages.drawn.send_film
+        raw:server.pages.school.launches._open_launch_session
+        raw:server.pages.school.launches._render_no_cookies_page
         raw:server.replays.routes._answer_response raw:server.web.assets._Packed.file_response
         raw:server.web.errors.wants_json raw:server.web.form_identity.referring_page
         raw:server.web.form_identity.refusal_context raw:server.web.rendering._back raw:server.web.rendering._here
