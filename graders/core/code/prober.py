@@ -34,6 +34,7 @@ from graders.core.code.probe_runs import (
 )
 from graders.core.code.probes import ProbeAnswer, ProbeResults, Probes, same_probe_answer
 from graders.core.code.recognised import RecognisedMistakes, RuleName, WeakName, apply_rules, iter_rule_names
+from graders.core.code.refuting import NameRefuter
 from graders.core.code.runner import Runner
 from graders.core.code.shared_results import SHARED
 from graders.core.code.stateless import is_stateless, may_keep_state
@@ -89,7 +90,7 @@ class Prober:
         """
         mistakes: list[str] = []
         fallback, consequences = list[str](), list[str]()
-        named: dict[str, frozenset[str]] = {}
+        refuter = NameRefuter(self._mutants)
         silent, ruled, alike = list[WeakName](), list[RuleName](), set[str]()
         probed = {probes.function for _, probes in self._select_probes(functions, alone)}
         certain = probed >= self.probed_functions.intersection(functions)
@@ -105,19 +106,22 @@ class Prober:
                     fallback += (last := self._fallback_names(index, sequence))
                     ruled += self._names_given_by_rules(index, sequence, last)
                     continue
-                names, is_certain = self._name_mistakes_not_disproved(index, sequence, functions, named)
+                names, is_certain = self._name_mistakes_not_disproved(index, sequence, functions, refuter)
+                is_triple = len(names) > MAX_COMBINED_MISTAKES  # found before all pairs are tried
+                is_certain = is_certain and not is_triple
             pair = [] if search is None or is_certain else self._find_mistake_pair(index, sequence, functions, search)
             if pair:
-                names, is_certain = self._unrefuted(pair, self.probes[index].function, named), True
+                names, is_certain = refuter.unrefuted(index, pair), True
             with self._lock:
-                named[self.probes[index].function] = frozenset(names)
+                refuter.note(index, names, is_certain)
                 certain = certain and is_certain
                 alike |= {*names} if is_certain else set()
                 silent += self._weak_names(index, sequence, [name for name in names if name not in mistakes])
+                both: Sequence[MutantRow] = ()
                 if len(names) > 1 and is_certain and not pair:  # together they may answer as a third, not known
                     both = self._mutants.mutants_matching_first_answer(index, MAX_COMBINED_MISTAKES, answers[0])
-                    if self._mutants.filter_matching(index, both, sequence):
-                        silent += [WeakName(name, index, "", ()) for name in names]
+                if (is_triple and not pair) or self._mutants.filter_matching(index, both, sequence):
+                    silent += [WeakName(name, index, "", ()) for name in names]
                 mistakes += [mistake for mistake in names if mistake not in mistakes]
                 fallback += (last := () if names else self._fallback_names(index, sequence))
                 ruled += self._names_given_by_rules(index, sequence, names or last)
@@ -130,27 +134,15 @@ class Prober:
         return found._replace(ruled=tuple(ruled), alike=frozenset(alike))
 
     def _name_mistakes_not_disproved(
-        self, index: int, sequence: AnswerSequence, blamed: Collection[str], named: Mapping[str, AbstractSet[str]]
+        self, index: int, sequence: AnswerSequence, blamed: Collection[str], refuter: NameRefuter
     ) -> tuple[Sequence[str], bool]:
-        """Return `_name_mistakes`, but those of another function that has answered otherwise; then without these."""
-        function = self.probes[index].function
+        """Return `_name_mistakes`, but those that answers to other probes refute; then without these."""
         names, is_certain = self._name_mistakes(index, sequence, blamed)
-        left = self._unrefuted(names, function, named)
+        left = refuter.unrefuted(index, names)
         if len(left) == len(names):
             return names, is_certain
         others, is_certain = self._name_mistakes(index, sequence, blamed, frozenset(names).difference(left))
-        return (others, is_certain) if self._unrefuted(others, function, named) == others != [] else (left, False)
-
-    def _unrefuted(self, names: Sequence[str], function: str, named: Mapping[str, AbstractSet[str]]) -> Sequence[str]:
-        """Return the names but those of a mistake in another function whose own answers have shown another one."""
-        others = {name: self._other_functions_of_mistake(name, function) & named.keys() for name in names}
-        return [name for name in names if all(name in named[other] for other in others[name])]
-
-    def _other_functions_of_mistake(self, name: str, function: str) -> AbstractSet[str]:
-        """Return the functions that can have a mistake; none where this one can."""
-        edits = [*self.model.edits, *(edit for mutant in self._mutants.whole for edit in mutant.edits)]
-        places = frozenset().union(*(edit.functions for edit in edits if edit.id == name))
-        return frozenset() if function in places else places
+        return (others, is_certain) if refuter.unrefuted(index, others) == others != [] else (left, False)
 
     def unfinished_mutants(self) -> Iterator[tuple[Mutant, UnfinishedAnswer]]:
         """Yield the mutants with one mistake that take too much to answer the probes, each with the call that does."""
