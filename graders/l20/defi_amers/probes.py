@@ -25,6 +25,7 @@ from graders.l20.defi_amers.system import COARSE, fingerprint
 from graders.l20.slam_graphe.graphs import edge, rows
 from graders.l20.slam_graphe.optimum import COARSENESS, FAR, LOST, gaps
 from graders.l20.slam_graphe.probes import AROUND, LOOP, ROUND, START, TRUTH, TURNING
+from graders.robotics.turned import is_detached_from_first, rigid_motion_between
 from reference.se2 import relative
 
 LANDMARKS = rows((2.5, 3.5), (0.5, 3.0))
@@ -168,6 +169,33 @@ def first_moves(shown: ProbeResults) -> str | None:
 
 
 @measurement_rule
+def detached(shown: ProbeResults) -> str | None:
+    """The optimum, moved as a whole, but for the first pose, which is where it was given."""
+    found = [(MAPS[k].optimum, _found(shown, k)) for k in (PLAIN, WRAPPING)]
+    apart = [
+        one is not None and is_detached_from_first(poses, one.poses, (landmarks, one.landmarks))
+        for (poses, landmarks), one in found
+    ]
+    return "carte_detachee" if all(apart) else None
+
+
+@measurement_rule
+def landmarks_left_behind(shown: ProbeResults) -> str | None:
+    """Poses and landmarks are each those of the optimum, or of it moved as a whole, but not by the same motion."""
+    found = [(MAPS[k].optimum, _found(shown, k)) for k in (PLAIN, WRAPPING)]
+    behind = [one is not None and _is_left_behind(poses, landmarks, one) for (poses, landmarks), one in found]
+    return "amers_mal_remis" if all(behind) else None
+
+
+def _is_left_behind(poses: Floats, landmarks: Floats, found: Found) -> bool:
+    right = float(np.abs(gaps(poses, found.poses)).max()) < 1e-3
+    moved = float(np.abs(landmarks - found.landmarks).max()) > 1e-2
+    shape = rigid_motion_between(landmarks, found.landmarks) is not None
+    attached = is_detached_from_first(poses, found.poses, (landmarks, found.landmarks))
+    return shape and moved and not attached and (right or is_detached_from_first(poses, found.poses))
+
+
+@measurement_rule
 def turns_only(shown: ProbeResults) -> str | None:
     """The optimum, with headings out of the interval."""
     found = [_found(shown, k) for k in ENDED]
@@ -230,6 +258,15 @@ PROBES = (
         kit=world.STILL,
         read=read,
         faults={"LinAlgError": LOST},
-        rules=(never_moves, landmarks_stay, singular, first_moves, turns_only, one_step_only),
+        rules=(
+            never_moves,
+            landmarks_stay,
+            singular,
+            first_moves,
+            turns_only,
+            detached,
+            landmarks_left_behind,
+            one_step_only,
+        ),
     ),
 )

@@ -22,6 +22,7 @@ from graders.l20.poses.probes import only_angle, only_position, only_turns, posi
 from graders.l20.poses.probes import read as read_three
 from graders.l20.slam_graphe.graphs import Edge, Graph, edge, rows
 from graders.l20.slam_graphe.optimum import COARSENESS, FAR, LOST, diverged, gaps
+from graders.robotics.turned import is_detached_from_first
 from reference.se2 import relative, wrap_angle
 
 TRIPLES = (
@@ -136,6 +137,14 @@ def first_moves(shown: ProbeResults) -> str | None:
     """The first pose is not where it was given."""
     moved = [_first_moved(shown, k) for k in range(len(GRAPHS))]
     return "premiere_pose_bouge" if sum(moved) >= len(moved) - 2 else None
+
+
+@measurement_rule
+def detached(shown: ProbeResults) -> str | None:
+    """The optimum, moved as a whole, but for the first pose, which is where it was given."""
+    found = [(GRAPHS[k].optimum, _poses(shown, k)) for k in (PLAIN, WRAPPING, DOUBLED)]
+    apart = [poses is not None and is_detached_from_first(optimum, poses) for optimum, poses in found]
+    return "carte_detachee" if all(apart) else None
 
 
 @measurement_rule
@@ -290,6 +299,7 @@ PROBES = (
             singular,
             first_moves,
             turns_only,
+            detached,
             weights_ignored,
             weights_misused,
             one_step_only,

@@ -195,3 +195,31 @@ def test_figures_draw(theme: str) -> None:
     for check in ("systeme_exemples", "partage")[theme == "light" :]:
         data = json.loads(json.dumps(figures[check]))
         assert counterexample(GRADER.exercise, data, theme=theme).startswith(b"<?xml")
+
+
+FREE = """
+
+def slam_amers(poses, amers, aretes, observations, n_iter=10):
+    x, a = np.array(poses, dtype=float), np.array(amers, dtype=float)
+    for _ in range(n_iter):
+        H, b = systeme(x, a, aretes, observations)
+        step = np.linalg.lstsq(H, -b, rcond=1e-9)[0]
+        x, a = x + step[: x.size].reshape(-1, 3), a + step[x.size :].reshape(-1, 2)
+    back = poses[0] - x[0]
+    x[0] = poses[0]
+{}
+    x[:, 2] = np.arctan2(np.sin(x[:, 2]), np.cos(x[:, 2]))
+    return x, a
+"""
+
+
+@pytest.mark.parametrize(
+    ("rest", "name"),
+    [
+        ("    x[1:], a = x[1:] + back, a + back[:2]", "carte_detachee"),
+        ("    pass", "carte_detachee"),
+        ("    x[1:] += back", "amers_mal_remis"),
+    ],
+)
+def test_a_free_map_put_back_without_its_turn_is_named(rest: str, name: str) -> None:
+    assert named(verdict(GRADER.solution + FREE.format(rest), 1)) == name

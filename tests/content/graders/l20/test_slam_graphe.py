@@ -13,10 +13,10 @@ from hypothesis import strategies as st
 
 from graders.core.contract.outcomes import Outcome
 from graders.plotting import counterexample
-from graders.robotics.turned import turn_about_first
+from graders.robotics.turned import is_detached_from_first, turn_about_first
 from tests.support.quick import THEMES, one_in
 from tests.support.shipped import CODE
-from tests.support.verdicts import checked, checked_verdict_of, failed, plain_verdict_of, verdict_of
+from tests.support.verdicts import checked, checked_verdict_of, failed, named, plain_verdict_of, verdict_of
 
 GRADER = CODE["l20/slam_graphe"]
 verdict = partial(verdict_of, GRADER.exercise)
@@ -264,3 +264,44 @@ def test_a_map_that_is_only_turned_says_by_how_much(count: int, size: float, way
     got[1] += 2.0
     assert turn_about_first(expected, got) is None
     assert turn_about_first(expected, expected) is None
+
+
+@given(st.integers(4, 8), st.floats(0.02, 3.1), st.booleans(), st.integers(0, 2**32 - 1))
+def test_a_map_put_back_without_its_turn_is_seen(count: int, turn: float, all_turned: bool, seed: int) -> None:
+    """Turned about the first pose with headings that stay, or moved as a whole but for the first pose."""
+    rng = np.random.default_rng(seed)
+    expected = rng.uniform(-3.0, 3.0, (count, 3))
+    c, s = math.cos(turn), math.sin(turn)
+    got = expected.copy()
+    got[1:, :2] = expected[0, :2] + (expected[1:, :2] - expected[0, :2]) @ np.array([[c, s], [-s, c]])
+    if all_turned:
+        got[1:] += (0.3, -0.2, turn)
+    assert is_detached_from_first(expected, got)
+    assert not is_detached_from_first(expected, expected)
+    got[1:, 2] += 0.1
+    assert not is_detached_from_first(expected, got)
+
+
+FREE = """
+def gauss_newton(poses, aretes, n_iter=10):
+    x = np.array(poses, dtype=float)
+    for _ in range(n_iter):
+        x = x - np.linalg.lstsq(jacobienne_et_reste(x, aretes)[0], jacobienne_et_reste(x, aretes)[1], rcond=1e-9)[
+            0].reshape(-1, 3)
+    x = x + poses[0] - x[0]
+    x[:, 2] = np.arctan2(np.sin(x[:, 2]), np.cos(x[:, 2]))
+    return x
+
+
+def jacobienne_et_reste(x, aretes):
+    def reste(y):
+        y = y.reshape(-1, 3)
+        return np.concatenate([np.linalg.cholesky(w).T @ erreur(y[i], y[j], z) for i, j, z, w in aretes])
+
+    steps = 1e-6 * np.eye(x.size)
+    return np.column_stack([(reste(x.ravel() + d) - reste(x.ravel() - d)) / 2e-6 for d in steps]), reste(x)
+"""
+
+
+def test_a_free_map_that_is_put_back_by_an_offset_is_named() -> None:
+    assert named(verdict(GRADER.solution + FREE, 1)) == "carte_detachee"
