@@ -46,12 +46,12 @@ class WheelCalibration:
     distance_residual: float
 
     @property
-    def drive(self) -> DifferentialDrive:
+    def to_drive(self) -> DifferentialDrive:
         return DifferentialDrive(self.track)
 
-    def paths(self, wheels: ArrayLike) -> Floats:
+    def wheel_paths(self, wheels: ArrayLike) -> Floats:
         """The paths (n, 2) of the wheels in metres, from what the encoders count."""
-        return _rows("wheels", wheels, 2) * [self.left_scale, self.right_scale]
+        return _check_rows("wheels", wheels, 2) * [self.left_scale, self.right_scale]
 
 
 def calibrate_wheels(wheels: ArrayLike, steps: ArrayLike) -> WheelCalibration:
@@ -66,18 +66,20 @@ def calibrate_wheels(wheels: ArrayLike, steps: ArrayLike) -> WheelCalibration:
     modulo 2 pi, so steps must turn by less than half. Raises CalibrationError where the robot only drove straight, or
     only turned on the spot, or a wheel stood still.
     """
-    counts, motions = _pair("wheels", wheels, 2, steps)
+    counts, motions = _check_measurements_and_steps("wheels", wheels, 2, steps)
     turns = wrap_angle(motions[:, 2])
-    c_left, c_right = _solved("wheels", counts, turns)
+    c_left, c_right = _solve_least_squares("wheels", counts, turns)
     if not c_left < 0.0 < c_right:
         raise CalibrationError("wheels", "turn the robot the wrong way: left and right may be exchanged")
-    ways = _along(motions, turns)
+    ways = _signed_chord_lengths(motions, turns)
     half = (counts @ [-c_left, c_right]) / 2.0
-    track = float(_solved("wheels", half[:, None], ways)[0])
+    track = float(_solve_least_squares("wheels", half[:, None], ways)[0])
     if not track > 0.0:
         raise CalibrationError("steps", "go backwards where the wheels go ahead")
     left_turn, left_way = turns - counts @ [c_left, c_right], ways - track * half
-    return WheelCalibration(-c_left * track, c_right * track, track, _rms(wrap_angle(left_turn)), _rms(left_way))
+    return WheelCalibration(
+        -c_left * track, c_right * track, track, _root_mean_square(wrap_angle(left_turn)), _root_mean_square(left_way)
+    )
 
 
 @dataclass(frozen=True)
@@ -96,9 +98,9 @@ class StepCalibration:
 
     def correct(self, odometry_steps: ArrayLike) -> Floats:
         """The steps (n, 3) as they should have been. A step turns evenly: its chord turns by half of what is added."""
-        steps = _rows("odometry_steps", odometry_steps, 3)
+        steps = _check_rows("odometry_steps", odometry_steps, 3)
         turns = wrap_angle(steps[:, 2])
-        corrected = self.turn * turns + self.pull * _along(steps, turns)
+        corrected = self.turn * turns + self.pull * _signed_chord_lengths(steps, turns)
         half = (corrected - turns) / 2.0
         c, s = np.cos(half), np.sin(half)
         x, y = self.stretch * steps[:, 0], self.stretch * steps[:, 1]
@@ -116,22 +118,24 @@ def calibrate_steps(odometry_steps: ArrayLike, steps: ArrayLike, *, worst_share:
     """
     if not 0.0 <= worst_share < 1.0:
         raise CalibrationError("worst_share", f"{worst_share} is not a share of the steps")
-    measured, motions = _pair("odometry_steps", odometry_steps, 3, steps)
-    found = _fitted_steps(measured, motions)
+    measured, motions = _check_measurements_and_steps("odometry_steps", odometry_steps, 3, steps)
+    found = _fit_step_corrections(measured, motions)
     if worst_share == 0.0:
         return found
     missed = np.abs(wrap_angle(found.correct(measured)[:, 2] - motions[:, 2]))
     kept = np.sort(np.argsort(missed, kind="stable")[: max(3, round((1.0 - worst_share) * len(missed)))])
-    return _fitted_steps(measured[kept], motions[kept])
+    return _fit_step_corrections(measured[kept], motions[kept])
 
 
-def _fitted_steps(measured: Floats, motions: Floats) -> StepCalibration:
+def _fit_step_corrections(measured: Floats, motions: Floats) -> StepCalibration:
     turns, true_turns = wrap_angle(measured[:, 2]), wrap_angle(motions[:, 2])
-    ways, true_ways = _along(measured, turns), _along(motions, true_turns)
-    turn, pull = _solved("odometry_steps", np.column_stack([turns, ways]), true_turns)
-    stretch = float(_solved("odometry_steps", ways[:, None], true_ways)[0])
+    ways, true_ways = _signed_chord_lengths(measured, turns), _signed_chord_lengths(motions, true_turns)
+    turn, pull = _solve_least_squares("odometry_steps", np.column_stack([turns, ways]), true_turns)
+    stretch = float(_solve_least_squares("odometry_steps", ways[:, None], true_ways)[0])
     left = true_turns - turn * turns - pull * ways
-    return StepCalibration(stretch, turn, pull, _rms(wrap_angle(left)), _rms(true_ways - stretch * ways))
+    return StepCalibration(
+        stretch, turn, pull, _root_mean_square(wrap_angle(left)), _root_mean_square(true_ways - stretch * ways)
+    )
 
 
 @dataclass(frozen=True)
@@ -164,7 +168,10 @@ def umbmark(clockwise: ArrayLike, counterclockwise: ArrayLike, side: float, trac
     """
     if not (0.0 < track < np.inf and 0.0 < side < np.inf):
         raise CalibrationError("track" if 0.0 < side < np.inf else "side", "is not a positive length")
-    ends = [_rows(name, value, 2) for name, value in (("clockwise", clockwise), ("counterclockwise", counterclockwise))]
+    ends = [
+        _check_rows(name, value, 2)
+        for name, value in (("clockwise", clockwise), ("counterclockwise", counterclockwise))
+    ]
     cw, ccw = ends[0].mean(axis=0), ends[1].mean(axis=0)
     alpha, beta = -(cw[0] + ccw[0]) / (4.0 * side), -(cw[0] - ccw[0]) / (4.0 * side)
     if max(abs(alpha), abs(beta)) > np.pi / 4.0:
@@ -176,12 +183,12 @@ def umbmark(clockwise: ArrayLike, counterclockwise: ArrayLike, side: float, trac
     return Umbmark(wheel_ratio, track_ratio, left, right, float(max(np.hypot(*cw), np.hypot(*ccw))))
 
 
-def _along(steps: Floats, turns: Floats) -> Floats:
+def _signed_chord_lengths(steps: Floats, turns: Floats) -> Floats:
     """The way (n,) of each step along the chord that halves its turn, ahead or back."""
     return np.asarray(steps[:, 0] * np.cos(turns / 2.0) + steps[:, 1] * np.sin(turns / 2.0))
 
 
-def _solved(argument: str, A: Floats, right: Floats) -> Floats:
+def _solve_least_squares(argument: str, A: Floats, right: Floats) -> Floats:
     """The least squares solution, of columns that must be independent."""
     size = np.linalg.norm(A, axis=0)
     if not np.all(size > 0.0) or np.linalg.svd(A / size, compute_uv=False)[-1] < LEAST_PIVOT:
@@ -189,12 +196,14 @@ def _solved(argument: str, A: Floats, right: Floats) -> Floats:
     return np.asarray(np.linalg.lstsq(A, right, rcond=None)[0])
 
 
-def _rms(values: Floats) -> float:
+def _root_mean_square(values: Floats) -> float:
     return float(np.sqrt(np.mean(values**2)))
 
 
-def _pair(argument: str, first: ArrayLike, width: int, steps: ArrayLike) -> tuple[Floats, Floats]:
-    rows, motions = _rows(argument, first, width), _rows("steps", steps, 3)
+def _check_measurements_and_steps(
+    argument: str, first: ArrayLike, width: int, steps: ArrayLike
+) -> tuple[Floats, Floats]:
+    rows, motions = _check_rows(argument, first, width), _check_rows("steps", steps, 3)
     if len(rows) != len(motions):
         raise CalibrationError("steps", f"are {len(motions)}, for {len(rows)} rows of {argument}")
     if len(rows) < 3:
@@ -202,7 +211,7 @@ def _pair(argument: str, first: ArrayLike, width: int, steps: ArrayLike) -> tupl
     return rows, motions
 
 
-def _rows(argument: str, values: ArrayLike, width: int) -> Floats:
+def _check_rows(argument: str, values: ArrayLike, width: int) -> Floats:
     rows = np.asarray(values, dtype=np.float64)
     if rows.ndim != 2 or rows.shape[1] != width or not len(rows) or not np.all(np.isfinite(rows)):
         raise CalibrationError(argument, f"of shape {rows.shape} are not finite numbers (n, {width}), n >= 1")

@@ -133,7 +133,7 @@ def nearest_neighbours(
     The gate is the quantile `confidence` of chi-square with 2 degrees: of true pairs it loses 1 - `confidence`. Raises
     AssociationError.
     """
-    distances, gate = expected.distances(measurements), _gate(confidence, 1)
+    distances, gate = expected.distances(measurements), _gate_threshold(confidence, 1)
     found = np.full(len(distances), SPURIOUS)
     free = np.ones(distances.shape, dtype=np.bool_)
     while np.any(free) and np.min(distances, where=free, initial=np.inf) <= gate:
@@ -154,11 +154,11 @@ def joint_compatibility(
 
     Raises AssociationError.
     """
-    return _Search(expected, measurements, confidence).run()
+    return _CompatibilitySearch(expected, measurements, confidence).run()
 
 
 @dataclass(eq=False)
-class _Search:
+class _CompatibilitySearch:
     """Depth first over the measurements; `best` so far."""
 
     expected: ExpectedSightings
@@ -172,18 +172,19 @@ class _Search:
         self._away = expected.differences(self.measurements)
         distances = expected.distances(self.measurements)
         self._order = [
-            [int(k) for k in np.argsort(row, kind="stable") if row[k] <= _gate(self.confidence, 1)] for row in distances
+            [int(k) for k in np.argsort(row, kind="stable") if row[k] <= _gate_threshold(self.confidence, 1)]
+            for row in distances
         ]
         count = len(distances)
-        self._gates = [0.0, *(_gate(self.confidence, pairs) for pairs in range(1, count + 1))]
+        self._gates = [0.0, *(_gate_threshold(self.confidence, pairs) for pairs in range(1, count + 1))]
         # How many of the measurements from i on may still be paired.
         left = np.cumsum([bool(order) for order in self._order][::-1])[::-1] if count else np.zeros(0)
         self._left = [*left.tolist(), 0]
         self.best = Association(np.full(count, SPURIOUS), 0.0, 0)
-        self._descend(0, [], np.zeros((0, 0)), np.zeros(0))
+        self._search_from_measurement(0, [], np.zeros((0, 0)), np.zeros(0))
         return Association(self.best.landmarks, self.best.distance, self.explored_nodes)
 
-    def _descend(self, i: int, pairs: list[tuple[int, int]], L: Floats, whitened: Floats) -> None:
+    def _search_from_measurement(self, i: int, pairs: list[tuple[int, int]], L: Floats, whitened: Floats) -> None:
         """From measurement i on, with the factor `L` of C and `whitened` = L^-1 h of the `pairs` so far."""
         self.explored_nodes += 1
         distance = float(whitened @ whitened)
@@ -199,13 +200,13 @@ class _Search:
         for k in self._order[i]:
             if k in taken or len(pairs) + self._left[i] < len(self.best.pairs):
                 continue
-            larger, longer = self._bordered(L, whitened, pairs, (i, k))
+            larger, longer = self._extend_factor(L, whitened, pairs, (i, k))
             if longer @ longer <= self._gates[len(pairs) + 1]:
-                self._descend(i + 1, [*pairs, (i, k)], larger, longer)
+                self._search_from_measurement(i + 1, [*pairs, (i, k)], larger, longer)
         if len(pairs) + self._left[i + 1] >= len(self.best.pairs):
-            self._descend(i + 1, pairs, L, whitened)
+            self._search_from_measurement(i + 1, pairs, L, whitened)
 
-    def _bordered(
+    def _extend_factor(
         self, L: Floats, whitened: Floats, pairs: list[tuple[int, int]], pair: tuple[int, int]
     ) -> tuple[Floats, Floats]:
         """The factor and the whitened innovations with one more pair."""
@@ -224,7 +225,7 @@ class _Search:
         return larger, np.append(whitened, added)
 
 
-def _gate(confidence: float, pairs: int) -> float:
+def _gate_threshold(confidence: float, pairs: int) -> float:
     if not 0.0 < confidence < 1.0:
         raise AssociationError("confidence", f"{confidence} is not a probability in ]0, 1[")
     return 2.0 * float(gammaincinv(SIZE * pairs / 2.0, confidence))  # of a chi-squared law: half a gamma law's

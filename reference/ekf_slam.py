@@ -22,7 +22,7 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.linalg.blas import dgemm
 
 from reference.errors import InvalidArgumentError
-from reference.filters.gaussian import Innovation, joseph
+from reference.filters.gaussian import Innovation, joseph_update
 from reference.se2 import wrap_angle
 
 Floats = NDArray[np.float64]
@@ -86,7 +86,7 @@ def updated_covariance_textbook(P: Floats, sighting: Sighting, R: Floats) -> Flo
 def updated_covariance_joseph(P: Floats, sighting: Sighting, R: Floats) -> Floats:
     """(I - K H) P (I - K H)^T + K R K^T: O(n^3) as well, and positive in spite of rounding."""
     H = full_jacobian(sighting, len(P))
-    return joseph(P, P @ H.T @ np.linalg.inv(sighting.innovation.covariance), H, R)
+    return joseph_update(P, P @ H.T @ np.linalg.inv(sighting.innovation.covariance), H, R)
 
 
 def full_jacobian(sighting: Sighting, size: int) -> Floats:
@@ -106,7 +106,7 @@ class EkfSlam:
         self, noise: SlamNoise, pose: ArrayLike = (0.0, 0.0, 0.0), update: Update = update_covariance_in_place
     ) -> None:
         self.noise, self.update = noise, update
-        self.mean = _vector("pose", pose, 3).copy()
+        self.mean = _check_vector("pose", pose, 3).copy()
         self.covariance: Floats = np.zeros((3, 3), order="F")
         self.slots: dict[int, int] = {}
         self.innovation: Innovation | None = None
@@ -127,7 +127,7 @@ class EkfSlam:
 
         x' = x + s cos(t + r / 2), y' = y + s sin(t + r / 2), t' = t + r                                       (2)
         """
-        advance, turn = _vector("control", control, 2)
+        advance, turn = _check_vector("control", control, 2)
         middle = self.mean[2] + 0.5 * turn
         c, s = np.cos(middle), np.sin(middle)
         F = np.array([[1.0, 0.0, -advance * s], [0.0, 1.0, advance * c], [0.0, 0.0, 1.0]])
@@ -144,15 +144,15 @@ class EkfSlam:
 
         Returns the log evidence; 0 for a first sighting, which has nothing to be compared with.
         """
-        z = _vector("measurement", measurement, 2)
+        z = _check_vector("measurement", measurement, 2)
         if not z[0] > 0.0:
             raise InvalidArgumentError("measurement", f"has a range of {z[0]}")
         if identity not in self.slots:
-            self._add(identity, z)
+            self._add_landmark(identity, z)
             return 0.0
-        return self._correct(self.slots[identity], z)
+        return self._correct_with_sighting(self.slots[identity], z)
 
-    def _add(self, identity: int, z: Floats) -> None:
+    def _add_landmark(self, identity: int, z: Floats) -> None:
         """l = (x + r cos(t + b), y + r sin(t + b)): its covariances follow from those of the robot.           (3)"""
         size, heading = self.mean.size, self.mean[2] + z[1]
         ray = np.array([np.cos(heading), np.sin(heading)])
@@ -167,7 +167,7 @@ class EkfSlam:
         self.mean = np.concatenate([self.mean, self.mean[:2] + z[0] * ray])
         self.covariance = larger
 
-    def _correct(self, slot: int, z: Floats) -> float:
+    def _correct_with_sighting(self, slot: int, z: Floats) -> float:
         sighting = self.predict_sighting(slot, z)
         evidence = sighting.innovation.log_density
         PHt = self.covariance[:, sighting.columns] @ sighting.H.T
@@ -196,7 +196,7 @@ class EkfSlam:
         return Sighting(columns, H, Innovation(away, S))
 
 
-def _vector(argument: str, values: ArrayLike, size: int) -> Floats:
+def _check_vector(argument: str, values: ArrayLike, size: int) -> Floats:
     vector = np.asarray(values, dtype=np.float64)
     if vector.shape != (size,) or not np.all(np.isfinite(vector)):
         raise InvalidArgumentError(argument, f"of shape {vector.shape} is not an array ({size},) of finite numbers")

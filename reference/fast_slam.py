@@ -92,64 +92,64 @@ class FastSlam:
 
         `log_evidence` becomes that of the sightings of landmarks known before. Raises InvalidArgumentError.
         """
-        u = _pair("control", control)
-        seen = {identity: _sighting(z) for identity, z in sightings.items()}
+        u = _check_pair("control", control)
+        seen = {identity: _check_sighting(z) for identity, z in sightings.items()}
         known = {self.ranks[identity]: z for identity, z in seen.items() if identity in self.ranks}
         before = self.weights
-        gains = self._move_by_what_is_seen(u, known) if self.version == "2.0" else self._move(u)
+        gains = self._move_by_odometry_and_sightings(u, known) if self.version == "2.0" else self._move_by_odometry(u)
         for rank, z in known.items():
-            evidence = self._correct(rank, z)
+            evidence = self._correct_landmark(rank, z)
             if self.version == "1.0":
                 gains += evidence
         for identity, z in seen.items():
             if identity not in self.ranks:
-                self._add(identity, z)
+                self._add_landmark(identity, z)
         top = float(gains.max())
         self.log_evidence = top + float(np.log(before @ np.exp(gains - top)))
         self.log_weights += gains
         self.log_weights -= self.log_weights.max()
         if effective_sample_size(self.weights) < self.least_share * len(self.poses):
-            self._resample()
+            self._resample_particles()
 
-    def _move(self, u: Floats) -> Floats:
+    def _move_by_odometry(self, u: Floats) -> Floats:
         """By odometry alone: every particle draws its own noise, and gains nothing yet (n,)."""
         drawn = self._rng.normal(size=(len(self.poses), 2)) * [self.noise.advance, self.noise.turn]
-        self.poses = moved(self.poses, u + drawn)
+        self.poses = move_poses(self.poses, u + drawn)
         return np.zeros(len(self.poses))
 
-    def _move_by_what_is_seen(self, u: Floats, known: Mapping[int, Floats]) -> Floats:
+    def _move_by_odometry_and_sightings(self, u: Floats, known: Mapping[int, Floats]) -> Floats:
         """By odometry and the sightings of known landmarks, (1) and (2): the logarithms (n,) of what particles gain."""
         n = len(self.poses)
         m, C, gains = np.zeros((n, 2)), np.tile(self.noise.motion, (n, 1, 1)), np.zeros(n)
         for rank, z in known.items():
-            there = moved(self.poses, u + m)
-            expected, by_pose, by_landmark = _observed(there, self.means[:, rank])
-            by_noise = by_pose @ _by_noise(self.poses, u + m)
+            there = move_poses(self.poses, u + m)
+            expected, by_pose, by_landmark = _expected_sightings_and_jacobians(there, self.means[:, rank])
+            by_noise = by_pose @ _motion_noise_jacobians(self.poses, u + m)
             away = z - expected
             away[:, 1] = wrap_angle(away[:, 1])
-            own = by_landmark @ self.covariances[:, rank] @ _T(by_landmark) + self.noise.sighting
-            S = by_noise @ C @ _T(by_noise) + own
-            K = C @ _T(by_noise) @ np.linalg.inv(S)
-            gains += _log_normal(away, S)
+            own = by_landmark @ self.covariances[:, rank] @ _transpose(by_landmark) + self.noise.sighting
+            S = by_noise @ C @ _transpose(by_noise) + own
+            K = C @ _transpose(by_noise) @ np.linalg.inv(S)
+            gains += _log_normal_density(away, S)
             m = m + np.einsum("nij,nj->ni", K, away)
-            C = C - K @ S @ _T(K)
-        drawn = np.einsum("nij,nj->ni", _root(C), self._rng.normal(size=(n, 2)))
-        self.poses = moved(self.poses, u + m + drawn)
+            C = C - K @ S @ _transpose(K)
+        drawn = np.einsum("nij,nj->ni", _matrix_square_roots(C), self._rng.normal(size=(n, 2)))
+        self.poses = move_poses(self.poses, u + m + drawn)
         return gains
 
-    def _correct(self, rank: int, z: Floats) -> Floats:
+    def _correct_landmark(self, rank: int, z: Floats) -> Floats:
         """Correct one landmark in every particle; the logarithms (n,) of the evidence, the poses taken for sure."""
-        expected, _, H = _observed(self.poses, self.means[:, rank])
+        expected, _, H = _expected_sightings_and_jacobians(self.poses, self.means[:, rank])
         P = self.covariances[:, rank]
         away = z - expected
         away[:, 1] = wrap_angle(away[:, 1])
-        S = H @ P @ _T(H) + self.noise.sighting
-        K = P @ _T(H) @ np.linalg.inv(S)
+        S = H @ P @ _transpose(H) + self.noise.sighting
+        K = P @ _transpose(H) @ np.linalg.inv(S)
         self.means[:, rank] += np.einsum("nij,nj->ni", K, away)
-        self.covariances[:, rank] = P - K @ S @ _T(K)
-        return _log_normal(away, S)
+        self.covariances[:, rank] = P - K @ S @ _transpose(K)
+        return _log_normal_density(away, S)
 
-    def _add(self, identity: int, z: Floats) -> None:
+    def _add_landmark(self, identity: int, z: Floats) -> None:
         """l = (x + r cos(t + b), y + r sin(t + b)), and its covariance from that of the sighting alone."""
         heading = self.poses[:, 2] + z[1]
         c, s = np.cos(heading), np.sin(heading)
@@ -157,31 +157,31 @@ class FastSlam:
         place = self.poses[:, :2] + z[0] * np.column_stack([c, s])
         self.ranks[identity] = self.means.shape[1]
         self.means = np.concatenate([self.means, place[:, None]], axis=1)
-        own = by_z @ self.noise.sighting @ _T(by_z)
+        own = by_z @ self.noise.sighting @ _transpose(by_z)
         self.covariances = np.concatenate([self.covariances, own[:, None]], axis=1)
 
-    def _resample(self) -> None:
+    def _resample_particles(self) -> None:
         kept = systematic_resampling(self.weights, self._rng).ancestors
         self.poses, self.means, self.covariances = self.poses[kept], self.means[kept], self.covariances[kept]
         self.log_weights = np.zeros(len(kept))
 
 
-def moved(poses: Floats, controls: Floats) -> Floats:
+def move_poses(poses: Floats, controls: Floats) -> Floats:
     """The poses (n, 3) after the controls (n, 2) = (advance, turn), the heading taken half-way through the turn."""
     middle = poses[:, 2] + 0.5 * controls[:, 1]
     x, y = poses[:, 0] + controls[:, 0] * np.cos(middle), poses[:, 1] + controls[:, 0] * np.sin(middle)
     return np.column_stack([x, y, wrap_angle(poses[:, 2] + controls[:, 1])])
 
 
-def _by_noise(poses: Floats, controls: Floats) -> Floats:
-    """V, the derivatives (n, 3, 2) of `moved` by the control."""
+def _motion_noise_jacobians(poses: Floats, controls: Floats) -> Floats:
+    """V, the derivatives (n, 3, 2) of `move_poses` by the control."""
     middle = poses[:, 2] + 0.5 * controls[:, 1]
     c, s, advance = np.cos(middle), np.sin(middle), controls[:, 0]
     rows = [[c, -0.5 * advance * s], [s, 0.5 * advance * c], [np.zeros_like(c), np.ones_like(c)]]
     return np.stack([np.stack(row, axis=-1) for row in rows], axis=-2)
 
 
-def _observed(poses: Floats, landmarks: Floats) -> tuple[Floats, Floats, Floats]:
+def _expected_sightings_and_jacobians(poses: Floats, landmarks: Floats) -> tuple[Floats, Floats, Floats]:
     """Range and bearing (n, 2) of one landmark in each particle, and their derivatives by pose and by landmark."""
     dx, dy = (landmarks - poses[:, :2]).T
     q = dx**2 + dy**2
@@ -194,31 +194,31 @@ def _observed(poses: Floats, landmarks: Floats) -> tuple[Floats, Floats, Floats]
     return expected, np.concatenate([-by_landmark, by_heading], axis=2), by_landmark
 
 
-def _log_normal(away: Floats, S: Floats) -> Floats:
+def _log_normal_density(away: Floats, S: Floats) -> Floats:
     """log N(away; 0, S), (n,)."""
     squares = np.einsum("ni,nij,nj->n", away, np.linalg.inv(S), away)
     return np.asarray(-0.5 * (squares + np.linalg.slogdet(S)[1]) - np.log(2.0 * np.pi))
 
 
-def _root(C: Floats) -> Floats:
+def _matrix_square_roots(C: Floats) -> Floats:
     """Matrices (n, 2, 2) whose squares are the covariances: these may have lost a rank, where noise has none."""
     values, vectors = np.linalg.eigh(C)
     return np.asarray(vectors * np.sqrt(np.maximum(values, 0.0))[:, None, :])
 
 
-def _T(matrices: Floats) -> Floats:
+def _transpose(matrices: Floats) -> Floats:
     return np.swapaxes(matrices, -1, -2)
 
 
-def _pair(argument: str, values: ArrayLike) -> Floats:
+def _check_pair(argument: str, values: ArrayLike) -> Floats:
     pair = np.asarray(values, dtype=np.float64)
     if pair.shape != (2,) or not np.all(np.isfinite(pair)):
         raise InvalidArgumentError(argument, f"of shape {pair.shape} is not an array (2,) of finite numbers")
     return pair
 
 
-def _sighting(values: ArrayLike) -> Floats:
-    z = _pair("sightings", values)
+def _check_sighting(values: ArrayLike) -> Floats:
+    z = _check_pair("sightings", values)
     if not z[0] > 0.0:
         raise InvalidArgumentError("sightings", f"hold a range of {z[0]}")
     return z

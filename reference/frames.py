@@ -83,7 +83,7 @@ class Transform:
         object.__setattr__(self, "rotation", self.rotation / np.sqrt(square))
 
     @classmethod
-    def planar(cls, pose: ArrayLike) -> Transform:
+    def from_planar(cls, pose: ArrayLike) -> Transform:
         """That of a pose (3,) = (x, y, theta) of the plane."""
         x, y, theta = np.asarray(pose, dtype=np.float64).tolist()
         return cls(np.array([x, y, 0.0]), np.array([0.0, 0.0, np.sin(theta / 2.0), np.cos(theta / 2.0)]))
@@ -99,19 +99,20 @@ class Transform:
     def compose(self, T_b_c: Transform) -> Transform:
         """T_a_c, this one being T_a_b."""
         return Transform(
-            self.translation + _turned(self.rotation, T_b_c.translation), _product(self.rotation, T_b_c.rotation)
+            self.translation + _rotate_vector(self.rotation, T_b_c.translation),
+            _quaternion_product(self.rotation, T_b_c.rotation),
         )
 
     def inverse(self) -> Transform:
         back = self.rotation * [-1.0, -1.0, -1.0, 1.0]
-        return Transform(-_turned(back, self.translation), back)
+        return Transform(-_rotate_vector(back, self.translation), back)
 
 
 IDENTITY = Transform(np.zeros(3), np.array([0.0, 0.0, 0.0, 1.0]))
 
 
 @dataclass(eq=False)
-class _Link:
+class _FrameLink:
     """How a frame is tied to its parent: the dates, increasing, and the transforms; none at all dated if `static`."""
 
     parent: str
@@ -127,7 +128,7 @@ class FrameBuffer:
         if cache_ns <= 0:
             raise FrameError("cache_ns", f"{cache_ns} keeps nothing")
         self.cache_ns = cache_ns
-        self._links: dict[str, _Link] = {}
+        self._links: dict[str, _FrameLink] = {}
 
     def add(
         self, parent: str, child: str, T_parent_child: Transform, stamp_ns: int = 0, *, static: bool = False
@@ -137,12 +138,12 @@ class FrameBuffer:
         A second transform of the same date takes the place of the first. A child that comes with another parent changes
         trees, and its history begins anew. Raises FrameLoopError; TooOldError; FrameError for an empty name.
         """
-        parent, child = _name("parent", parent), _name("child", child)
-        if child in self._lineage(parent):
+        parent, child = _normalise_frame_name("parent", parent), _normalise_frame_name("child", child)
+        if child in self._frames_to_root(parent):
             raise FrameLoopError("parent", f"{parent!r} descends from {child!r}, which cannot become its child")
         link = self._links.get(child)
         if link is None or link.parent != parent or link.static != static:
-            link = self._links[child] = _Link(parent, static)
+            link = self._links[child] = _FrameLink(parent, static)
         if static:
             link.stamps, link.transforms = [0], [T_parent_child]
             return
@@ -166,8 +167,8 @@ class FrameBuffer:
 
         Raises UnknownFrameError, UnconnectedFramesError, FutureDateError, PastDateError.
         """
-        up, down = self._ways(target, source)
-        T_ancestor_target, T_ancestor_source = self._climbed(up, stamp_ns), self._climbed(down, stamp_ns)
+        up, down = self._frames_below_common_ancestor(target, source)
+        T_ancestor_target, T_ancestor_source = self._compose_chain(up, stamp_ns), self._compose_chain(down, stamp_ns)
         return T_ancestor_target.inverse().compose(T_ancestor_source)
 
     def lookup_between(self, target: str, target_ns: int, source: str, source_ns: int, fixed: str) -> Transform:
@@ -178,29 +179,29 @@ class FrameBuffer:
         """
         return self.lookup(target, fixed, target_ns).compose(self.lookup(fixed, source, source_ns))
 
-    def latest_common(self, target: str, source: str) -> int:
+    def latest_common_stamp(self, target: str, source: str) -> int:
         """The last date (ns) at which `lookup` answers; 0 where all links between them are static. Errors as there."""
-        up, down = self._ways(target, source)
+        up, down = self._frames_below_common_ancestor(target, source)
         ends = [self._links[frame].stamps[-1] for frame in up + down if not self._links[frame].static]
         return min(ends, default=0)
 
-    def _lineage(self, frame: str) -> list[str]:
+    def _frames_to_root(self, frame: str) -> list[str]:
         """A frame, its parent, and so on to the root. `add` lets no loop in."""
         found = [frame]
         while found[-1] in self._links:
             found.append(self._links[found[-1]].parent)
         return found
 
-    def _ways(self, target: str, source: str) -> tuple[list[str], list[str]]:
+    def _frames_below_common_ancestor(self, target: str, source: str) -> tuple[list[str], list[str]]:
         """The frames below the nearest common ancestor, from the target up and from the source up."""
-        target, source = _name("target", target), _name("source", source)
+        target, source = _normalise_frame_name("target", target), _normalise_frame_name("source", source)
         known = set(self._links) | {link.parent for link in self._links.values()}
         for argument, name in (("target", target), ("source", source)):
             if name not in known:
                 raise UnknownFrameError(
                     argument, f"{name!r} was never published; known: {', '.join(sorted(known)) or 'none'}"
                 )
-        up, down = self._lineage(target), self._lineage(source)
+        up, down = self._frames_to_root(target), self._frames_to_root(source)
         if up[-1] != down[-1]:
             raise UnconnectedFramesError(
                 "source",
@@ -211,14 +212,14 @@ class FrameBuffer:
             down.pop()
         return up, down
 
-    def _climbed(self, frames: list[str], stamp_ns: int) -> Transform:
+    def _compose_chain(self, frames: list[str], stamp_ns: int) -> Transform:
         """The pose of the first of the frames in the parent of the last, at a date."""
         T = IDENTITY
         for frame in frames:
-            T = self._at(frame, stamp_ns).compose(T)
+            T = self._transform_at(frame, stamp_ns).compose(T)
         return T
 
-    def _at(self, child: str, stamp_ns: int) -> Transform:
+    def _transform_at(self, child: str, stamp_ns: int) -> Transform:
         link = self._links[child]
         if link.static:
             return link.transforms[0]
@@ -257,7 +258,7 @@ def interpolate(first: Transform, last: Transform, share: float) -> Transform:
     return Transform((1.0 - share) * first.translation + share * last.translation, rotation)
 
 
-def _product(p: Floats, q: Floats) -> Floats:
+def _quaternion_product(p: Floats, q: Floats) -> Floats:
     """The quaternion of rotation q followed by p."""
     (px, py, pz, pw), (qx, qy, qz, qw) = p.tolist(), q.tolist()
     return np.array(
@@ -270,13 +271,13 @@ def _product(p: Floats, q: Floats) -> Floats:
     )
 
 
-def _turned(q: Floats, v: Floats) -> Floats:
+def _rotate_vector(q: Floats, v: Floats) -> Floats:
     """R(q) v = v + 2 u x (u x v + w v), u the vector part."""
     u, w = q[:3], q[3]
     return np.asarray(v + 2.0 * np.cross(u, np.cross(u, v) + w * v))
 
 
-def _name(argument: str, name: str) -> str:
+def _normalise_frame_name(argument: str, name: str) -> str:
     """A frame's name, without the slash that tf of ROS 1 put before it."""
     plain = name.removeprefix("/")
     if not plain:

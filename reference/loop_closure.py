@@ -40,7 +40,7 @@ def fourier_signature(scan: ArrayLike) -> Floats:
     With Z_f = sum_k z_k exp(-2 i pi f k / n), shifting z by s beams multiplies Z_f by exp(2 i pi f s / n), of modulus
     one: |Z_f| does not change. Raises LoopClosureError.
     """
-    return np.asarray(np.abs(np.fft.rfft(_checked_scan(scan))), dtype=np.float64)
+    return np.asarray(np.abs(np.fft.rfft(_check_scan(scan))), dtype=np.float64)
 
 
 def histogram_signature(scan: ArrayLike, max_range: float, bins: int) -> Floats:
@@ -48,7 +48,7 @@ def histogram_signature(scan: ArrayLike, max_range: float, bins: int) -> Floats:
 
     The count forgets the order of the beams, hence the heading. Raises LoopClosureError.
     """
-    distances = _checked_scan(scan)
+    distances = _check_scan(scan)
     if not 0.0 < max_range < np.inf:
         raise LoopClosureError("max_range", f"{max_range} is not a positive length")
     if bins < 1:
@@ -78,7 +78,7 @@ def loop_candidates(signatures: ArrayLike, i: int, threshold: float, *, min_gap:
     return LoopCandidates(indices, distances[indices])
 
 
-def _checked_scan(scan: ArrayLike) -> Floats:
+def _check_scan(scan: ArrayLike) -> Floats:
     distances = np.asarray(scan, dtype=np.float64)
     if distances.ndim != 1 or distances.size == 0 or not np.all(np.isfinite(distances)):
         raise LoopClosureError("scan", f"of shape {distances.shape} is not an array (n,) of finite distances")

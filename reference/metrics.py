@@ -104,11 +104,11 @@ def absolute_trajectory_error(truth: ArrayLike, estimate: ArrayLike, align: Alig
     "first", which makes the first poses coincide; "none". Raises MetricError, also for any other word.
     """
     check_choice("align", align, Alignment, MetricError)
-    true, estimated = _matrices("truth", truth), _matrices("estimate", estimate)
-    _check_pair(true, estimated)
-    R, t, scale = _alignment(true, estimated, align)
-    aligned = scale * _positions(estimated) @ R.T + t
-    return AbsoluteError(np.linalg.norm(_positions(true) - aligned, axis=1), R, t, scale, aligned)
+    true, estimated = _to_matrices("truth", truth), _to_matrices("estimate", estimate)
+    _check_comparable(true, estimated)
+    R, t, scale = _fit_alignment(true, estimated, align)
+    aligned = scale * _positions_of(estimated) @ R.T + t
+    return AbsoluteError(np.linalg.norm(_positions_of(true) - aligned, axis=1), R, t, scale, aligned)
 
 
 def relative_pose_error(
@@ -128,14 +128,14 @@ def relative_pose_error(
     poses only, one begins at every pose. Raises MetricError, also when there is no pair, or for any other unit.
     """
     check_choice("unit", unit, Unit, MetricError)
-    true, estimated = _matrices("truth", truth), _matrices("estimate", estimate)
-    _check_pair(true, estimated)
-    pairs = _pairs(estimated, delta, unit, overlapping)
+    true, estimated = _to_matrices("truth", truth), _to_matrices("estimate", estimate)
+    _check_comparable(true, estimated)
+    pairs = _select_pairs(estimated, delta, unit, overlapping)
     if not len(pairs):
         raise MetricError("delta", f"of {delta} {unit} fits in no two of the {len(true)} poses")
-    E = _between(_motions(true, pairs), _motions(estimated, pairs))
-    lengths = np.linalg.norm(_positions(E), axis=1)
-    return RelativeError(pairs, Errors(lengths), Errors(_angles(E[:, :-1, :-1])))
+    E = _relative_matrices(_motions_between_pairs(true, pairs), _motions_between_pairs(estimated, pairs))
+    lengths = np.linalg.norm(_positions_of(E), axis=1)
+    return RelativeError(pairs, Errors(lengths), Errors(_rotation_angles(E[:, :-1, :-1])))
 
 
 def relation_error(poses: ArrayLike, pairs: ArrayLike, T_i_j: ArrayLike) -> RelativeError:
@@ -150,14 +150,16 @@ def relation_error(poses: ArrayLike, pairs: ArrayLike, T_i_j: ArrayLike) -> Rela
     whose means and deviations are the published figures of Freiburg's benchmark, with or without `squared`. Raises
     MetricError, also where there is no relation.
     """
-    estimated, true = _matrices("poses", poses), _matrices("T_i_j", T_i_j)
+    estimated, true = _to_matrices("poses", poses), _to_matrices("T_i_j", T_i_j)
     which = np.asarray(pairs)
     if which.shape != (len(true), 2) or which.dtype.kind not in "iu" or true.shape[1:] != estimated.shape[1:]:
         raise MetricError("pairs", f"of shape {which.shape} are not two poses (m, 2) for each of {len(true)} relations")
     if np.any((which < 0) | (which >= len(estimated))):
         raise MetricError("pairs", f"name a pose that is none of the {len(estimated)}")
-    E = _between(true, _motions(estimated, which))
-    return RelativeError(which, Errors(np.linalg.norm(_positions(E), axis=1)), Errors(_angles(E[:, :-1, :-1])))
+    E = _relative_matrices(true, _motions_between_pairs(estimated, which))
+    return RelativeError(
+        which, Errors(np.linalg.norm(_positions_of(E), axis=1)), Errors(_rotation_angles(E[:, :-1, :-1]))
+    )
 
 
 def matching_times(truth: ArrayLike, estimate: ArrayLike, max_difference: float = 0.01) -> Integers:
@@ -166,18 +168,18 @@ def matching_times(truth: ArrayLike, estimate: ArrayLike, max_difference: float 
     `truth` (n,) and `estimate` (k,) are increasing times in seconds. Two are paired when each is the other's nearest,
     no more than `max_difference` apart. Raises MetricError.
     """
-    true, estimated = _times("truth", truth), _times("estimate", estimate)
+    true, estimated = _check_times("truth", truth), _check_times("estimate", estimate)
     if not max_difference >= 0.0:
         raise MetricError("max_difference", f"{max_difference} is not a duration")
     if not true.size or not estimated.size:
         return np.empty((0, 2), dtype=np.int64)
-    there = _nearest(true, estimated)
-    mutual = np.flatnonzero(_nearest(estimated, true)[there] == np.arange(true.size))
+    there = _nearest_indices(true, estimated)
+    mutual = np.flatnonzero(_nearest_indices(estimated, true)[there] == np.arange(true.size))
     close = np.abs(true[mutual] - estimated[there[mutual]]) <= max_difference
     return np.column_stack([mutual, there[mutual]])[close]
 
 
-def _nearest(times: Floats, others: Floats) -> Integers:
+def _nearest_indices(times: Floats, others: Floats) -> Integers:
     """The index (n,) of the nearest of the increasing `others` to each of `times`; the earlier of two equally near."""
     after = np.clip(np.searchsorted(others, times), 1, max(others.size - 1, 1))
     before = after - 1
@@ -185,21 +187,21 @@ def _nearest(times: Floats, others: Floats) -> Integers:
     return np.where(times - others[before] <= others[after] - times, before, after).astype(np.int64)
 
 
-def _times(argument: str, times: ArrayLike) -> Floats:
+def _check_times(argument: str, times: ArrayLike) -> Floats:
     values = np.asarray(times, dtype=np.float64)
     if values.ndim != 1 or not np.all(np.isfinite(values)) or np.any(np.diff(values) <= 0.0):
         raise MetricError(argument, f"of shape {values.shape} are not increasing times (n,)")
     return values
 
 
-def _alignment(true: Floats, estimated: Floats, align: Alignment) -> tuple[Floats, Floats, float]:
+def _fit_alignment(true: Floats, estimated: Floats, align: Alignment) -> tuple[Floats, Floats, float]:
     d = true.shape[1] - 1
     if align == "none":
         return np.eye(d), np.zeros(d), 1.0
     if align == "first":
-        T = true[0] @ _inverses(estimated[:1])[0]
+        T = true[0] @ _invert_rigid_matrices(estimated[:1])[0]
         return T[:d, :d], T[:d, d], 1.0
-    p, q = _positions(estimated), _positions(true)
+    p, q = _positions_of(estimated), _positions_of(true)
     found = kabsch(p, q)
     if not found.unique:
         raise MetricError("estimate", "can be laid over the truth in several ways: too few poses, or all in line")
@@ -211,25 +213,25 @@ def _alignment(true: Floats, estimated: Floats, align: Alignment) -> tuple[Float
     return found.R_q_p, q.mean(axis=0) - scale * found.R_q_p @ p.mean(axis=0), scale
 
 
-def _pairs(poses: Floats, delta: float, unit: Unit, overlapping: bool) -> Integers:
+def _select_pairs(poses: Floats, delta: float, unit: Unit, overlapping: bool) -> Integers:
     n = len(poses)
     if not np.isfinite(delta):
         raise MetricError("delta", f"{delta} is neither a length nor a number of poses")
     if unit == "metres":
         if overlapping or not delta > 0.0:
             raise MetricError("delta", f"of {delta} metres must be positive, and pairs over metres do not overlap")
-        return _chained(_stops(poses, delta))
+        return _pair_neighbours(_stops_by_distance(poses, delta))
     if delta != int(delta) or delta < 1:
         raise MetricError("delta", f"{delta} is not a number of poses, one or more")
     step = int(delta)
     if overlapping:
         return np.column_stack([np.arange(n - step), np.arange(step, n)]) if n > step else np.empty((0, 2), np.int64)
-    return _chained(np.arange(0, n, step))
+    return _pair_neighbours(np.arange(0, n, step))
 
 
-def _stops(poses: Floats, delta: float) -> Integers:
+def _stops_by_distance(poses: Floats, delta: float) -> Integers:
     """Poses, the first one included, each of them the first to lie `delta` metres of path or more after the last."""
-    steps = np.linalg.norm(np.diff(_positions(poses), axis=0), axis=1).tolist()
+    steps = np.linalg.norm(np.diff(_positions_of(poses), axis=0), axis=1).tolist()
     stops, run = [0], 0.0
     for index, step in enumerate(steps, start=1):
         run += step
@@ -239,19 +241,19 @@ def _stops(poses: Floats, delta: float) -> Integers:
     return np.array(stops)
 
 
-def _chained(stops: Integers) -> Integers:
+def _pair_neighbours(stops: Integers) -> Integers:
     return np.column_stack([stops[:-1], stops[1:]])
 
 
-def _motions(poses: Floats, pairs: Integers) -> Floats:
-    return _between(poses[pairs[:, 0]], poses[pairs[:, 1]])
+def _motions_between_pairs(poses: Floats, pairs: Integers) -> Floats:
+    return _relative_matrices(poses[pairs[:, 0]], poses[pairs[:, 1]])
 
 
-def _between(first: Floats, second: Floats) -> Floats:
-    return np.asarray(_inverses(first) @ second)
+def _relative_matrices(first: Floats, second: Floats) -> Floats:
+    return np.asarray(_invert_rigid_matrices(first) @ second)
 
 
-def _inverses(poses: Floats) -> Floats:
+def _invert_rigid_matrices(poses: Floats) -> Floats:
     """The inverses of rigid homogeneous matrices (n, d + 1, d + 1): [R^T | -R^T t]."""
     d = poses.shape[1] - 1
     turned = poses[:, :d, :d].transpose(0, 2, 1)
@@ -261,18 +263,18 @@ def _inverses(poses: Floats) -> Floats:
     return found
 
 
-def _angles(R: Floats) -> Floats:
+def _rotation_angles(R: Floats) -> Floats:
     """The angles (n,) of rotations (n, d, d), d = 2 or 3, in [0, pi]; rounded ones count as the nearest rotation."""
     if R.shape[1] == 2:
         return np.asarray(np.abs(np.arctan2(R[:, 1, 0] - R[:, 0, 1], R[:, 0, 0] + R[:, 1, 1])))
     return np.asarray(Rotation.from_matrix(R).magnitude(), dtype=np.float64)
 
 
-def _positions(poses: Floats) -> Floats:
+def _positions_of(poses: Floats) -> Floats:
     return np.asarray(poses[:, :-1, -1])
 
 
-def _matrices(argument: str, trajectory: ArrayLike) -> Floats:
+def _to_matrices(argument: str, trajectory: ArrayLike) -> Floats:
     poses = np.asarray(trajectory, dtype=np.float64)
     planar = poses.ndim == 2 and poses.shape[1] == 3
     if not planar and (poses.ndim != 3 or poses.shape[1:] not in ((3, 3), (4, 4))):
@@ -282,6 +284,6 @@ def _matrices(argument: str, trajectory: ArrayLike) -> Floats:
     return to_matrix(poses) if planar else poses
 
 
-def _check_pair(true: Floats, estimated: Floats) -> None:
+def _check_comparable(true: Floats, estimated: Floats) -> None:
     if true.shape != estimated.shape:
         raise MetricError("estimate", f"has {estimated.shape} as matrices, the truth {true.shape}")

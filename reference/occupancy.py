@@ -114,7 +114,7 @@ class OccupancyGrid:
             raise OccupancyError("T_world_robot", "is not a pose (3,) of finite numbers")
         if not len(scan):
             raise OccupancyError("scan", "has no beam")
-        crossed, stopped = self._met(scan.only_measured(), pose)
+        crossed, stopped = self._crossed_and_hit_cells(scan.only_measured(), pose)
         if self.model.once_a_scan:
             stopped = np.unique(stopped)
             crossed = np.setdiff1d(crossed, stopped)
@@ -124,7 +124,7 @@ class OccupancyGrid:
         for touched in (crossed, stopped):
             flat[touched] = np.clip(flat[touched], -self.model.clamp, self.model.clamp)
 
-    def _met(self, scan: Scan, pose: Floats) -> tuple[Indices, Indices]:
+    def _crossed_and_hit_cells(self, scan: Scan, pose: Floats) -> tuple[Indices, Indices]:
         """The cells that beams cross, and those that stop one: as indices of the flat grid, once for each beam.
 
         A beam stops in the cell just behind the distance that it reads.
@@ -132,16 +132,16 @@ class OccupancyGrid:
         angle = float(self.T_world_map[2])
         origin = (pose[:2] - self.T_world_map[:2]) @ rotation(angle) / self.resolution
         headings = scan.angles + (pose[2] - angle)
-        lengths = scan.ranges / self.resolution + np.where(scan.hits, BEYOND, 0.0)
+        lengths = scan.ranges / self.resolution + np.where(scan.hit_mask, BEYOND, 0.0)
         ends = origin + lengths[:, None] * np.column_stack([np.cos(headings), np.sin(headings)])
         cells = crossed_cells(np.broadcast_to(origin, ends.shape), ends)
         last = np.floor(ends).astype(np.int64)
-        stops = scan.hits & np.any(last != np.floor(origin).astype(np.int64), axis=1)
+        stops = scan.hit_mask & np.any(last != np.floor(origin).astype(np.int64), axis=1)
         at_end = (cells.x == last[cells.segment, 0]) & (cells.y == last[cells.segment, 1])
         crossing = ~(at_end & stops[cells.segment])
-        return self._flat(cells.x[crossing], cells.y[crossing]), self._flat(*last[stops].T)
+        return self._flat_indices(cells.x[crossing], cells.y[crossing]), self._flat_indices(*last[stops].T)
 
-    def _flat(self, x: Indices, y: Indices) -> Indices:
+    def _flat_indices(self, x: Indices, y: Indices) -> Indices:
         """The indices of the cells (x, y) that are on the grid."""
         height, width = self.log_odds.shape
         inside = (x >= 0) & (x < width) & (y >= 0) & (y < height)
@@ -181,7 +181,7 @@ def build_map(
             raise OccupancyError(name, f"{length} m is not a length")
     seen = [frames[:, :2], *(transform(pose, scan.points()) for pose, scan in zip(frames, scans, strict=True))]
     points = np.concatenate(seen)
-    _refuse_giant(points, frames, resolution, margin)
+    _check_map_size(points, frames, resolution, margin)
     low = np.floor((points.min(axis=0) - margin) / resolution)
     extent = np.ceil((points.max(axis=0) + margin) / resolution) - low + 1
     width, height = extent.astype(np.int64)
@@ -192,7 +192,7 @@ def build_map(
     return grid
 
 
-def _refuse_giant(points: Floats, frames: Floats, resolution: float, margin: float) -> None:
+def _check_map_size(points: Floats, frames: Floats, resolution: float, margin: float) -> None:
     """Raise OccupancyError for a map of too many cells: of the pose that has gone astray, else of the resolution."""
     sides = np.ptp(points, axis=0) + 2.0 * margin
     with np.errstate(over="ignore"):

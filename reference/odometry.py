@@ -55,21 +55,21 @@ class DifferentialDrive:
 
     def motion(self, left: float, right: float) -> Motion:
         """ds = (right + left) / 2,  dtheta = (right - left) / track                                           (1)"""
-        ds_left, ds_right = _checked_wheels([left, right])
+        ds_left, ds_right = _check_wheels([left, right])
         return Motion(float(ds_right + ds_left) / 2.0, float(ds_right - ds_left) / self.track)
 
-    def wheels(self, motion: Motion) -> Floats:
+    def wheel_paths(self, motion: Motion) -> Floats:
         """The paths (2,) = (left, right) that make a motion: the inverse of (1)."""
         half = motion.turn * self.track / 2.0
         return np.array([motion.distance - half, motion.distance + half])
 
-    def deviations(self, wheels: ArrayLike) -> Floats:
+    def path_deviations(self, wheels: ArrayLike) -> Floats:
         """The standard deviations (…, 2) of the errors of measured paths (…, 2)."""
-        return np.sqrt(self.sigma**2 + self.sigma_per_root_metre**2 * np.abs(_checked_wheels(wheels)))
+        return np.sqrt(self.sigma**2 + self.sigma_per_root_metre**2 * np.abs(_check_wheels(wheels)))
 
     def wheel_covariance(self, left: float, right: float) -> Floats:
         """The covariance (2, 2) of the two measured paths (left, right)."""
-        return np.diag(self.deviations([left, right]) ** 2)
+        return np.diag(self.path_deviations([left, right]) ** 2)
 
     def turn_deviation(self, left: float, right: float) -> float:
         """The standard deviation of dtheta over one step: sqrt(s_left^2 + s_right^2) / track, in radians."""
@@ -80,15 +80,15 @@ class DifferentialDrive:
 
         x += ds cos(theta + dtheta / 2),  y += ds sin(theta + dtheta / 2),  theta += dtheta                     (2)
         """
-        return se2.compose(pose, self.increment(left, right))
+        return se2.compose(pose, self.pose_increment(left, right))
 
-    def increment(self, left: float, right: float) -> se2.Pose:
+    def pose_increment(self, left: float, right: float) -> se2.Pose:
         """The pose (3,) after one step in the frame before it: (2) from the origin."""
         motion = self.motion(left, right)
         half = motion.turn / 2.0
         return np.array([motion.distance * np.cos(half), motion.distance * np.sin(half), se2.wrap_angle(motion.turn)])
 
-    def arc(self, pose: ArrayLike, left: float, right: float) -> se2.Pose:
+    def step_along_arc(self, pose: ArrayLike, left: float, right: float) -> se2.Pose:
         """The pose after one step along the exact arc of a circle, which both wheels at constant speed follow.
 
         It differs from (2) by the ratio of arc to chord: a share of dtheta^2 / 24 of the step.
@@ -97,7 +97,7 @@ class DifferentialDrive:
         return se2.compose(pose, se2.exp([motion.distance, 0.0, motion.turn]))
 
     def increment_covariance(self, left: float, right: float) -> Floats:
-        """The covariance (3, 3) of `increment`, to first order: G Q G^T, G its Jacobian by (left, right)."""
+        """The covariance (3, 3) of `pose_increment`, to first order: G Q G^T, G its Jacobian by (left, right)."""
         motion = self.motion(left, right)
         c, s = np.cos(motion.turn / 2.0), np.sin(motion.turn / 2.0)
         by_motion = np.array([[c, -motion.distance * s / 2.0], [s, motion.distance * c / 2.0], [0.0, 1.0]])
@@ -118,28 +118,28 @@ def dead_reckoning(
 ) -> DeadReckoning:
     """Poses and covariances along the measured paths `wheels` (n, 2), from a start known to `covariance` (or exactly).
 
-    Each step composes the pose with `increment`, so that by (3) of `se2`, to first order,
+    Each step composes the pose with `pose_increment`, so that by (3) of `se2`, to first order,
 
         S <- J_pose S J_pose^T + J_step S_step J_step^T                                                        (3)
 
     Raises OdometryError, and PoseError for a start that is no pose.
     """
-    paths = _checked_journey(wheels)
+    paths = _check_journey(wheels)
     poses = [np.asarray(start, dtype=np.float64)]
     covariances = [np.zeros((3, 3)) if covariance is None else np.asarray(covariance, dtype=np.float64)]
     for left, right in paths:
-        step, S_step = drive.increment(left, right), drive.increment_covariance(left, right)
+        step, S_step = drive.pose_increment(left, right), drive.increment_covariance(left, right)
         covariances.append(se2.compose_covariance(poses[-1], covariances[-1], step, S_step))
         poses.append(se2.compose(poses[-1], step))
     return DeadReckoning(np.array(poses), np.array(covariances))
 
 
-def integrate(drive: DifferentialDrive, wheels: ArrayLike, start: ArrayLike = (0.0, 0.0, 0.0)) -> Floats:
+def integrate_poses(drive: DifferentialDrive, wheels: ArrayLike, start: ArrayLike = (0.0, 0.0, 0.0)) -> Floats:
     """The poses (…, n + 1, 3) of `dead_reckoning`, without covariances, of one journey (n, 2) or of many (…, n, 2).
 
     The headings are a cumulative sum; so are then the positions, by (2). Raises OdometryError.
     """
-    paths = _checked_wheels(wheels)
+    paths = _check_wheels(wheels)
     if paths.ndim < 2:
         raise OdometryError("wheels", f"has shape {paths.shape}, not (…, n, 2)")
     origin = np.asarray(start, dtype=np.float64)
@@ -196,15 +196,15 @@ class LateralDrift:
         return self.constant_error_deviation * float(np.sqrt(1.0 / 3.0 - 1.0 / (12.0 * self.steps**2)))
 
 
-def _checked_wheels(wheels: ArrayLike) -> Floats:
+def _check_wheels(wheels: ArrayLike) -> Floats:
     paths = np.asarray(wheels, dtype=np.float64)
     if paths.ndim == 0 or paths.shape[-1] != 2 or not np.all(np.isfinite(paths)):
         raise OdometryError("wheels", f"of shape {paths.shape} are not finite paths (…, 2) = (left, right)")
     return paths
 
 
-def _checked_journey(wheels: ArrayLike) -> Floats:
-    paths = _checked_wheels(wheels)
+def _check_journey(wheels: ArrayLike) -> Floats:
+    paths = _check_wheels(wheels)
     if paths.ndim != 2:
         raise OdometryError("wheels", f"has shape {paths.shape}, not (n, 2)")
     return paths

@@ -57,10 +57,10 @@ def compose(T_a_b: ArrayLike, T_b_c: ArrayLike) -> Pose:
 
     (x1, y1, t1) + (x2, y2, t2) = (x1 + x2 cos t1 - y2 sin t1, y1 + x2 sin t1 + y2 cos t1, t1 + t2)      (1)
     """
-    x1, y1, t1 = _coordinates("T_a_b", T_a_b)
-    x2, y2, t2 = _coordinates("T_b_c", T_b_c)
+    x1, y1, t1 = _split_poses("T_a_b", T_a_b)
+    x2, y2, t2 = _split_poses("T_b_c", T_b_c)
     c, s = np.cos(t1), np.sin(t1)
-    return _stack(x1 + c * x2 - s * y2, y1 + s * x2 + c * y2, wrap_angle(t1 + t2))
+    return _stack_columns(x1 + c * x2 - s * y2, y1 + s * x2 + c * y2, wrap_angle(t1 + t2))
 
 
 def inverse(T_a_b: ArrayLike) -> Pose:
@@ -68,23 +68,23 @@ def inverse(T_a_b: ArrayLike) -> Pose:
 
     (x, y, t)^-1 = (-x cos t - y sin t, x sin t - y cos t, -t)                                             (2)
     """
-    x, y, t = _coordinates("T_a_b", T_a_b)
+    x, y, t = _split_poses("T_a_b", T_a_b)
     c, s = np.cos(t), np.sin(t)
-    return _stack(-c * x - s * y, s * x - c * y, wrap_angle(-t))
+    return _stack_columns(-c * x - s * y, s * x - c * y, wrap_angle(-t))
 
 
 def relative(T_a_b: ArrayLike, T_a_c: ArrayLike) -> Pose:
     """The pose of c in b, both being given in a: compose(inverse(T_a_b), T_a_c), by (1) and (2). Raises PoseError."""
-    x1, y1, t1 = _coordinates("T_a_b", T_a_b)
-    x2, y2, t2 = _coordinates("T_a_c", T_a_c)
+    x1, y1, t1 = _split_poses("T_a_b", T_a_b)
+    x2, y2, t2 = _split_poses("T_a_c", T_a_c)
     c, s = np.cos(t1), np.sin(t1)
     dx, dy = x2 - x1, y2 - y1
-    return _stack(c * dx + s * dy, c * dy - s * dx, wrap_angle(t2 - t1))
+    return _stack_columns(c * dx + s * dy, c * dy - s * dx, wrap_angle(t2 - t1))
 
 
 def transform(T_a_b: ArrayLike, points_b: ArrayLike) -> Floats:
     """The points (n, 2) of frame b, in frame a: R(theta) p + (x, y). One pose (3,) only. Raises PoseError."""
-    pose, points = _pose("T_a_b", T_a_b), np.asarray(points_b, dtype=np.float64)
+    pose, points = _check_pose("T_a_b", T_a_b), np.asarray(points_b, dtype=np.float64)
     if points.ndim != 2 or points.shape[1] != 2 or not np.all(np.isfinite(points)):
         raise PoseError("points_b", f"of shape {points.shape} is not an array (n, 2) of finite coordinates")
     return points @ rotation(pose[2]).T + pose[:2]
@@ -92,9 +92,9 @@ def transform(T_a_b: ArrayLike, points_b: ArrayLike) -> Floats:
 
 def to_matrix(T_a_b: ArrayLike) -> Floats:
     """The homogeneous matrices (…, 3, 3) of poses (…, 3). Raises PoseError."""
-    x, y, t = _coordinates("T_a_b", T_a_b)
+    x, y, t = _split_poses("T_a_b", T_a_b)
     c, s, zero, unit = np.cos(t), np.sin(t), np.zeros_like(t), np.ones_like(t)
-    return np.stack([_stack(c, -s, x), _stack(s, c, y), _stack(zero, zero, unit)], axis=-2)
+    return np.stack([_stack_columns(c, -s, x), _stack_columns(s, c, y), _stack_columns(zero, zero, unit)], axis=-2)
 
 
 def from_matrix(matrices: ArrayLike) -> Pose:
@@ -106,7 +106,7 @@ def from_matrix(matrices: ArrayLike) -> Pose:
     orthogonal = np.abs(np.swapaxes(R, -1, -2) @ R - np.eye(2)) <= 1e-6
     if not np.all(orthogonal) or np.any(np.linalg.det(R) < 0) or np.any(np.abs(M[..., 2, :] - [0, 0, 1]) > 1e-6):
         raise PoseError("matrices", "are not those of displacements of the plane")
-    return _stack(M[..., 0, 2], M[..., 1, 2], np.arctan2(M[..., 1, 0], M[..., 0, 0]))
+    return _stack_columns(M[..., 0, 2], M[..., 1, 2], np.arctan2(M[..., 1, 0], M[..., 0, 0]))
 
 
 def exp(twist: ArrayLike) -> Pose:
@@ -116,9 +116,9 @@ def exp(twist: ArrayLike) -> Pose:
 
     Raises PoseError.
     """
-    vx, vy, w = _coordinates("twist", twist)
+    vx, vy, w = _split_poses("twist", twist)
     a, b = _sinc(w), _cosc(w)
-    return _stack(a * vx - b * vy, b * vx + a * vy, wrap_angle(w))
+    return _stack_columns(a * vx - b * vy, b * vx + a * vy, wrap_angle(w))
 
 
 def log(T_a_b: ArrayLike) -> Floats:
@@ -126,11 +126,11 @@ def log(T_a_b: ArrayLike) -> Floats:
 
     v = V(w)^-1 t,  V(w)^-1 = [[h, w/2], [-w/2, h]],  h = (w / 2) / tan(w / 2)                     (Solà et al., 158)
     """
-    x, y, t = _coordinates("T_a_b", T_a_b)
+    x, y, t = _split_poses("T_a_b", T_a_b)
     w = wrap_angle(t)
     half = 0.5 * w
     h = np.cos(half) / _sinc(half)
-    return _stack(h * x + half * y, h * y - half * x, w)
+    return _stack_columns(h * x + half * y, h * y - half * x, w)
 
 
 def adjoint(T_a_b: ArrayLike) -> Floats:
@@ -138,9 +138,9 @@ def adjoint(T_a_b: ArrayLike) -> Floats:
 
     Ad = [[R, (y, -x)^T], [0, 1]]                                                                  (Solà et al., 159)
     """
-    x, y, t = _coordinates("T_a_b", T_a_b)
+    x, y, t = _split_poses("T_a_b", T_a_b)
     c, s, zero, unit = np.cos(t), np.sin(t), np.zeros_like(t), np.ones_like(t)
-    return np.stack([_stack(c, -s, y), _stack(s, c, -x), _stack(zero, zero, unit)], axis=-2)
+    return np.stack([_stack_columns(c, -s, y), _stack_columns(s, c, -x), _stack_columns(zero, zero, unit)], axis=-2)
 
 
 def compose_jacobians(T_a_b: ArrayLike, T_b_c: ArrayLike) -> tuple[Floats, Floats]:
@@ -148,12 +148,16 @@ def compose_jacobians(T_a_b: ArrayLike, T_b_c: ArrayLike) -> tuple[Floats, Float
 
     J_ab = [[1, 0, -(y3 - y1)], [0, 1, x3 - x1], [0, 0, 1]],  J_bc = [[R(t1), 0], [0, 1]]       (Smith et al., J_+)
     """
-    _, _, t = _coordinates("T_a_b", T_a_b)
-    x2, y2, _ = _coordinates("T_b_c", T_b_c)
+    _, _, t = _split_poses("T_a_b", T_a_b)
+    x2, y2, _ = _split_poses("T_b_c", T_b_c)
     c, s = np.cos(t), np.sin(t)
     unit, zero = np.ones_like(c * x2), np.zeros_like(c * x2)
-    by_ab = [_stack(unit, zero, -s * x2 - c * y2), _stack(zero, unit, c * x2 - s * y2), _stack(zero, zero, unit)]
-    by_bc = [_stack(c, -s, zero), _stack(s, c, zero), _stack(zero, zero, unit)]
+    by_ab = [
+        _stack_columns(unit, zero, -s * x2 - c * y2),
+        _stack_columns(zero, unit, c * x2 - s * y2),
+        _stack_columns(zero, zero, unit),
+    ]
+    by_bc = [_stack_columns(c, -s, zero), _stack_columns(s, c, zero), _stack_columns(zero, zero, unit)]
     return np.stack(by_ab, axis=-2), np.stack(by_bc, axis=-2)
 
 
@@ -164,10 +168,14 @@ def inverse_jacobian(T_a_b: ArrayLike) -> Floats:
 
     Raises PoseError.
     """
-    _, _, t = _coordinates("T_a_b", T_a_b)
+    _, _, t = _split_poses("T_a_b", T_a_b)
     back = inverse(T_a_b)
     c, s, zero, unit = np.cos(t), np.sin(t), np.zeros_like(t), np.ones_like(t)
-    rows = [_stack(-c, -s, back[..., 1]), _stack(s, -c, -back[..., 0]), _stack(zero, zero, -unit)]
+    rows = [
+        _stack_columns(-c, -s, back[..., 1]),
+        _stack_columns(s, -c, -back[..., 0]),
+        _stack_columns(zero, zero, -unit),
+    ]
     return np.stack(rows, axis=-2)
 
 
@@ -182,15 +190,15 @@ def compose_covariance(T_a_b: ArrayLike, cov_a_b: ArrayLike, T_b_c: ArrayLike, c
 
     S = J_ab S_ab J_ab^T + J_bc S_bc J_bc^T                                                                    (3)
     """
-    by_ab, by_bc = compose_jacobians(_pose("T_a_b", T_a_b), _pose("T_b_c", T_b_c))
-    S_ab, S_bc = _covariance("cov_a_b", cov_a_b), _covariance("cov_b_c", cov_b_c)
+    by_ab, by_bc = compose_jacobians(_check_pose("T_a_b", T_a_b), _check_pose("T_b_c", T_b_c))
+    S_ab, S_bc = _check_covariance("cov_a_b", cov_a_b), _check_covariance("cov_b_c", cov_b_c)
     return np.asarray(by_ab @ S_ab @ by_ab.T + by_bc @ S_bc @ by_bc.T)
 
 
 def inverse_covariance(T_a_b: ArrayLike, cov_a_b: ArrayLike) -> Floats:
     """The covariance (3, 3) of inverse(T_a_b), to first order: J S J^T. Raises PoseError."""
-    J = inverse_jacobian(_pose("T_a_b", T_a_b))
-    return np.asarray(J @ _covariance("cov_a_b", cov_a_b) @ J.T)
+    J = inverse_jacobian(_check_pose("T_a_b", T_a_b))
+    return np.asarray(J @ _check_covariance("cov_a_b", cov_a_b) @ J.T)
 
 
 def relative_covariance(T_a_b: ArrayLike, T_a_c: ArrayLike, joint_covariance: ArrayLike) -> Floats:
@@ -199,8 +207,8 @@ def relative_covariance(T_a_b: ArrayLike, T_a_c: ArrayLike, joint_covariance: Ar
     Two poses of one trajectory share errors: their correlation is what makes nearby poses sure of each other.
     S = [J_ab J_ac] S_joint [J_ab J_ac]^T. Raises PoseError.
     """
-    J = np.hstack(relative_jacobians(_pose("T_a_b", T_a_b), _pose("T_a_c", T_a_c)))
-    return np.asarray(J @ _covariance("joint_covariance", joint_covariance, 6) @ J.T)
+    J = np.hstack(relative_jacobians(_check_pose("T_a_b", T_a_b), _check_pose("T_a_c", T_a_c)))
+    return np.asarray(J @ _check_covariance("joint_covariance", joint_covariance, 6) @ J.T)
 
 
 def _sinc(w: Floats) -> Floats:
@@ -213,7 +221,7 @@ def _cosc(w: Floats) -> Floats:
     return np.asarray(np.sin(0.5 * w) * _sinc(0.5 * w))
 
 
-def _coordinates(argument: str, poses: ArrayLike) -> tuple[Floats, Floats, Floats]:
+def _split_poses(argument: str, poses: ArrayLike) -> tuple[Floats, Floats, Floats]:
     values = np.asarray(poses, dtype=np.float64)
     if values.ndim == 0 or values.shape[-1] != 3:
         raise PoseError(argument, f"has shape {values.shape}, not (3,) or (…, 3)")
@@ -223,14 +231,14 @@ def _coordinates(argument: str, poses: ArrayLike) -> tuple[Floats, Floats, Float
     return (values[0], values[1], values[2]) if single else (values[..., 0], values[..., 1], values[..., 2])
 
 
-def _pose(argument: str, pose: ArrayLike) -> Pose:
-    values = np.array(_coordinates(argument, pose))
+def _check_pose(argument: str, pose: ArrayLike) -> Pose:
+    values = np.array(_split_poses(argument, pose))
     if values.shape != (3,):
         raise PoseError(argument, f"has shape {values.shape}, not (3,)")
     return values
 
 
-def _covariance(argument: str, covariance: ArrayLike, size: int = 3) -> Floats:
+def _check_covariance(argument: str, covariance: ArrayLike, size: int = 3) -> Floats:
     S = np.asarray(covariance, dtype=np.float64)
     if S.shape != (size, size) or not np.all(np.isfinite(S)):
         raise PoseError(argument, f"of shape {S.shape} is not an array ({size}, {size}) of finite numbers")
@@ -240,7 +248,7 @@ def _covariance(argument: str, covariance: ArrayLike, size: int = 3) -> Floats:
     return S
 
 
-def _stack(*columns: Floats) -> Floats:
+def _stack_columns(*columns: Floats) -> Floats:
     if all(column.ndim == 0 for column in columns):
         return np.array(columns)
     shapes = {column.shape for column in columns}

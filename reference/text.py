@@ -34,7 +34,7 @@ def decode_and_normalize(
     Bytes with a mark are UTF-8, UTF-16 or UTF-32, as it says; those without are UTF-8, or UTF-16 where every other one
     of the first four is zero, or else Windows-1252. Raises `error` for bytes that are no text in that encoding.
     """
-    text = data if isinstance(data, str) else _decode(bytes(data), argument, error)
+    text = data if isinstance(data, str) else _decode_bytes(bytes(data), argument, error)
     plain = text.replace("\r\n", "\n").replace("\r", "\n").removeprefix(MISREAD_MARK)
     # Files that were put one behind the other have a mark in the middle.
     return plain.removeprefix(MARK).replace("\n" + MARK, "\n")
@@ -48,8 +48,10 @@ def decode_lines(
     return lines if lines[-1] else lines[:-1]
 
 
-def _decode(data: bytes, argument: str, error: type[InvalidArgumentError]) -> str:
-    mark, encoding = next(((mark, name) for mark, name in _MARKED if data.startswith(mark)), (b"", _guess(data)))
+def _decode_bytes(data: bytes, argument: str, error: type[InvalidArgumentError]) -> str:
+    mark, encoding = next(
+        ((mark, name) for mark, name in _MARKED if data.startswith(mark)), (b"", _guess_encoding(data))
+    )
     body = data[len(mark) :]
     try:
         return body.decode(encoding)
@@ -60,7 +62,7 @@ def _decode(data: bytes, argument: str, error: type[InvalidArgumentError]) -> st
         raise error(argument, f"line {line} is no text in {encoding.upper()}") from None
 
 
-def _guess(data: bytes) -> str:
+def _guess_encoding(data: bytes) -> str:
     """Return the encoding of bytes without a mark: letters and digits have one byte of two that is zero in UTF-16."""
     zeros = [byte == 0 for byte in data[:4]]
     if zeros == [False, True, False, True]:

@@ -61,7 +61,7 @@ def wander(grid: GridMap, steps: int, rng: np.random.Generator, start: Floats | 
 
 def read(grid: GridMap, poses: Floats, rng: np.random.Generator) -> Floats:
     """What the noisy lidar reads from poses (m, 3): (m, 36)."""
-    return LIDAR.read(grid, poses, rng)
+    return LIDAR.measure_ranges(grid, poses, rng)
 
 
 def _chosen(grid: GridMap, pose: Floats, rng: np.random.Generator) -> Floats:

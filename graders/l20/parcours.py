@@ -10,7 +10,7 @@ from graders.core.contract.local import kit_names
 from graders.l20 import world
 from reference.odometry import DifferentialDrive
 from reference.world.grid_map import GridMap
-from reference.world.simulation import SimulatedLidar, SimulatedRun, motions_through, simulate
+from reference.world.simulation import SimulatedLidar, SimulatedRun, motions_through_waypoints, simulate
 
 CELL = 0.5  # metres
 PERIOD = 0.1  # seconds
@@ -38,5 +38,5 @@ def journey() -> SimulatedRun:
     start = np.array([*places[0], -np.pi / 2])
     drive = DifferentialDrive(track=TRACK, sigma=2e-4, sigma_per_root_metre=1.2e-2)
     lidar = SimulatedLidar.full_turn(BEAMS, REACH, sigma=0.015)
-    motions = motions_through(start, places[1:], step=0.04, turn=0.12)
+    motions = motions_through_waypoints(start, places[1:], step=0.04, turn=0.12)
     return simulate(place(), motions, start, drive, lidar, np.random.default_rng(SEED), PERIOD)

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from scipy.stats import norm
 
 from reference.errors import InvalidArgumentError
-from reference.filters.log_weights import normalise
+from reference.filters.log_weights import normalise_log_weights
 from reference.filters.models import GaussianModel
 from reference.filters.moments import weighted_covariance
 
@@ -47,7 +47,7 @@ class Banana:
     def sample(self, count: int, rng: np.random.Generator) -> Floats:
         """Poses (count, 3) drawn from what is believed before the measurement."""
         r = rng.normal(self.advance, self.advance_sigma, count)
-        return self._poses(r, rng.normal(0.0, self.heading_sigma, count))
+        return self._polar_to_poses(r, rng.normal(0.0, self.heading_sigma, count))
 
     def belief(self, model: GaussianModel | None = None, measurement: Floats | None = None) -> BananaBelief:
         """What is believed after a measurement of the model, (1); without one, before it.
@@ -56,11 +56,13 @@ class Banana:
         """
         offsets = np.linspace(-FAR, FAR, ALONG), np.linspace(-FAR, FAR, ACROSS)
         along, across = np.meshgrid(*offsets, indexing="ij")
-        poses = self._poses(self.advance + self.advance_sigma * along.ravel(), self.heading_sigma * across.ravel())
+        poses = self._polar_to_poses(
+            self.advance + self.advance_sigma * along.ravel(), self.heading_sigma * across.ravel()
+        )
         logs = -0.5 * (along.ravel() ** 2 + across.ravel() ** 2)
         if model is not None and measurement is not None:
             logs = logs + model.log_likelihood(poses, measurement)
-        return BananaBelief(poses, normalise(logs).weights)
+        return BananaBelief(poses, normalise_log_weights(logs).weights)
 
     def density(self, places: Floats) -> Floats:
         """Of the places (n, 2) of the plane before the measurement, per square metre; headings within half a turn."""
@@ -69,7 +71,7 @@ class Banana:
         return np.asarray(along * norm.pdf(phi, 0.0, self.heading_sigma) / np.maximum(r, 1e-9))
 
     @staticmethod
-    def _poses(r: Floats, phi: Floats) -> Floats:
+    def _polar_to_poses(r: Floats, phi: Floats) -> Floats:
         return np.column_stack([r * np.cos(phi), r * np.sin(phi), phi])
 
 

@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from reference.errors import InvalidArgumentError
-from reference.filters.log_weights import NormalisedWeights, normalise
+from reference.filters.log_weights import NormalisedWeights, normalise_log_weights
 
 Floats = NDArray[np.float64]
 Control_contra = TypeVar("Control_contra", contravariant=True)
@@ -55,7 +55,7 @@ class BayesFilter(Protocol[Control_contra, Measurement_contra]):
         """
 
 
-def reweighted(weights: Floats, log_likelihoods: Floats) -> NormalisedWeights:
+def reweight(weights: Floats, log_likelihoods: Floats) -> NormalisedWeights:
     """Equation (2) for a belief held by n weights of sum one: times likelihoods (n,), normalised.
 
     `log_sum` is the log evidence. Raises ImpossibleMeasurementError when every product is zero, and
@@ -68,4 +68,4 @@ def reweighted(weights: Floats, log_likelihoods: Floats) -> NormalisedWeights:
         raise ImpossibleMeasurementError
     if not math.isfinite(greatest):
         raise InvalidArgumentError("measurement", "has a likelihood that is infinite or not a number")
-    return normalise(logs)
+    return normalise_log_weights(logs)

@@ -58,7 +58,7 @@ class Corridor:
         """The same motion; a measurement is True when the detector sees a door."""
         return DoorModel(self)
 
-    def at_door(self, positions: Floats) -> NDArray[np.bool_]:
+    def are_at_door(self, positions: Floats) -> NDArray[np.bool_]:
         """Which positions (n,) lie in front of a door."""
         away = np.abs(positions[:, None] - np.array(self.doors)[None, :])
         return np.asarray(np.any(away <= 0.5 * self.door_width, axis=1))
@@ -78,5 +78,5 @@ class DoorModel:
         return self.motion.transition(states, control, edges)
 
     def log_likelihood(self, states: Floats, measurement: bool) -> Floats:
-        right = self.corridor.at_door(states[:, 0]) == measurement
+        right = self.corridor.are_at_door(states[:, 0]) == measurement
         return np.log(np.where(right, self.corridor.p_right, 1.0 - self.corridor.p_right))

@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from reference.errors import InvalidArgumentError
 from reference.filters.models import GaussianModel, log_normal
-from reference.filters.moments import Flags, difference, wrapped
+from reference.filters.moments import Flags, subtract_vectors, wrap_angles
 
 Floats = NDArray[np.float64]
 
@@ -66,15 +66,15 @@ class GaussianBelief:
 
     def nees(self, truth: ArrayLike) -> float:
         """The normalised estimation error squared e^T P^-1 e for the true state (d,): on average d if consistent."""
-        error = difference(np.asarray(truth, dtype=np.float64), self._mean, self._angles)
+        error = subtract_vectors(np.asarray(truth, dtype=np.float64), self._mean, self._angles)
         return float(error @ np.linalg.solve(self._covariance, error))
 
-    def _settle(self, mean: Floats, covariance: Floats) -> None:
+    def _store_belief(self, mean: Floats, covariance: Floats) -> None:
         """Take the new belief, its angles wrapped and its covariance symmetric in spite of rounding."""
-        self._mean, self._covariance = wrapped(mean, self._angles), 0.5 * (covariance + covariance.T)
+        self._mean, self._covariance = wrap_angles(mean, self._angles), 0.5 * (covariance + covariance.T)
 
 
-def gain(cross: Floats, innovation_covariance: Floats) -> Floats:
+def compute_gain(cross: Floats, innovation_covariance: Floats) -> Floats:
     """K = C S^-1, (d, m): from the covariance C (d, m) of state and measurement. Raises InvalidArgumentError."""
     try:
         return np.asarray(np.linalg.solve(innovation_covariance, cross.T).T)
@@ -82,13 +82,13 @@ def gain(cross: Floats, innovation_covariance: Floats) -> Floats:
         raise InvalidArgumentError("measurement_noise", "leaves a singular innovation covariance") from None
 
 
-def joseph(covariance: Floats, K: Floats, H: Floats, R: Floats) -> Floats:
+def joseph_update(covariance: Floats, K: Floats, H: Floats, R: Floats) -> Floats:
     """(I - K H) P (I - K H)^T + K R K^T, (d, d): right for any gain, and positive whatever rounding does.      (1)"""
     left = np.eye(len(covariance)) - K @ H
     return np.asarray(left @ covariance @ left.T + K @ R @ K.T)
 
 
-def checked_vector(argument: str, values: ArrayLike, size: int | None = None) -> Floats:
+def check_vector(argument: str, values: ArrayLike, size: int | None = None) -> Floats:
     """The array (size,) of finite numbers that a control or a measurement must be. Raises InvalidArgumentError."""
     vector = np.asarray(values, dtype=np.float64)
     if vector.ndim != 1 or (size is not None and vector.size != size) or not np.isfinite(vector).all():
@@ -97,6 +97,8 @@ def checked_vector(argument: str, values: ArrayLike, size: int | None = None) ->
     return vector
 
 
-def innovation_of(measurement: ArrayLike, expected: Floats, covariance: Floats, angles: Flags) -> Innovation:
+def make_innovation(measurement: ArrayLike, expected: Floats, covariance: Floats, angles: Flags) -> Innovation:
     """The innovation of a measurement (m,), its angles compared the short way round. Raises InvalidArgumentError."""
-    return Innovation(difference(checked_vector("measurement", measurement, angles.size), expected, angles), covariance)
+    return Innovation(
+        subtract_vectors(check_vector("measurement", measurement, angles.size), expected, angles), covariance
+    )

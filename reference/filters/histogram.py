@@ -12,8 +12,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from reference.errors import InvalidArgumentError
-from reference.filters.bayes import Measurement_contra, reweighted
-from reference.filters.gaussian import checked_vector
+from reference.filters.bayes import Measurement_contra, reweight
+from reference.filters.gaussian import check_vector
 
 Floats = NDArray[np.float64]
 
@@ -35,12 +35,12 @@ class HistogramFilter(Generic[Measurement_contra]):
     def __init__(
         self, model: OneDimensionalModel[Measurement_contra], edges: ArrayLike, belief: ArrayLike | None = None
     ) -> None:
-        lines = checked_vector("edges", edges)
+        lines = check_vector("edges", edges)
         if lines.size < 2 or not np.all(np.diff(lines) > 0.0):
             raise InvalidArgumentError("edges", "are not at least two increasing numbers")
         self.model, self.edges = model, lines
         self.centres = 0.5 * (lines[:-1] + lines[1:])
-        self.belief = np.diff(lines) / (lines[-1] - lines[0]) if belief is None else self._share(belief)
+        self.belief = np.diff(lines) / (lines[-1] - lines[0]) if belief is None else self._check_and_normalise(belief)
 
     @property
     def mean(self) -> Floats:
@@ -54,17 +54,17 @@ class HistogramFilter(Generic[Measurement_contra]):
         """bel-(j) = sum over i of p(cell j | centre of i, u) bel(i)."""
         outer = self.edges.copy()
         outer[0], outer[-1] = -np.inf, np.inf
-        u = checked_vector("control", control)
+        u = check_vector("control", control)
         self.belief = self.belief @ self.model.transition(self.centres[:, None], u, outer)
 
     def correct(self, measurement: Measurement_contra) -> float:
         """bel(j) = p(z | centre of j) bel-(j) / evidence. Raises ImpossibleMeasurementError."""
-        posterior = reweighted(self.belief, self.model.log_likelihood(self.centres[:, None], measurement))
+        posterior = reweight(self.belief, self.model.log_likelihood(self.centres[:, None], measurement))
         self.belief = posterior.weights
         return posterior.log_sum
 
-    def _share(self, belief: ArrayLike) -> Floats:
-        masses = checked_vector("belief", belief, self.centres.size)
+    def _check_and_normalise(self, belief: ArrayLike) -> Floats:
+        masses = check_vector("belief", belief, self.centres.size)
         if masses.min() < 0.0 or masses.sum() <= 0.0:
             raise InvalidArgumentError("belief", "is negative somewhere, or zero everywhere")
         return np.asarray(masses / masses.sum())

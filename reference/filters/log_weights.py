@@ -24,7 +24,7 @@ class NormalisedWeights:
     log_sum: float
 
 
-def normalise(log_weights: ArrayLike) -> NormalisedWeights:
+def normalise_log_weights(log_weights: ArrayLike) -> NormalisedWeights:
     """Weights exp(l_i) / sum of exp(l_j) from log weights (n,), whatever their size.
 
     Raises InvalidWeightsError when all are -inf, or when one is NaN or +inf.

@@ -15,7 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.special import ndtr
 
 from reference.errors import InvalidArgumentError
-from reference.filters.moments import Flags, difference
+from reference.filters.moments import Flags, subtract_vectors
 
 Floats = NDArray[np.float64]
 
@@ -62,14 +62,16 @@ class GaussianModel(ABC):
         """
         noise = np.zeros((len(states), len(self.motion_noise(control))))
         landing = self.move(states, control, noise)
-        spread = np.array([self._spread(state, control) for state in self._sources(states)])
+        spread = np.array(
+            [self._motion_standard_deviation(state, control) for state in self._states_of_different_spread(states)]
+        )
         return np.diff(ndtr((edges[None, :] - landing) / spread[:, None]), axis=1)
 
-    def _sources(self, states: Floats) -> Floats:
+    def _states_of_different_spread(self, states: Floats) -> Floats:
         """The states whose spread of motion differs: all of them, unless a model knows better."""
         return states
 
-    def _spread(self, state: Floats, control: Floats) -> float:
+    def _motion_standard_deviation(self, state: Floats, control: Floats) -> float:
         _, by_noise = self.move_jacobians(state, control)
         variance = float((by_noise @ self.motion_noise(control) @ by_noise.T).item())
         if variance <= 0.0:
@@ -78,7 +80,7 @@ class GaussianModel(ABC):
 
     def log_likelihood(self, states: Floats, measurement: Floats) -> Floats:
         """log p(z | x), (n,), for each state (n, d)."""
-        residuals = difference(measurement, self.observe(states), self.measurement_angles)
+        residuals = subtract_vectors(measurement, self.observe(states), self.measurement_angles)
         return log_normal(residuals, self.measurement_noise)
 
 
@@ -123,7 +125,7 @@ class LinearGaussian(GaussianModel):
     def observe_jacobian(self, state: Floats) -> Floats:
         return self.H
 
-    def _sources(self, states: Floats) -> Floats:
+    def _states_of_different_spread(self, states: Floats) -> Floats:
         return states[:1]
 
 

@@ -17,7 +17,7 @@ Floats = NDArray[np.float64]
 Flags = NDArray[np.bool_]
 
 
-def wrapped(vectors: Floats, angles: Flags) -> Floats:
+def wrap_angles(vectors: Floats, angles: Flags) -> Floats:
     """The vectors (…, d), their angles back in ]-pi, pi]."""
     result = np.array(vectors)
     if angles.any():
@@ -25,9 +25,9 @@ def wrapped(vectors: Floats, angles: Flags) -> Floats:
     return result
 
 
-def difference(left: Floats, right: Floats, angles: Flags) -> Floats:
+def subtract_vectors(left: Floats, right: Floats, angles: Flags) -> Floats:
     """left - right, (…, d), angles the short way round."""
-    return wrapped(left - right, angles)
+    return wrap_angles(left - right, angles)
 
 
 def weighted_mean(vectors: Floats, weights: Floats, angles: Flags) -> Floats:
@@ -41,5 +41,5 @@ def weighted_mean(vectors: Floats, weights: Floats, angles: Flags) -> Floats:
 
 def weighted_covariance(vectors: Floats, weights: Floats, mean: Floats, angles: Flags) -> Floats:
     """The covariance (d, d) of vectors (n, d) with weights (n,) about `mean` (d,)."""
-    away = difference(vectors, mean, angles)
+    away = subtract_vectors(vectors, mean, angles)
     return np.asarray(away.T @ (weights[:, None] * away))

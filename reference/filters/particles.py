@@ -12,8 +12,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from reference.errors import InvalidArgumentError
-from reference.filters.bayes import Measurement_contra, reweighted
-from reference.filters.gaussian import checked_vector
+from reference.filters.bayes import Measurement_contra, reweight
+from reference.filters.gaussian import check_vector
 from reference.filters.moments import Flags, weighted_covariance, weighted_mean
 from reference.filters.resampling import Scheme, effective_sample_size, systematic_resampling
 
@@ -70,23 +70,23 @@ class ParticleFilter(Generic[Measurement_contra]):
 
     def predict(self, control: ArrayLike) -> None:
         """Draw each particle's next state from p(x' | x, u)."""
-        self.states = self.model.sample_motion(self.states, checked_vector("control", control), self.rng)
+        self.states = self.model.sample_motion(self.states, check_vector("control", control), self.rng)
 
     @property
-    def degenerate(self) -> bool:
+    def is_degenerate(self) -> bool:
         """Is N_eff below the threshold?"""
         return self.effective_sample_size < self.threshold * len(self.states)
 
     def correct(self, measurement: Measurement_contra) -> float:
         """Weigh, then resample if need be. Raises ImpossibleMeasurementError."""
         evidence = self.weigh(measurement)
-        if self.degenerate:
+        if self.is_degenerate:
             self.resample()
         return evidence
 
     def weigh(self, measurement: Measurement_contra) -> float:
         """w_i <- p(z | x_i) w_i / evidence; returns the log evidence. Raises ImpossibleMeasurementError."""
-        posterior = reweighted(self.weights, self.model.log_likelihood(self.states, measurement))
+        posterior = reweight(self.weights, self.model.log_likelihood(self.states, measurement))
         self.weights = posterior.weights
         return posterior.log_sum
 

@@ -67,8 +67,8 @@ def effective_sample_size(weights: ArrayLike) -> float:
 
     Raises InvalidWeightsError.
     """
-    w = _valid(weights)
-    shares = w / _positive_sum(w)
+    w = _check_weights(weights)
+    shares = w / _check_positive_sum(w)
     return float(1.0 / (shares @ shares))
 
 
@@ -93,18 +93,18 @@ def comb_resampling(weights: ArrayLike, offset: float, count: int | None = None)
     """
     if not 0.0 <= offset < 1.0:
         raise InvalidOffsetError(offset)
-    w = _shaped(weights)
-    teeth, total = _valid_count(count, w.size), _positive_sum(w)
+    w = _check_shape(weights)
+    teeth, total = _check_count(count, w.size), _check_positive_sum(w)
     ancestors = np.empty(teeth, dtype=np.int64)
-    end = _last_positive(w) + 1
+    end = _last_positive_index(w) + 1
     if end < w.size:
-        _not_negative(w[end:])
+        _check_not_negative(w[end:])
     if total <= _SMALL:
         w, total = w / total, 1.0
     buffer = np.empty(min(_BLOCK, end))
     placed, start = 0, -offset
     for first in range(0, end, _BLOCK):
-        ends = _running_sums(_not_negative(w[first : min(first + _BLOCK, end)]), teeth / total, start, buffer)
+        ends = _running_sums(_check_not_negative(w[first : min(first + _BLOCK, end)]), teeth / total, start, buffer)
         reached = float(ends[-1])
         # The counts of (1), less those already placed, take the place of the numbers they come from.
         below = ends.view(np.int64)
@@ -115,7 +115,7 @@ def comb_resampling(weights: ArrayLike, offset: float, count: int | None = None)
         if below[-1] > teeth - placed or first + _BLOCK >= end:
             np.minimum(below, teeth - placed, out=below)
         start = reached - int(below[-1])
-        placed = _place(ancestors, placed, below, first)
+        placed = _write_ancestors(ancestors, placed, below, first)
     return Resampling(ancestors, w.size)
 
 
@@ -136,7 +136,7 @@ def _running_sums(w: Floats, scale: float, start: float, buffer: Floats) -> Floa
     return sums
 
 
-def _place(ancestors: Integers, placed: int, below: Integers, first: int) -> int:
+def _write_ancestors(ancestors: Integers, placed: int, below: Integers, first: int) -> int:
     """Write the ancestors of the teeth from number `placed` on: `below` (k,) of them lie below the ends of particles
     `first`, …, in any order but for the last one's. Returns how many teeth have theirs."""
     passed, more = np.bincount(below), int(below[-1])
@@ -154,10 +154,10 @@ def stratified_resampling(weights: ArrayLike, rng: np.random.Generator, count: i
 
     Raises InvalidWeightsError, and InvalidArgumentError unless count >= 1.
     """
-    w = _valid(weights)
-    teeth = _valid_count(count, w.size)
-    ends = np.minimum(np.cumsum(w / _positive_sum(w)) * teeth, teeth)
-    ends[_last_positive(w) :] = teeth
+    w = _check_weights(weights)
+    teeth = _check_count(count, w.size)
+    ends = np.minimum(np.cumsum(w / _check_positive_sum(w)) * teeth, teeth)
+    ends[_last_positive_index(w) :] = teeth
     whole = ends.astype(np.int64)
     offsets = np.append(rng.random(teeth), 1.0)
     below = whole + (offsets[whole] < ends - whole)
@@ -169,8 +169,8 @@ def multinomial_resampling(weights: ArrayLike, rng: np.random.Generator, count: 
 
     Raises InvalidWeightsError, and InvalidArgumentError unless count >= 1.
     """
-    w = _valid(weights)
-    drawn = _multinomial(w / _positive_sum(w), _valid_count(count, w.size), rng)
+    w = _check_weights(weights)
+    drawn = _draw_multinomial_counts(w / _check_positive_sum(w), _check_count(count, w.size), rng)
     return Resampling(np.repeat(np.arange(w.size), drawn), w.size)
 
 
@@ -179,19 +179,19 @@ def residual_resampling(weights: ArrayLike, rng: np.random.Generator, count: int
 
     Raises InvalidWeightsError, and InvalidArgumentError unless count >= 1.
     """
-    w = _valid(weights)
-    total, teeth = _positive_sum(w), _valid_count(count, w.size)
+    w = _check_weights(weights)
+    total, teeth = _check_positive_sum(w), _check_count(count, w.size)
     shares = w / total * teeth
     # A share that rounding has put just below a whole number is that number.
     copies = np.floor(shares * (1.0 + 4.0 * np.finfo(np.float64).eps)).astype(np.int64)
     left = np.maximum(shares - copies, 0.0)
     missing = teeth - int(copies.sum())
     if missing > 0:
-        copies += _multinomial(left / left.sum(), missing, rng)
+        copies += _draw_multinomial_counts(left / left.sum(), missing, rng)
     return Resampling(np.repeat(np.arange(w.size), copies), w.size)
 
 
-def _multinomial(shares: Floats, draws: int, rng: np.random.Generator) -> Integers:
+def _draw_multinomial_counts(shares: Floats, draws: int, rng: np.random.Generator) -> Integers:
     """How often each particle is drawn. The generator gives what rounding leaves to its last category: make it one
     that may be drawn, the greatest."""
     last = int(np.argmax(shares))
@@ -201,24 +201,24 @@ def _multinomial(shares: Floats, draws: int, rng: np.random.Generator) -> Intege
     return copies
 
 
-def _valid(weights: ArrayLike) -> Floats:
-    return _not_negative(_shaped(weights))
+def _check_weights(weights: ArrayLike) -> Floats:
+    return _check_not_negative(_check_shape(weights))
 
 
-def _shaped(weights: ArrayLike) -> Floats:
+def _check_shape(weights: ArrayLike) -> Floats:
     w = np.asarray(weights, dtype=np.float64)
     if w.ndim != 1 or w.size == 0:
         raise InvalidWeightsError(f"must have shape (n,) with n >= 1, not {w.shape}")
     return w
 
 
-def _not_negative(w: Floats) -> Floats:
+def _check_not_negative(w: Floats) -> Floats:
     if not w.min() >= 0.0:
         raise InvalidWeightsError("hold a negative number or NaN")
     return w
 
 
-def _valid_count(count: int | None, particles: int) -> int:
+def _check_count(count: int | None, particles: int) -> int:
     if count is None:
         return particles
     if count < 1:
@@ -226,7 +226,7 @@ def _valid_count(count: int | None, particles: int) -> int:
     return count
 
 
-def _positive_sum(w: Floats) -> float:
+def _check_positive_sum(w: Floats) -> float:
     """A sum that can be divided by; zero also stands for likelihoods that all underflowed."""
     total = float(w.sum())
     if total == 0.0:
@@ -236,6 +236,6 @@ def _positive_sum(w: Floats) -> float:
     return total
 
 
-def _last_positive(w: Floats) -> int:
+def _last_positive_index(w: Floats) -> int:
     """The index of the last particle of positive weight."""
     return w.size - 1 if w[-1] > 0.0 else w.size - 1 - int(np.argmax(w[::-1] > 0.0))

@@ -12,9 +12,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from reference.errors import InvalidArgumentError
-from reference.filters.gaussian import GaussianBelief, checked_vector, gain, innovation_of
+from reference.filters.gaussian import GaussianBelief, check_vector, compute_gain, make_innovation
 from reference.filters.models import GaussianModel
-from reference.filters.moments import difference, weighted_covariance, weighted_mean
+from reference.filters.moments import subtract_vectors, weighted_covariance, weighted_mean
 
 Floats = NDArray[np.float64]
 
@@ -40,11 +40,11 @@ class SigmaPoints:
     """Points (2 d + 1, d) and their weights (2 d + 1,), for means and for covariances."""
 
     points: Floats
-    for_mean: Floats
-    for_covariance: Floats
+    mean_weights: Floats
+    covariance_weights: Floats
 
     @classmethod
-    def of(cls, mean: Floats, covariance: Floats, spread: UnscentedParameters) -> SigmaPoints:
+    def from_gaussian(cls, mean: Floats, covariance: Floats, spread: UnscentedParameters) -> SigmaPoints:
         """mu and mu +- the columns of sqrt((d + lambda) P), with lambda = alpha^2 (d + kappa) - d              (1)
 
         Weights: lambda / (d + lambda) in the middle, 1 / (2 (d + lambda)) elsewhere; for covariances the middle one
@@ -54,7 +54,7 @@ class SigmaPoints:
         scale = spread.alpha**2 * (d + spread.kappa)
         if scale <= 0.0:
             raise InvalidArgumentError("kappa", f"{spread.kappa} leaves no spread in dimension {d}")
-        arms = _root(scale * covariance).T
+        arms = _square_root(scale * covariance).T
         for_mean = np.full(2 * d + 1, 0.5 / scale)
         for_mean[0] = 1.0 - d / scale
         for_covariance = for_mean.copy()
@@ -73,33 +73,33 @@ class UnscentedKalmanFilter(GaussianBelief):
 
     def predict(self, control: ArrayLike) -> None:
         """Move sigma points of state and noise together; take their mean and covariance."""
-        u = checked_vector("control", control)
+        u = check_vector("control", control)
         M, d = self.model.motion_noise(u), self._mean.size
         joint = np.zeros((d + len(M), d + len(M)))
         joint[:d, :d], joint[d:, d:] = self._covariance, M
-        sigma = SigmaPoints.of(np.concatenate([self._mean, np.zeros(len(M))]), joint, self.spread)
+        sigma = SigmaPoints.from_gaussian(np.concatenate([self._mean, np.zeros(len(M))]), joint, self.spread)
         moved = self.model.move(sigma.points[:, :d], u, sigma.points[:, d:])
-        mean = weighted_mean(moved, sigma.for_mean, self._angles)
-        self._settle(mean, weighted_covariance(moved, sigma.for_covariance, mean, self._angles))
+        mean = weighted_mean(moved, sigma.mean_weights, self._angles)
+        self._store_belief(mean, weighted_covariance(moved, sigma.covariance_weights, mean, self._angles))
 
     def correct(self, measurement: ArrayLike) -> float:
         """S and C from what sigma points would measure, K = C S^-1, mu <- mu + K (z - mean), P <- P - K S K^T."""
         angles = self.model.measurement_angles
-        sigma = SigmaPoints.of(self._mean, self._covariance, self.spread)
+        sigma = SigmaPoints.from_gaussian(self._mean, self._covariance, self.spread)
         seen = self.model.observe(sigma.points)
-        expected = weighted_mean(seen, sigma.for_mean, angles)
-        S = weighted_covariance(seen, sigma.for_covariance, expected, angles) + self.model.measurement_noise
+        expected = weighted_mean(seen, sigma.mean_weights, angles)
+        S = weighted_covariance(seen, sigma.covariance_weights, expected, angles) + self.model.measurement_noise
         away = sigma.points - self._mean
-        C = away.T @ (sigma.for_covariance[:, None] * difference(seen, expected, angles))
-        brought = innovation_of(measurement, expected, S, angles)
-        K = gain(C, S)
+        C = away.T @ (sigma.covariance_weights[:, None] * subtract_vectors(seen, expected, angles))
+        brought = make_innovation(measurement, expected, S, angles)
+        K = compute_gain(C, S)
         evidence = brought.log_density
-        self._settle(self._mean + K @ brought.difference, self._covariance - K @ S @ K.T)
+        self._store_belief(self._mean + K @ brought.difference, self._covariance - K @ S @ K.T)
         self.innovation = brought
         return evidence
 
 
-def _root(covariance: Floats) -> Floats:
+def _square_root(covariance: Floats) -> Floats:
     """A square root A, A A^T = covariance, that also exists where a variance is zero."""
     values, vectors = np.linalg.eigh(covariance)
     return np.asarray(vectors * np.sqrt(np.maximum(values, 0.0)))

@@ -107,11 +107,11 @@ def parse_flaser(
     line = 0
     for line, words in enumerate(map(str.split, decode_lines(text, error=LogError)), 1):
         if words[:1] == ["ODOM"]:
-            pose = _odometry(line, words[1:])
+            pose = _parse_odom_line(line, words[1:])
             if spans:
                 spans[-1] = (pose if spans[-1] is UNTOLD else spans[-1][0], pose)
         elif words[:1] == ["FLASER"]:
-            ranges, row = _reading(line, words[1:])
+            ranges, row = _parse_flaser_line(line, words[1:])
             if words == previous:
                 raise LogError("text", f"line {line} repeats the scan of line {lines[-1]}, date included")
             readings = np.array(ranges)
@@ -133,10 +133,10 @@ def beam_angles(n: int) -> Floats:
     return -np.pi / 2.0 + np.pi * np.arange(n) / max(n - n % 2, 1)
 
 
-def _reading(line: int, words: list[str]) -> tuple[list[float], list[float]]:
+def _parse_flaser_line(line: int, words: list[str]) -> tuple[list[float], list[float]]:
     """The ranges of a FLASER line, and the seven numbers behind."""
     n = int(words[0]) if words and words[0].isdecimal() else 0
-    values = _numbers(line, words[1 : 1 + n + AFTER_RANGES])
+    values = _parse_numbers(line, words[1 : 1 + n + AFTER_RANGES])
     announced = 1 + n + AFTER_RANGES
     if n < 1 or not announced <= len(words) <= announced + AFTER_NUMBERS or not np.all(np.isfinite(values[n:])):
         told = f"the {n} ranges that it announces" if n else "a number of ranges"
@@ -144,16 +144,16 @@ def _reading(line: int, words: list[str]) -> tuple[list[float], list[float]]:
     return values[:n], values[n:]
 
 
-def _odometry(line: int, words: list[str]) -> Place:
+def _parse_odom_line(line: int, words: list[str]) -> Place:
     """The pose of an ODOM line."""
-    values = _numbers(line, words[:OF_ODOM])
+    values = _parse_numbers(line, words[:OF_ODOM])
     if not OF_ODOM <= len(words) <= OF_ODOM + AFTER_ODOM or not np.all(np.isfinite(values)):
         raise LogError("text", f"line {line} does not hold the {OF_ODOM} numbers of an ODOM line")
     x, y, theta, *_ = values
     return x, y, theta
 
 
-def _numbers(line: int, words: list[str]) -> list[float]:
+def _parse_numbers(line: int, words: list[str]) -> list[float]:
     try:
         return [float(word) for word in words]
     except ValueError as error:

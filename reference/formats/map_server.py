@@ -65,7 +65,7 @@ class OccupancyGrid:
         object.__setattr__(self, "T_world_map", placed.T_world_map)
 
     @classmethod
-    def of(cls, grid_map: GridMap) -> OccupancyGrid:
+    def from_grid_map(cls, grid_map: GridMap) -> OccupancyGrid:
         """The grid of a map: 0 where free, 100 where occupied, -1 elsewhere."""
         values = np.where(grid_map.free, FREE, np.where(grid_map.occupied, OCCUPIED, UNKNOWN))
         return cls(values.astype(np.int8), grid_map.resolution, grid_map.T_world_map)
@@ -117,19 +117,21 @@ def read_description(yaml: str | bytes) -> MapDescription:
     Only the small part of YAML is read that these files use: one `key: value` a line, lists in brackets or as `- item`
     lines, comments. Anything else is refused with its line; entries of other names are left alone.
     """
-    entries = _entries(yaml)
+    entries = _parse_yaml_entries(yaml)
     missing = [name for name in ("image", "resolution", "origin") if name not in entries]
     if missing:
         raise MapFileError(missing[0], "is not in the description")
-    thresholds = {name: _number(name, entries[name]) for name in ("occupied_thresh", "free_thresh") if name in entries}
+    thresholds = {
+        name: _parse_number(name, entries[name]) for name in ("occupied_thresh", "free_thresh") if name in entries
+    }
     mode = entries.get("mode", "trinary").lower()
     if mode not in MODES:
         raise MapFileError("mode", f"{mode!r} is not trinary, scale or raw")
     return MapDescription(
         image=entries["image"],
-        resolution=_number("resolution", entries["resolution"]),
-        origin=_origin(entries["origin"]),
-        negate=_flag("negate", entries.get("negate", "0")),
+        resolution=_parse_number("resolution", entries["resolution"]),
+        origin=_parse_origin(entries["origin"]),
+        negate=_parse_flag("negate", entries.get("negate", "0")),
         mode=MODES[mode],
         **thresholds,
     )
@@ -140,11 +142,11 @@ def write_description(description: MapDescription) -> str:
     entries = {
         "image": f'"{description.image}"',
         "mode": description.mode,
-        "resolution": _decimal(description.resolution),
-        "origin": "[" + ", ".join(map(_decimal, description.origin)) + "]",
+        "resolution": _format_decimal(description.resolution),
+        "origin": "[" + ", ".join(map(_format_decimal, description.origin)) + "]",
         "negate": int(description.negate),
-        "occupied_thresh": _decimal(description.occupied_thresh),
-        "free_thresh": _decimal(description.free_thresh),
+        "occupied_thresh": _format_decimal(description.occupied_thresh),
+        "free_thresh": _format_decimal(description.free_thresh),
     }
     return "".join(f"{name}: {value}\n" for name, value in entries.items())
 
@@ -152,7 +154,7 @@ def write_description(description: MapDescription) -> str:
 def read_map(yaml: str | bytes, pgm: bytes) -> OccupancyGrid:
     """The occupancy grid of a description and its image, by (1), (2) or (3). Raises MapFileError, and PgmError."""
     description, image = read_description(yaml), read_pgm(pgm)
-    values = _interpret(description, image)[::-1]
+    values = _grey_to_occupancy(description, image)[::-1]
     return OccupancyGrid(values, description.resolution, np.array(description.origin))
 
 
@@ -163,11 +165,11 @@ def write_map(grid: OccupancyGrid, image: str = "map.pgm", mode: Mode = "trinary
     """
     x, y, yaw = grid.T_world_map.tolist()
     description = MapDescription(image, grid.resolution, (x, y, yaw), mode=mode)
-    pixels = _shades(grid.values, mode)[::-1]
+    pixels = _occupancy_to_grey(grid.values, mode)[::-1]
     return MapFiles(write_description(description), write_pgm(GreyImage(pixels)))
 
 
-def _interpret(description: MapDescription, image: GreyImage) -> NDArray[np.int8]:
+def _grey_to_occupancy(description: MapDescription, image: GreyImage) -> NDArray[np.int8]:
     if description.mode == "raw":
         raw = np.rint(image.pixels * (255.0 / image.max_value))
         return np.where(raw <= OCCUPIED, raw, UNKNOWN).astype(np.int8)
@@ -178,7 +180,7 @@ def _interpret(description: MapDescription, image: GreyImage) -> NDArray[np.int8
     return np.select([occ > high, occ < low], [OCCUPIED, FREE], between).astype(np.int8)
 
 
-def _shades(values: NDArray[np.int8], mode: Mode) -> NDArray[np.int64]:
+def _occupancy_to_grey(values: NDArray[np.int8], mode: Mode) -> NDArray[np.int64]:
     wide = values.astype(np.int64)
     if mode == "raw":
         return np.where(wide == UNKNOWN, 255, wide)
@@ -194,7 +196,7 @@ def _shades(values: NDArray[np.int8], mode: Mode) -> NDArray[np.int64]:
     return np.select([wide == FREE, wide == OCCUPIED], [WHITE, BLACK], GREY)
 
 
-def _entries(yaml: str | bytes) -> dict[str, str]:
+def _parse_yaml_entries(yaml: str | bytes) -> dict[str, str]:
     """The values as they are written, quotes apart; a list of `- item` lines as one in brackets."""
     found: dict[str, str] = {}
     listed: dict[str, list[str]] = {}
@@ -220,29 +222,29 @@ def _entries(yaml: str | bytes) -> dict[str, str]:
     return found | {name: f"[{', '.join(items)}]" for name, items in listed.items()}
 
 
-def _number(name: str, written: str) -> float:
+def _parse_number(name: str, written: str) -> float:
     try:
         return float(written)
     except ValueError:
         raise MapFileError(name, f"{written!r} is not a number") from None
 
 
-def _origin(written: str) -> tuple[float, float, float]:
+def _parse_origin(written: str) -> tuple[float, float, float]:
     parts = written[1:-1].split(",") if written.startswith("[") else []
     if len(parts) != 3:
         raise MapFileError("origin", f"{written!r} is not a list [x, y, yaw]")
-    x, y, yaw = (_number("origin", part) for part in parts)
+    x, y, yaw = (_parse_number("origin", part) for part in parts)
     return x, y, yaw
 
 
-def _flag(name: str, written: str) -> bool:
+def _parse_flag(name: str, written: str) -> bool:
     flags = {"0": False, "false": False, "1": True, "true": True}
     if written.lower() not in flags:
         raise MapFileError(name, f"{written!r} is not 0 or 1")
     return flags[written.lower()]
 
 
-def _decimal(value: float) -> str:
+def _format_decimal(value: float) -> str:
     """All the digits of a number, with the point that YAML wants before an exponent."""
     text = repr(float(value))
     return text if "e" not in text or "." in text else text.replace("e", ".0e")

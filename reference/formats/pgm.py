@@ -62,7 +62,7 @@ class GreyImage:
 
 def read_pgm(data: bytes) -> GreyImage:
     """The image of a PGM file, and the whole of it. Raises PgmError, also for bytes behind the image."""
-    data = _without_mark(bytes(data))
+    data = _decode_unicode_p2(bytes(data))
     header = _HEADER.match(data)
     if header is None:
         raise PgmError("data", "does not start with P2 or P5, width, height and largest value")
@@ -73,10 +73,10 @@ def read_pgm(data: bytes) -> GreyImage:
         raise PgmError("data", f"announces a largest value of {max_value}, not from 1 to 65535")
     body = data[header.end() :]
     if header.group(1) == b"2":
-        pixels = _plain_pixels(body, width * height)
+        pixels = _parse_plain_pixels(body, width * height)
     else:
-        pixels = _raw_pixels(
-            _without_line_feed(header.group(), body, width * height, max_value), width * height, max_value
+        pixels = _parse_raw_pixels(
+            _strip_header_line_feed(header.group(), body, width * height, max_value), width * height, max_value
         )
     if pixels.max() > max_value:
         raise PgmError("data", f"holds a pixel above its largest value, {max_value}")
@@ -92,11 +92,11 @@ def write_pgm(image: GreyImage, kind: Kind = "P5", comment: str = "") -> bytes:
     note = f"# {comment}\n" if comment else ""
     head = f"{kind}\n{note}{width} {height}\n{image.max_value}\n".encode()
     if kind == "P5":
-        return head + image.pixels.astype(_type_of(image.max_value)).tobytes()
-    return head + _text(image)
+        return head + image.pixels.astype(_pixel_dtype(image.max_value)).tobytes()
+    return head + _format_plain_pixels(image)
 
 
-def _without_mark(data: bytes) -> bytes:
+def _decode_unicode_p2(data: bytes) -> bytes:
     """Return the ASCII of a P2 image that was saved as Unicode, and other bytes as they are."""
     if data.startswith((b"P2", b"P5")):
         return data
@@ -104,23 +104,23 @@ def _without_mark(data: bytes) -> bytes:
     return text.encode() if text.startswith("P2") else data
 
 
-def _without_line_feed(header: bytes, body: bytes, count: int, max_value: int) -> bytes:
+def _strip_header_line_feed(header: bytes, body: bytes, count: int, max_value: int) -> bytes:
     """Return the bytes of the pixels: without a line feed that ends the header's last line together with its CR.
 
     It is one where other lines of the header end with CR LF; in a header of one line, where there is one byte too many.
     """
     if not (header.endswith(b"\r") and body.startswith(b"\n")):
         return body
-    too_long = len(body) == count * _type_of(max_value).itemsize + 1
+    too_long = len(body) == count * _pixel_dtype(max_value).itemsize + 1
     one_line = b"\n" not in header and b"\r" not in header[:-1]
     return body[1:] if b"\r\n" in header or (one_line and too_long) else body
 
 
-def _type_of(max_value: int) -> np.dtype[Any]:
+def _pixel_dtype(max_value: int) -> np.dtype[Any]:
     return np.dtype(">u1" if max_value < 256 else ">u2")
 
 
-def _plain_pixels(body: bytes, count: int) -> NDArray[np.int64]:
+def _parse_plain_pixels(body: bytes, count: int) -> NDArray[np.int64]:
     words = _COMMENT.sub(b"", body).split()
     if len(words) < count:
         raise PgmError("data", f"ends after {len(words)} of its {count} pixels")
@@ -131,8 +131,8 @@ def _plain_pixels(body: bytes, count: int) -> NDArray[np.int64]:
     return np.array([int(word) for word in words], dtype=np.int64)
 
 
-def _raw_pixels(body: bytes, count: int, max_value: int) -> NDArray[np.int64]:
-    kind = _type_of(max_value)
+def _parse_raw_pixels(body: bytes, count: int, max_value: int) -> NDArray[np.int64]:
+    kind = _pixel_dtype(max_value)
     if len(body) < count * kind.itemsize:
         raise PgmError("data", f"ends after {len(body) // kind.itemsize} of its {count} pixels")
     if len(body) > count * kind.itemsize:
@@ -140,7 +140,7 @@ def _raw_pixels(body: bytes, count: int, max_value: int) -> NDArray[np.int64]:
     return np.frombuffer(body, dtype=kind).astype(np.int64)
 
 
-def _text(image: GreyImage) -> bytes:
+def _format_plain_pixels(image: GreyImage) -> bytes:
     """The pixels in decimal, in lines of at most 70 characters as the format asks."""
     longest = len(str(image.max_value)) + 1
     each = LINE_OF_TEXT // longest

@@ -40,7 +40,7 @@ class Relations:
     def __len__(self) -> int:
         return len(self.times)
 
-    def between(self, times: ArrayLike, tolerance: float = 1e-3) -> tuple[Indices, Floats]:
+    def select_between_times(self, times: ArrayLike, tolerance: float = 1e-3) -> tuple[Indices, Floats]:
         """The relations of which both times are among `times` (n,), to a tolerance: pairs (k, 2) of indices, (k, 3)."""
         stamps = np.asarray(times, dtype=np.float64)
         if not len(stamps) or not len(self):

@@ -44,7 +44,7 @@ _FIELDS = {
 _SEPARATOR = "=" * 80
 
 
-def _parts(name: str) -> list[str]:
+def _list_message_types(name: str) -> list[str]:
     """A message and all those it is made of, each once, in the order they are met."""
     found = [name]
     for part in found:
@@ -53,14 +53,14 @@ def _parts(name: str) -> list[str]:
     return found
 
 
-def _definition(name: str) -> str:
+def _full_definition_text(name: str) -> str:
     """The text of a message's definition, followed by those of its parts."""
-    own, *parts = _parts(name)
+    own, *parts = _list_message_types(name)
     blocks = ["\n".join(_FIELDS[own]), *(f"MSG: {part}\n" + "\n".join(_FIELDS[part]) for part in parts)]
     return f"\n{_SEPARATOR}\n".join(blocks) + "\n"
 
 
 DEFINITIONS = {
-    f"{package}/msg/{name}": _definition(f"{package}/{name}")
+    f"{package}/msg/{name}": _full_definition_text(f"{package}/{name}")
     for package, name in (("sensor_msgs", "LaserScan"), ("nav_msgs", "Odometry"), ("tf2_msgs", "TFMessage"))
 }

@@ -74,29 +74,29 @@ def export_rosbag(run: SimulatedRun, start_ns: int = NANOSECONDS, *, localised: 
     writer: Any = Writer(output)
     schemas = {name: writer.register_msgdef(name, DEFINITIONS[name]) for name in sorted(set(TOPICS.values()))}
     counts = dict.fromkeys(TOPICS, 0)
-    for stamp, topic, message in _messages(run, stamps, localised):
+    for stamp, topic, message in _iter_messages(run, stamps, localised):
         writer.write_message(topic, schemas[TOPICS[topic]], message, stamp, stamp, counts[topic])
         counts[topic] += 1
     writer.finish()
-    return Rosbag(output.getvalue(), _metadata(stamps, counts), counts)
+    return Rosbag(output.getvalue(), _make_metadata_yaml(stamps, counts), counts)
 
 
-def _messages(run: SimulatedRun, stamps: list[int], localised: bool) -> Iterator[tuple[int, str, Message]]:
+def _iter_messages(run: SimulatedRun, stamps: list[int], localised: bool) -> Iterator[tuple[int, str, Message]]:
     """What is said at each time, in the order of time."""
-    spacing = _spacing(run.lidar.angles)
+    spacing = _beam_spacing(run.lidar.angles)
     believed = dead_reckoning(run.drive, run.wheels, run.truth[0])
     corrections = se2.compose(run.truth, se2.inverse(believed.poses))
     sure = np.zeros((3, 3))
     for k, stamp in enumerate(stamps):
-        correction = [_transform(stamp, "map", "odom", corrections[k])] if localised else []
+        correction = [_make_transform(stamp, "map", "odom", corrections[k])] if localised else []
         yield (
             stamp,
             "/tf",
             {
                 "transforms": [
                     *correction,
-                    _transform(stamp, "odom", "base_link", believed.poses[k]),
-                    _transform(stamp, "base_link", "laser", np.zeros(3)),
+                    _make_transform(stamp, "odom", "base_link", believed.poses[k]),
+                    _make_transform(stamp, "base_link", "laser", np.zeros(3)),
                 ]
             },
         )
@@ -104,14 +104,14 @@ def _messages(run: SimulatedRun, stamps: list[int], localised: bool) -> Iterator
             ("/odom", "odom", believed.poses, believed.covariances[k]),
             ("/ground_truth", "map", run.truth, sure),
         ):
-            yield stamp, topic, _odometry(stamp, frame, poses[k], covariance, _velocity(poses, k, run.period))
-        yield stamp, "/scan", _laser_scan(stamp, run, k, spacing)
+            yield stamp, topic, _make_odometry(stamp, frame, poses[k], covariance, _velocity_at(poses, k, run.period))
+        yield stamp, "/scan", _make_laser_scan(stamp, run, k, spacing)
 
 
-def _laser_scan(stamp: int, run: SimulatedRun, index: int, spacing: float) -> Message:
+def _make_laser_scan(stamp: int, run: SimulatedRun, index: int, spacing: float) -> Message:
     angles, ranges = run.lidar.angles, run.ranges[index]
     return {
-        "header": _header(stamp, "laser"),
+        "header": _make_header(stamp, "laser"),
         "angle_min": float(angles[0]),
         "angle_max": float(angles[-1]),
         "angle_increment": spacing,
@@ -124,12 +124,12 @@ def _laser_scan(stamp: int, run: SimulatedRun, index: int, spacing: float) -> Me
     }
 
 
-def _odometry(stamp: int, frame: str, pose: Floats, covariance: Floats, velocity: Floats) -> Message:
-    position, orientation = _place(pose)
+def _make_odometry(stamp: int, frame: str, pose: Floats, covariance: Floats, velocity: Floats) -> Message:
+    position, orientation = _position_and_quaternion(pose)
     wide = np.zeros((6, 6))
     wide[np.ix_(PLANAR, PLANAR)] = covariance
     return {
-        "header": _header(stamp, frame),
+        "header": _make_header(stamp, frame),
         "child_frame_id": "base_link",
         "pose": {
             "pose": {"position": position, "orientation": orientation},
@@ -137,7 +137,7 @@ def _odometry(stamp: int, frame: str, pose: Floats, covariance: Floats, velocity
         },
         "twist": {
             "twist": {
-                "linear": _vector(velocity[0], velocity[1]),
+                "linear": _make_vector(velocity[0], velocity[1]),
                 "angular": {"x": 0.0, "y": 0.0, "z": float(velocity[2])},
             },
             "covariance": [0.0] * 36,
@@ -145,36 +145,36 @@ def _odometry(stamp: int, frame: str, pose: Floats, covariance: Floats, velocity
     }
 
 
-def _velocity(poses: Floats, index: int, period: float) -> Floats:
+def _velocity_at(poses: Floats, index: int, period: float) -> Floats:
     """The twist (3,), in the robot's frame, that leads from the pose before to this one; zero at the first."""
     return se2.log(se2.relative(poses[index - 1], poses[index])) / period if index else np.zeros(3)
 
 
-def _transform(stamp: int, parent: str, child: str, pose: Floats) -> Message:
-    translation, rotation = _place(pose)
+def _make_transform(stamp: int, parent: str, child: str, pose: Floats) -> Message:
+    translation, rotation = _position_and_quaternion(pose)
     return {
-        "header": _header(stamp, parent),
+        "header": _make_header(stamp, parent),
         "child_frame_id": child,
         "transform": {"translation": translation, "rotation": rotation},
     }
 
 
-def _place(pose: Floats) -> tuple[Message, Message]:
+def _position_and_quaternion(pose: Floats) -> tuple[Message, Message]:
     """A pose (3,) of the plane as a position and a quaternion."""
     half = float(pose[2]) / 2.0
-    return _vector(pose[0], pose[1]), {"x": 0.0, "y": 0.0, "z": float(np.sin(half)), "w": float(np.cos(half))}
+    return _make_vector(pose[0], pose[1]), {"x": 0.0, "y": 0.0, "z": float(np.sin(half)), "w": float(np.cos(half))}
 
 
-def _vector(x: float, y: float) -> Message:
+def _make_vector(x: float, y: float) -> Message:
     return {"x": float(x), "y": float(y), "z": 0.0}
 
 
-def _header(stamp: int, frame: str) -> Message:
+def _make_header(stamp: int, frame: str) -> Message:
     seconds, nanoseconds = divmod(stamp, NANOSECONDS)
     return {"stamp": {"sec": seconds, "nanosec": nanoseconds}, "frame_id": frame}
 
 
-def _spacing(angles: ArrayLike) -> float:
+def _beam_spacing(angles: ArrayLike) -> float:
     """The angle between neighbouring beams, which a LaserScan says only once."""
     steps = np.diff(np.asarray(angles, dtype=np.float64))
     if not np.size(angles):
@@ -186,7 +186,7 @@ def _spacing(angles: ArrayLike) -> float:
     return float(steps.mean())
 
 
-def _metadata(stamps: list[int], counts: dict[str, int]) -> str:
+def _make_metadata_yaml(stamps: list[int], counts: dict[str, int]) -> str:
     duration, total = stamps[-1] - stamps[0], sum(counts.values())
     topics = "".join(
         f"    - topic_metadata:\n        name: {topic}\n        type: {TOPICS[topic]}\n"

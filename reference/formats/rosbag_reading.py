@@ -70,7 +70,7 @@ class Recording:
 
 
 @dataclass(frozen=True)
-class _Raw:
+class _RawMessage:
     """A message as it is stored: `rank` in its file, for messages of one date."""
 
     stamp_ns: int
@@ -87,7 +87,11 @@ def read_rosbag(files: Mapping[str, bytes], topics: Collection[str] | None = Non
     Files of a split bag are merged; what is neither .db3 nor .mcap (metadata.yaml) is passed over. So are topics of
     types that are neither known here nor defined in the bag. Raises BagReadingError.
     """
-    stores = [_raw(name, data, topics) for name, data in sorted(files.items()) if name.endswith((".db3", ".mcap"))]
+    stores = [
+        _iter_raw_messages(name, data, topics)
+        for name, data in sorted(files.items())
+        if name.endswith((".db3", ".mcap"))
+    ]
     packed = next((name for name in sorted(files) if name.endswith((".zstd", ".zst"))), None)
     if packed is not None:
         raise BagReadingError(packed, "is packed as a whole: unpack it first (zstd -d)")
@@ -96,7 +100,7 @@ def read_rosbag(files: Mapping[str, bytes], topics: Collection[str] | None = Non
     decoders: dict[str, Callable[[bytes], Any]] = {}
     for raw in merge(*stores, key=lambda raw: (raw.stamp_ns, raw.rank)):
         if raw.type_name not in decoders:
-            decoders[raw.type_name] = _decoder(raw)
+            decoders[raw.type_name] = _make_decoder(raw)
         try:
             content = decoders[raw.type_name](raw.data)
         except UNREADABLE as fault:
@@ -115,13 +119,13 @@ def read_recording(
     do not fit its ranges.
     """
     messages = list(read_rosbag(files))
-    topic = _scan_topic(messages, scan_topic)
-    frames = _frames(messages, odom, robot)
+    topic = _choose_scan_topic(messages, scan_topic)
+    frames = _build_frame_buffer(messages, odom, robot)
     placed: list[tuple[int, Scan, Floats, Floats]] = []
     left_out = []
     for message in (message for message in messages if message.topic == topic):
-        stamp, frame = _stamp(message.content.header), message.content.header.frame_id
-        scan = _scan(message)
+        stamp, frame = _stamp_nanoseconds(message.content.header), message.content.header.frame_id
+        scan = _message_to_scan(message)
         try:
             T_odom_robot = frames.lookup(odom, robot, stamp).to_planar()
             T_robot_laser = frames.lookup(robot, frame, stamp).to_planar()
@@ -144,7 +148,7 @@ def read_recording(
     )
 
 
-def _scan_topic(messages: list[BagMessage], wanted: str | None) -> str:
+def _choose_scan_topic(messages: list[BagMessage], wanted: str | None) -> str:
     found = sorted({message.topic for message in messages if message.type_name == SCAN})
     if wanted is not None:
         if wanted not in found:
@@ -155,7 +159,7 @@ def _scan_topic(messages: list[BagMessage], wanted: str | None) -> str:
     return found[0]
 
 
-def _frames(messages: list[BagMessage], odom: str, robot: str) -> FrameBuffer:
+def _build_frame_buffer(messages: list[BagMessage], odom: str, robot: str) -> FrameBuffer:
     """All transforms of a bag, however long it is; odometry's own where /tf has none of it."""
     span = messages[-1].stamp_ns - messages[0].stamp_ns
     frames = FrameBuffer(cache_ns=span + 3600 * NANOSECONDS)
@@ -164,19 +168,24 @@ def _frames(messages: list[BagMessage], odom: str, robot: str) -> FrameBuffer:
         for link in message.content.transforms:
             names = link.header.frame_id.removeprefix("/"), link.child_frame_id.removeprefix("/")
             links.add(names)
-            T = _transform(message, link.transform.translation, link.transform.rotation)
-            frames.add(*names, T, _stamp(link.header), static=message.topic.endswith("tf_static"))
+            T = _message_to_transform(message, link.transform.translation, link.transform.rotation)
+            frames.add(*names, T, _stamp_nanoseconds(link.header), static=message.topic.endswith("tf_static"))
     if (odom, robot) in links:
         return frames
     for message in (message for message in messages if message.type_name == ODOMETRY):
         content = message.content
         if (content.header.frame_id, content.child_frame_id) == (odom, robot):
             pose = content.pose.pose
-            frames.add(odom, robot, _transform(message, pose.position, pose.orientation), _stamp(content.header))
+            frames.add(
+                odom,
+                robot,
+                _message_to_transform(message, pose.position, pose.orientation),
+                _stamp_nanoseconds(content.header),
+            )
     return frames
 
 
-def _transform(message: BagMessage, translation: Any, rotation: Any) -> Transform:
+def _message_to_transform(message: BagMessage, translation: Any, rotation: Any) -> Transform:
     try:
         return Transform(
             np.array([translation.x, translation.y, translation.z]),
@@ -186,7 +195,7 @@ def _transform(message: BagMessage, translation: Any, rotation: Any) -> Transfor
         raise BagReadingError(message.topic, f"at {message.stamp_ns} ns: {fault}") from fault
 
 
-def _scan(message: BagMessage) -> Scan:
+def _message_to_scan(message: BagMessage) -> Scan:
     content = message.content
     ranges = np.asarray(content.ranges, dtype=np.float64)
     spread = (len(ranges) - 1) * content.angle_increment
@@ -201,18 +210,18 @@ def _scan(message: BagMessage) -> Scan:
         raise BagReadingError(message.topic, f"at {message.stamp_ns} ns: {fault}") from fault
 
 
-def _stamp(header: Any) -> int:
+def _stamp_nanoseconds(header: Any) -> int:
     return int(header.stamp.sec) * NANOSECONDS + int(header.stamp.nanosec)
 
 
-def _raw(name: str, data: bytes, topics: Collection[str] | None) -> Iterator[_Raw]:
-    magic, read = (SQLITE_MAGIC, _raw_sqlite) if name.endswith(".db3") else (MCAP_MAGIC, _raw_mcap)
+def _iter_raw_messages(name: str, data: bytes, topics: Collection[str] | None) -> Iterator[_RawMessage]:
+    magic, read = (SQLITE_MAGIC, _iter_sqlite_messages) if name.endswith(".db3") else (MCAP_MAGIC, _iter_mcap_messages)
     if not data.startswith(magic):
         raise BagReadingError(name, f"is no {'sqlite3' if magic is SQLITE_MAGIC else 'MCAP'} file")
     return read(name, data, topics)
 
 
-def _raw_sqlite(name: str, data: bytes, topics: Collection[str] | None) -> Iterator[_Raw]:
+def _iter_sqlite_messages(name: str, data: bytes, topics: Collection[str] | None) -> Iterator[_RawMessage]:
     try:
         with closing(sqlite3.connect(":memory:")) as base:
             base.deserialize(data)
@@ -229,12 +238,12 @@ def _raw_sqlite(name: str, data: bytes, topics: Collection[str] | None) -> Itera
             for stamp, rank, topic, type_name, form, content in rows:
                 definition = DEFINITIONS.get(type_name) or own.get(type_name, "")
                 if definition and form == "cdr" and (topics is None or topic in topics):
-                    yield _Raw(stamp, rank, topic, type_name, definition, content)
+                    yield _RawMessage(stamp, rank, topic, type_name, definition, content)
     except sqlite3.DatabaseError as fault:
         raise BagReadingError(name, f"is damaged, or is no bag: {fault}") from fault
 
 
-def _raw_mcap(name: str, data: bytes, topics: Collection[str] | None) -> Iterator[_Raw]:
+def _iter_mcap_messages(name: str, data: bytes, topics: Collection[str] | None) -> Iterator[_RawMessage]:
     from mcap.reader import make_reader  # slow to load, and seldom needed
 
     try:
@@ -242,13 +251,15 @@ def _raw_mcap(name: str, data: bytes, topics: Collection[str] | None) -> Iterato
         messages = make_reader(BytesIO(data), validate_crcs=True).iter_messages(wanted)
         for rank, (schema, channel, message) in enumerate(messages):
             if schema is not None and schema.encoding == "ros2msg" and channel.message_encoding == "cdr":
-                yield _Raw(message.log_time, rank, channel.topic, schema.name, schema.data.decode(), message.data)
+                yield _RawMessage(
+                    message.log_time, rank, channel.topic, schema.name, schema.data.decode(), message.data
+                )
     except Exception as fault:  # the library's own, those of two decompressors, and Python's
         why = str(fault) or type(fault).__name__
         raise BagReadingError(name, f"is damaged, or its recording was cut short: {why}") from fault
 
 
-def _decoder(raw: _Raw) -> Callable[[bytes], Any]:
+def _make_decoder(raw: _RawMessage) -> Callable[[bytes], Any]:
     from mcap.records import Schema
     from mcap_ros2.decoder import DecoderFactory
 

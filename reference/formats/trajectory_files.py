@@ -80,8 +80,8 @@ class Trajectory:
 
 def read_tum(text: str | bytes) -> Trajectory:
     """The trajectory of a TUM file; `#` starts a comment. Raises TrajectoryFileError, which names the line."""
-    rows, lines = _numbers(text, 8, "a TUM line: time x y z qx qy qz qw")
-    _check_norms(rows, lines)
+    rows, lines = _parse_number_rows(text, 8, "a TUM line: time x y z qx qy qz qw")
+    _check_quaternion_norms(rows, lines)
     return Trajectory(rows[:, 0], rows[:, 1:4], rows[:, 4:])
 
 
@@ -93,7 +93,7 @@ def write_tum(trajectory: Trajectory) -> str:
 
 def read_kitti(text: str | bytes) -> Floats:
     """The homogeneous matrices (n, 4, 4) of a KITTI file. Raises TrajectoryFileError for a matrix that is not rigid."""
-    rows, lines = _numbers(text, 12, "a KITTI line: the 12 numbers of [R | t]")
+    rows, lines = _parse_number_rows(text, 12, "a KITTI line: the 12 numbers of [R | t]")
     matrices = np.tile(np.eye(4), (len(rows), 1, 1))
     matrices[:, :3] = rows.reshape(-1, 3, 4)
     R = matrices[:, :3, :3]
@@ -112,7 +112,7 @@ def write_kitti(matrices: ArrayLike) -> str:
     return "".join(" ".join(map(repr, row)) + "\n" for row in values[:, :3].reshape(-1, 12).tolist())
 
 
-def _numbers(text: str | bytes, columns: int, expected: str) -> tuple[Floats, list[int]]:
+def _parse_number_rows(text: str | bytes, columns: int, expected: str) -> tuple[Floats, list[int]]:
     """Return the numbers of the lines that hold some, (n, columns), and which lines these are."""
     rows: list[list[float]] = []
     lines: list[int] = []
@@ -131,7 +131,7 @@ def _numbers(text: str | bytes, columns: int, expected: str) -> tuple[Floats, li
     return np.array(rows, dtype=np.float64).reshape(-1, columns), lines
 
 
-def _check_norms(rows: Floats, lines: list[int]) -> None:
+def _check_quaternion_norms(rows: Floats, lines: list[int]) -> None:
     wrong = np.flatnonzero(np.abs(np.linalg.norm(rows[:, 4:], axis=1) - 1.0) > TOLERANCE)
     if wrong.size:
         raise TrajectoryFileError(

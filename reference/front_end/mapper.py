@@ -16,7 +16,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from reference.front_end.odometry import difference, disagreement
+from reference.front_end.odometry import squared_disagreement, subtract_poses
 from reference.front_end.settings import FrontEndSettings
 from reference.front_end.tracker import TrackedScan
 from reference.pose_graph import PoseGraph, edge_chi2, graduated_non_convexity, relative_covariance
@@ -69,16 +69,22 @@ class Mapper:
         self.T_map_keys.append(compose(self.T_map_keys[-1], tracked.T_key_robot))
         self.clouds.append(cloud)
         self.links.append(tracked)
-        found = [closure for i, reach in self._candidates() if (closure := self._look(i, reach)) is not None]
+        found = [
+            closure
+            for i, reach in self._closure_candidates()
+            if (closure := self._search_closure(i, reach)) is not None
+        ]
         self.refused += [closure for closure in found if closure.refusal == APART]
         self._contradicted += [closure for closure in found if closure.refusal == CONTRADICTED]
         accepted = [closure for closure in found if not closure.refusal]
         self.closures += accepted
         self._believed += [True] * len(accepted)
-        if not self._outvoted() and any(self._strain(closure) > STRAINED for closure in accepted):
-            self._optimise()
+        if not self._reconsider_refused_closures() and any(
+            self._closure_squared_error(closure) > STRAINED for closure in accepted
+        ):
+            self._optimise_key_poses()
 
-    def _outvoted(self) -> bool:
+    def _reconsider_refused_closures(self) -> bool:
         """Let the latest loops that odometry contradicts be weighed against it, once they are many; is any believed?
 
         Alone, each of them may be false. Together, they cost `gate` apiece to refuse, and only once, what stretches
@@ -92,7 +98,7 @@ class Mapper:
             return False
         before = self._believed, self.T_map_keys
         self.closures, self._believed = self.closures + votes, self._believed + [True] * len(votes)
-        self._optimise()
+        self._optimise_key_poses()
         won = [vote for vote, good in zip(votes, self._believed[first:], strict=True) if good]
         self.closures = self.closures[:first] + [replace(vote, refusal="") for vote in won]
         if not won:
@@ -106,40 +112,40 @@ class Mapper:
         """Keep the closures that agree with one another and with tracking; refuse the others."""
         self.refused += self._contradicted
         self._contradicted = []
-        self._optimise()
+        self._optimise_key_poses()
         for closure, good in zip(self.closures, self._believed, strict=True):
             if not good:
                 self.refused.append(replace(closure, refusal="the other closures contradict it"))
-        self.closures = self._agreeing()
+        self.closures = self._agreeing_closures()
         self._believed = [True] * len(self.closures)
 
     def graph(self) -> PoseGraph:
         """The graph of the key poses: links first, then the closures that are believed."""
-        return self._graph(self._agreeing())
+        return self._build_graph(self._agreeing_closures())
 
     def chi2(self) -> float:
         """The squared error of that graph."""
         return float(edge_chi2(self.graph(), np.array(self.T_map_keys)).sum())
 
-    def _agreeing(self) -> list[LoopClosure]:
+    def _agreeing_closures(self) -> list[LoopClosure]:
         return [closure for closure, good in zip(self.closures, self._believed, strict=True) if good]
 
-    def _graph(self, closures: list[LoopClosure]) -> PoseGraph:
+    def _build_graph(self, closures: list[LoopClosure]) -> PoseGraph:
         edges = [(k, k + 1, link.T_key_robot, link.information) for k, link in enumerate(self.links)]
         edges += [closure.edge for closure in closures]
         return PoseGraph.from_edges(len(self.T_map_keys), [(i, j, z, (w + w.T) / 2.0) for i, j, z, w in edges])
 
-    def _optimise(self) -> None:
+    def _optimise_key_poses(self) -> None:
         """Move the key poses to where links and closures agree best; the closures that then count are believed."""
         if not self.closures:
             return
-        graph, links = self._graph(self.closures), len(self.links)
+        graph, links = self._build_graph(self.closures), len(self.links)
         doubted = np.arange(len(graph.i)) >= links
         found = graduated_non_convexity(graph, np.array(self.T_map_keys), suspects=doubted, bound=self._settings.gate)
         self._believed = (found.weights[links:] >= BELIEVED).tolist()
         self.T_map_keys = list(found.poses)
 
-    def _candidates(self) -> list[tuple[int, float]]:
+    def _closure_candidates(self) -> list[tuple[int, float]]:
         """Old key poses that the newest one may stand at, the nearest first, and how far each may have drifted away."""
         rule, j = self._settings, len(self.T_map_keys) - 1
         past = j - rule.min_gap + 1
@@ -158,11 +164,11 @@ class Mapper:
                 chosen.append(i)
         return [(i, float(reach[i])) for i in chosen]
 
-    def _look(self, i: int, reach: float) -> LoopClosure | None:
+    def _search_closure(self, i: int, reach: float) -> LoopClosure | None:
         """Search the newest scans around key pose i, and judge what is found; None where nothing is."""
         rule, j = self._settings, len(self.T_map_keys) - 1
-        old = self._around(i, max(0, i - rule.around), min(i + rule.around, j - rule.min_gap // 2)).thinned(THIN_MAP)
-        new = self._around(j, max(0, j - rule.behind + 1), j).thinned(THIN_SCANS)
+        old = self._join_clouds(i, max(0, i - rule.around), min(i + rule.around, j - rule.min_gap // 2)).thin(THIN_MAP)
+        new = self._join_clouds(j, max(0, j - rule.behind + 1), j).thin(THIN_SCANS)
         if min(len(old), len(new)) < MIN_POINTS:
             return None
         expected = relative(self.T_map_keys[i], self.T_map_keys[j])
@@ -173,21 +179,21 @@ class Mapper:
             return None
         if match.overlap < rule.loop_overlap:
             return LoopClosure(i, j, match, np.inf, APART)
-        gap = difference(match.T_a_b, expected)
-        apart = disagreement(gap, np.zeros((3, 3)), match.information)
+        gap = subtract_poses(match.T_a_b, expected)
+        apart = squared_disagreement(gap, np.zeros((3, 3)), match.information)
         if apart > rule.gate:  # more than the match alone can err: how far may odometry have drifted?
             covariance = relative_covariance(self.graph(), np.array(self.T_map_keys), i, j)
-            apart = disagreement(gap, covariance, match.information)
+            apart = squared_disagreement(gap, covariance, match.information)
         return LoopClosure(i, j, match, apart, CONTRADICTED if apart > rule.gate else "")
 
-    def _around(self, key: int, first: int, last: int) -> LineCloud:
+    def _join_clouds(self, key: int, first: int, last: int) -> LineCloud:
         """The clouds of key poses first to last, in the frame of one of them."""
         T_map_key = self.T_map_keys[key]
-        return LineCloud.joined(
-            [self.clouds[k].seen_from(relative(T_map_key, self.T_map_keys[k])) for k in range(first, last + 1)]
+        return LineCloud.join(
+            [self.clouds[k].transform(relative(T_map_key, self.T_map_keys[k])) for k in range(first, last + 1)]
         )
 
-    def _strain(self, closure: LoopClosure) -> float:
+    def _closure_squared_error(self, closure: LoopClosure) -> float:
         """The squared error of a closure as the poses now stand."""
-        gap = difference(closure.match.T_a_b, relative(self.T_map_keys[closure.i], self.T_map_keys[closure.j]))
+        gap = subtract_poses(closure.match.T_a_b, relative(self.T_map_keys[closure.i], self.T_map_keys[closure.j]))
         return float(gap @ closure.match.information @ gap)

@@ -28,7 +28,7 @@ class OdometryBias:
         self._right = np.zeros((2, 3))
         self.shares: Floats = np.zeros((2, 3))
 
-    def corrected(self, step: Pose) -> Pose:
+    def remove_bias(self, step: Pose) -> Pose:
         """The step (3,) of the wheels without its bias."""
         better = step + step[[0, 2]] @ self.shares
         better[2] = wrap_angle(float(better[2]))
@@ -36,13 +36,13 @@ class OdometryBias:
 
     def learn(self, step: Pose, T_matched: Pose) -> None:
         """Take a step of the wheels into account, and what it was by the scans."""
-        told, error = step[[0, 2]], difference(T_matched, step)
+        told, error = step[[0, 2]], subtract_poses(T_matched, step)
         self._normal += np.outer(told, told)
         self._right += np.outer(told, error)
         self.shares = np.asarray(np.linalg.solve(self._normal, self._right), dtype=np.float64)
 
 
-def difference(a: Pose, b: Pose) -> Floats:
+def subtract_poses(a: Pose, b: Pose) -> Floats:
     """a - b (3,) of poses, by components, the angle in ]-pi, pi]."""
     gap = a - b
     gap[2] = wrap_angle(float(gap[2]))
@@ -51,13 +51,13 @@ def difference(a: Pose, b: Pose) -> Floats:
 
 def fuse_poses(T_expected: Pose, covariance: Floats, T_matched: Pose, information: Floats) -> Pose:
     """The pose (3,) of least squares between what was expected and what was matched, which may know only a part."""
-    gap = difference(T_matched, T_expected)
+    gap = subtract_poses(T_matched, T_expected)
     pose = T_expected + np.linalg.solve(np.eye(3) + covariance @ information, covariance @ (information @ gap))
     pose[2] = wrap_angle(float(pose[2]))
     return pose
 
 
-def disagreement(gap: Floats, covariance: Floats, information: Floats) -> float:
+def squared_disagreement(gap: Floats, covariance: Floats, information: Floats) -> float:
     """The squared length of a gap (3,) between what was expected, to a covariance, and what a match of some information
     says: g' (P + W^-1)^-1 g, along what the match knows."""
     return float(gap @ information @ np.linalg.solve(np.eye(3) + covariance @ information, gap))

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from reference.front_end.odometry import OdometryBias, difference, disagreement, fuse_poses
+from reference.front_end.odometry import OdometryBias, fuse_poses, squared_disagreement, subtract_poses
 from reference.front_end.settings import FrontEndSettings
 from reference.registration import IcpError, InvalidCloudError, LineCloud, ScanMatch, SearchWindow, match_clouds
 from reference.registration.scan_matching import MIN_POINTS
@@ -49,28 +49,28 @@ class Tracker:
         """Lay the clouds of the newest key poses together, in the frame of the last of them: what scans are laid on."""
         key = T_map_keys[-1]
         near = zip(T_map_keys[-self._settings.recent :], clouds[-self._settings.recent :], strict=True)
-        self._submap = LineCloud.joined([cloud.seen_from(relative(key, pose)) for pose, cloud in near])
+        self._submap = LineCloud.join([cloud.transform(relative(key, pose)) for pose, cloud in near])
 
     def track(self, cloud: LineCloud, wheels: Pose) -> TrackedScan:
         """Move by a step (3,) of the wheels, and correct it by what is seen there."""
-        before, step = self.T_key_robot, self.bias.corrected(wheels)
+        before, step = self.T_key_robot, self.bias.remove_bias(wheels)
         noise = self._settings.noise.covariance(step)
         expected = compose(before, step)
-        match = self._match(cloud, expected, noise)
+        match = self._match_with_submap(cloud, expected, noise)
         if match is None:
             self.covariance = compose_covariance(before, self.covariance, step, noise)
             self.T_key_robot = expected
-            return TrackedScan(expected, _inverse(self.covariance), None)
-        apart = disagreement(difference(match.T_a_b, expected), noise, match.information)
+            return TrackedScan(expected, _invert_matrix(self.covariance), None)
+        apart = squared_disagreement(subtract_poses(match.T_a_b, expected), noise, match.information)
         # Wheels that slip are believed the less, the more the scans contradict them.
         slipped = noise * max(1.0, apart / self._settings.gate)
         self.covariance = compose_covariance(before, self.covariance, step, slipped)
         self.T_key_robot = fuse_poses(expected, self.covariance, match.T_a_b, match.information)
-        if not match.degenerate and apart <= self._settings.gate:
+        if not match.is_degenerate and apart <= self._settings.gate:
             self.bias.learn(wheels, relative(before, self.T_key_robot))
-        return TrackedScan(self.T_key_robot, match.information + _inverse(self.covariance), match)
+        return TrackedScan(self.T_key_robot, match.information + _invert_matrix(self.covariance), match)
 
-    def _match(self, cloud: LineCloud, expected: Pose, noise: Floats) -> ScanMatch | None:
+    def _match_with_submap(self, cloud: LineCloud, expected: Pose, noise: Floats) -> ScanMatch | None:
         """The match of a cloud with the submap; None where too little of it lies near."""
         rule = self._settings
         sigma, turn_sigma = float(noise[0, 0] ** 0.5), float(noise[2, 2] ** 0.5)
@@ -82,14 +82,14 @@ class Tracker:
             match = match_clouds(self._submap, cloud, expected, matching=rule.matching, window=window)
         except (IcpError, InvalidCloudError):
             return None
-        gap = difference(match.T_a_b, expected)
+        gap = subtract_poses(match.T_a_b, expected)
         needed = rule.link_overlap
-        if disagreement(gap, noise, match.information) <= rule.gate:
+        if squared_disagreement(gap, noise, match.information) <= rule.gate:
             needed = min(AGREEING, needed)
         elif np.hypot(gap[0], gap[1]) > ASTRAY * reach or abs(gap[2]) > ASTRAY * turn:
             needed = max(CERTAIN, needed)
         return match if match.overlap >= needed else None
 
 
-def _inverse(matrix: Floats) -> Floats:
+def _invert_matrix(matrix: Floats) -> Floats:
     return np.asarray(np.linalg.inv(matrix), dtype=np.float64)

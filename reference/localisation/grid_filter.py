@@ -52,7 +52,7 @@ class GridWorld:
     scans: Floats
 
     @classmethod
-    def of(cls, free: ArrayLike, max_range: float) -> GridWorld:
+    def from_free_cells(cls, free: ArrayLike, max_range: float) -> GridWorld:
         """The world of a map (H, W), True where free. Raises GridFilterError when no cell is free."""
         grid = np.array(free, dtype=np.bool_)
         if grid.ndim != 2 or not grid.any():
@@ -61,7 +61,7 @@ class GridWorld:
         poses = np.column_stack([x.ravel() + 0.5, y.ravel() + 0.5, np.zeros(grid.size)])
         return cls(grid, cast_scans(grid, poses, BEAMS, max_range).reshape(*grid.shape, BEAMS))
 
-    def uniform(self) -> Belief:
+    def uniform_belief(self) -> Belief:
         """The belief of a robot that knows nothing."""
         return self.free / np.count_nonzero(self.free)
 
@@ -71,7 +71,7 @@ class GridWorld:
         return 0 <= y < self.free.shape[0] and 0 <= x < self.free.shape[1] and bool(self.free[y, x])
 
 
-def landings(du: int, dv: int, slip: float = P_SLIP) -> tuple[Landing, ...]:
+def possible_landings(du: int, dv: int, slip: float = P_SLIP) -> tuple[Landing, ...]:
     """Where a command leads: straight, or one cell sideways too; a command of (0, 0) leads nowhere, for sure.
 
     p(+(du, dv)) = 1 - 2 slip and p(+(du, dv) + (dv, du)) = p(+(du, dv) - (dv, du)) = slip                  (1)
@@ -91,18 +91,18 @@ def predict(world: GridWorld, belief: ArrayLike, du: int, dv: int, slip: float =
 
     Raises GridFilterError.
     """
-    prior = _checked(world, belief)
+    prior = _check_belief(world, belief)
     moved = np.zeros((prior.shape[0] + 2, prior.shape[1] + 2))
     free = np.pad(world.free, 1)
-    for landing in landings(du, dv, slip):
-        there = _window(landing.dy, landing.dx, prior.shape)
+    for landing in possible_landings(du, dv, slip):
+        there = _neighbour_slices(landing.dy, landing.dx, prior.shape)
         leaving = np.where(free[there], prior, 0.0)
         moved[there] += landing.probability * leaving
         moved[1:-1, 1:-1] += landing.probability * (prior - leaving)
     return moved[1:-1, 1:-1]
 
 
-def _window(dy: int, dx: int, shape: tuple[int, ...]) -> tuple[slice, slice]:
+def _neighbour_slices(dy: int, dx: int, shape: tuple[int, ...]) -> tuple[slice, slice]:
     """In an array with one cell of margin, the cells at (dy, dx) from those of the grid."""
     return slice(1 + dy, 1 + dy + shape[0]), slice(1 + dx, 1 + dx + shape[1])
 
@@ -113,13 +113,13 @@ def correct(world: GridWorld, belief: ArrayLike, scan: ArrayLike, sigma: float) 
     Computed with logarithms, so that a scan unlike any other still tells cells apart. Raises GridFilterError, and
     EmptyBeliefError when the belief is zero on every free cell.
     """
-    weights, _ = _likely(world, belief, scan, sigma)
+    weights, _ = _scaled_posterior(world, belief, scan, sigma)
     return np.asarray(weights / weights.sum())
 
 
-def _likely(world: GridWorld, belief: ArrayLike, scan: ArrayLike, sigma: float) -> tuple[Floats, float]:
+def _scaled_posterior(world: GridWorld, belief: ArrayLike, scan: ArrayLike, sigma: float) -> tuple[Floats, float]:
     """The numerator of (2) (H, W), divided by its greatest exponential, and the exponent of that."""
-    prior = _checked(world, belief)
+    prior = _check_belief(world, belief)
     seen = np.asarray(scan, dtype=np.float64)
     if seen.shape != (BEAMS,) or not np.all(np.isfinite(seen)):
         raise GridFilterError("scan", f"is not an array ({BEAMS},) of finite distances")
@@ -134,7 +134,7 @@ def _likely(world: GridWorld, belief: ArrayLike, scan: ArrayLike, sigma: float) 
     return prior * np.exp(exponent - greatest), greatest
 
 
-def _checked(world: GridWorld, belief: ArrayLike) -> Belief:
+def _check_belief(world: GridWorld, belief: ArrayLike) -> Belief:
     prior = np.asarray(belief, dtype=np.float64)
     if prior.shape != world.free.shape:
         raise GridFilterError("belief", f"has shape {prior.shape}, not {world.free.shape}")
@@ -145,13 +145,13 @@ def _checked(world: GridWorld, belief: ArrayLike) -> Belief:
 
 def sample_move(world: GridWorld, cell: Cell, du: int, dv: int, rng: np.random.Generator, slip: float = P_SLIP) -> Cell:
     """The free cell (y, x) where a robot that stands in `cell` ends up, drawn from (1)."""
-    outcomes = landings(du, dv, slip)
+    outcomes = possible_landings(du, dv, slip)
     chosen = outcomes[int(rng.choice(len(outcomes), p=[landing.probability for landing in outcomes]))]
     target = (cell[0] + chosen.dy, cell[1] + chosen.dx)
     return target if world.is_free(target) else cell
 
 
-def most_likely(belief: Belief) -> Cell:
+def most_likely_cell(belief: Belief) -> Cell:
     """The cell (y, x) of the greatest probability; the first one in reading order when several share it."""
     y, x = np.unravel_index(int(np.argmax(belief)), belief.shape)
     return int(y), int(x)
@@ -164,17 +164,17 @@ class GridFilter:
     """
 
     def __init__(self, world: GridWorld, sigma: float) -> None:
-        self.world, self.sigma, self.belief = world, sigma, world.uniform()
+        self.world, self.sigma, self.belief = world, sigma, world.uniform_belief()
 
     @property
     def mean(self) -> Floats:
         """The mean (x, y) of the centres of the cells."""
-        return np.array([self.belief.sum(axis=0) @ self._columns, self.belief.sum(axis=1) @ self._rows])
+        return np.array([self.belief.sum(axis=0) @ self._column_centres, self.belief.sum(axis=1) @ self._row_centres])
 
     @property
     def covariance(self) -> Floats:
         """The covariance (2, 2) of (x, y)."""
-        x, y = self._columns - self.mean[0], self._rows - self.mean[1]
+        x, y = self._column_centres - self.mean[0], self._row_centres - self.mean[1]
         mixed = y @ self.belief @ x
         return np.array([[self.belief.sum(axis=0) @ x**2, mixed], [mixed, self.belief.sum(axis=1) @ y**2]])
 
@@ -183,15 +183,15 @@ class GridFilter:
 
     def correct(self, measurement: ArrayLike) -> float:
         """Equation (2), and the logarithm of the evidence, its Gaussian densities normalised."""
-        weights, exponent = _likely(self.world, self.belief, measurement, self.sigma)
+        weights, exponent = _scaled_posterior(self.world, self.belief, measurement, self.sigma)
         evidence = float(weights.sum())
         self.belief = np.asarray(weights / evidence)
         return exponent + float(np.log(evidence)) - BEAMS * float(np.log(self.sigma * np.sqrt(2.0 * np.pi)))
 
     @property
-    def _columns(self) -> Floats:
+    def _column_centres(self) -> Floats:
         return np.arange(self.world.free.shape[1], dtype=np.float64) + 0.5
 
     @property
-    def _rows(self) -> Floats:
+    def _row_centres(self) -> Floats:
         return np.arange(self.world.free.shape[0], dtype=np.float64) + 0.5

@@ -62,7 +62,7 @@ class KldSampling:
         bound = freedom / (2.0 * self.epsilon) * (1.0 - a + np.sqrt(a) * z) ** 3
         return np.clip(np.ceil(bound), self.least, self.most).astype(np.int64)
 
-    def bins(self, poses: ArrayLike) -> Integers:
+    def bin_indices(self, poses: ArrayLike) -> Integers:
         """The bin of each pose (n, 3), as whole numbers (n, 3): column, row, sector of heading."""
         values = np.asarray(poses, dtype=np.float64)
         if values.ndim != 2 or values.shape[1] != 3 or not np.all(np.isfinite(values)):
@@ -70,13 +70,13 @@ class KldSampling:
         headings = wrap_angle(values[:, 2])
         return np.floor(np.column_stack([values[:, :2] / self.cell, (headings + np.pi) / self.sector])).astype(np.int64)
 
-    def count_enough(self, poses: ArrayLike) -> int:
+    def count_needed_poses(self, poses: ArrayLike) -> int:
         """How many of the poses (n, 3), drawn independently in this order, are enough.
 
         The smallest m >= `least` such that m >= particles_needed(bins filled by the first m); n when there is none:
         what Fox's loop over single draws stops at, found for all of them at once. Raises InvalidArgumentError.
         """
-        bins = self.bins(poses)
+        bins = self.bin_indices(poses)
         if len(bins) == 0:
             raise InvalidArgumentError("poses", "are none")
         _, firsts = np.unique(bins, axis=0, return_index=True)

@@ -15,12 +15,12 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from reference.errors import InvalidArgumentError
-from reference.filters.bayes import reweighted
+from reference.filters.bayes import reweight
 from reference.filters.particles import ParticleFilter
 from reference.filters.resampling import multinomial_resampling, systematic_resampling
 from reference.localisation.kld_sampling import KldSampling
 from reference.localisation.odometry_motion import OdometryNoise, sample_odometry
-from reference.localisation.pose_clusters import Cluster, clusters
+from reference.localisation.pose_clusters import Cluster, find_clusters
 from reference.sensors.rays import ScanLikelihood
 from reference.world.grid_map import GridMap
 from reference.world.scan import Scan
@@ -118,18 +118,18 @@ class MonteCarloLocalization(ParticleFilter[Scan]):
     def correct(self, measurement: Scan) -> float:
         """Weigh the particles by the scan; resample if N_eff is low or if poses are to be injected."""
         evidence, self.injected = self.weigh(measurement), 0
-        share = self._share(evidence, measurement)
-        if share > 0.0 or self.degenerate:
+        share = self._injection_share(evidence, measurement)
+        if share > 0.0 or self.is_degenerate:
             self.resample()
-            self._inject(share, measurement)
+            self._inject_particles(share, measurement)
         return evidence
 
     def resample(self) -> None:
         """Draw particles by their weights, as many as there are, or as KLD-sampling asks for."""
-        self.states = self._drawn() if self.kld is None else self._as_needed(self.kld)
+        self.states = self._draw_particles() if self.kld is None else self._draw_by_kld(self.kld)
         self.weights = np.full(len(self.states), 1.0 / len(self.states))
 
-    def _inject(self, share: float, scan: Scan) -> None:
+    def _inject_particles(self, share: float, scan: Scan) -> None:
         """Replace each particle by a pose drawn anew with probability `share`."""
         lost = self.rng.random(len(self.states)) < share
         self.injected = int(np.count_nonzero(lost))
@@ -140,21 +140,21 @@ class MonteCarloLocalization(ParticleFilter[Scan]):
 
     def clusters(self) -> list[Cluster]:
         """The clouds of particles, heaviest first: two in a symmetrical corridor."""
-        return clusters(self.states, self.weights)
+        return find_clusters(self.states, self.weights)
 
-    def _share(self, evidence: float, scan: Scan) -> float:
-        if self.injection is None or not (hits := int(np.count_nonzero(scan.hits))):
+    def _injection_share(self, evidence: float, scan: Scan) -> float:
+        if self.injection is None or not (hits := int(np.count_nonzero(scan.hit_mask))):
             return 0.0
         return self.averages.update_and_share(float(np.exp(evidence / hits)), self.injection)
 
-    def _drawn(self) -> Floats:
+    def _draw_particles(self) -> Floats:
         return self.states.take(self.scheme(self.weights, self.rng, None).ancestors, axis=0)
 
-    def _as_needed(self, kld: KldSampling) -> Floats:
+    def _draw_by_kld(self, kld: KldSampling) -> Floats:
         """Independent draws, as many as KLD-sampling asks for."""
         ancestors = self.rng.permutation(multinomial_resampling(self.weights, self.rng, kld.most).ancestors)
         drawn = self.states[ancestors]
-        return np.asarray(drawn[: kld.count_enough(drawn)])
+        return np.asarray(drawn[: kld.count_needed_poses(drawn)])
 
 
 def likely_poses(
@@ -169,7 +169,7 @@ def likely_poses(
     if tries == 1:
         return candidates
     even = np.full(len(candidates), 1.0 / len(candidates))
-    weights = reweighted(even, sensor.log_likelihood(candidates, scan)).weights
+    weights = reweight(even, sensor.log_likelihood(candidates, scan)).weights
     return np.asarray(candidates[systematic_resampling(weights, rng, count).ancestors])
 
 

@@ -36,7 +36,7 @@ class Cluster:
     members: Integers
 
 
-def clusters(poses: ArrayLike, weights: ArrayLike, cell: float = 0.5, sectors: int = 12) -> list[Cluster]:
+def find_clusters(poses: ArrayLike, weights: ArrayLike, cell: float = 0.5, sectors: int = 12) -> list[Cluster]:
     """The clouds of poses (n, 3) with weights (n,), heaviest first; bins of `cell` metres and 2 pi / `sectors`.
 
     Raises InvalidArgumentError.
@@ -50,14 +50,14 @@ def clusters(poses: ArrayLike, weights: ArrayLike, cell: float = 0.5, sectors: i
         raise InvalidArgumentError("cell", f"{cell} is not a positive length")
     if sectors < 1:
         raise InvalidArgumentError("sectors", f"{sectors} make no circle")
-    labels = _labels(values, cell, sectors)
+    labels = _label_poses(values, cell, sectors)
     return sorted(
-        (_cluster(values, w / w.sum(), np.flatnonzero(labels == label)) for label in range(labels.max() + 1)),
+        (_make_cluster(values, w / w.sum(), np.flatnonzero(labels == label)) for label in range(labels.max() + 1)),
         key=lambda cluster: -cluster.weight,
     )
 
 
-def _labels(poses: Floats, cell: float, sectors: int) -> Integers:
+def _label_poses(poses: Floats, cell: float, sectors: int) -> Integers:
     """The number (n,) of each pose's cloud."""
     places = np.floor(poses[:, :2] / cell)
     headings = np.floor(np.mod(poses[:, 2] / (2.0 * np.pi), 1.0) * sectors) % sectors
@@ -71,7 +71,7 @@ def _labels(poses: Floats, cell: float, sectors: int) -> Integers:
     return np.asarray(cloud_of_bin[bin_of_pose.ravel()], dtype=np.int64)
 
 
-def _cluster(poses: Floats, weights: Floats, members: Integers) -> Cluster:
+def _make_cluster(poses: Floats, weights: Floats, members: Integers) -> Cluster:
     weight = float(weights[members].sum())
     own = weights[members] / weight if weight > 0.0 else np.full(members.size, 1.0 / members.size)
     mean = weighted_mean(poses[members], own, _ANGLES)

@@ -77,7 +77,7 @@ class DrivenPath:
 
     poses: Floats
     speeds: Floats
-    reached: bool
+    has_reached_goal: bool
     clearance: float
 
 
@@ -96,7 +96,7 @@ class DynamicWindow:
     ways: Floats = field(repr=False)
 
     @classmethod
-    def towards(cls, world: GridMap, goal: ArrayLike, limits: RobotLimits) -> DynamicWindow:
+    def from_goal(cls, world: GridMap, goal: ArrayLike, limits: RobotLimits) -> DynamicWindow:
         """For a goal (2,) in the world. What is not known free is taken for wall. Raises PlanningError."""
         point = np.asarray(goal, dtype=np.float64)
         if point.shape != (2,) or not np.all(np.isfinite(point)):
@@ -110,12 +110,12 @@ class DynamicWindow:
         if not (0 <= y < height and 0 <= x < width and inflated.free[y, x]):
             raise PlanningError("goal", "is not a place where the robot can stand")
         remaining = SearchGrid(inflated.free, inflated.costs).costs_from((y, x)) * world.resolution
-        return cls(world, point, limits, clear, _extended(remaining, world.resolution), remaining)
+        return cls(world, point, limits, clear, _replace_infinite_costs(remaining, world.resolution), remaining)
 
-    def choose(self, pose: Floats, speed: Floats) -> Floats:
+    def choose_speed(self, pose: Floats, speed: Floats) -> Floats:
         """The speed (2,) = (v, w) for the next period, from the pose (3,) and speed so far."""
         limits = self.limits
-        choices = self._window(speed)
+        choices = self._reachable_speeds(speed)
         stops = predict_drive(pose, choices, limits, brake=True, duration=limits.period)
         safe = self.clearance(stops).min(axis=1) > limits.radius
         safe[0] = True  # braking: found safe a period ago, as a part of that choice
@@ -125,7 +125,7 @@ class DynamicWindow:
         reach = np.minimum(2.0 * limits.radius, np.linalg.norm(ends[:, :2] - self.goal, axis=1))
         nose = ends[:, :2] + reach[:, None] * np.column_stack([np.cos(ends[:, 2]), np.sin(ends[:, 2])])
         room = np.minimum(self.clearance(ahead).min(axis=1), 2.0 * limits.radius)
-        cost = self._to_go(ends[:, :2]) + self._to_go(nose) - room
+        cost = self._costs_to_go(ends[:, :2]) + self._costs_to_go(nose) - room
         return np.asarray(choices[int(np.argmin(cost))])
 
     def follow_route(self, pose: Floats, speed: Floats) -> Floats:
@@ -133,7 +133,7 @@ class DynamicWindow:
 
         Braking where no way leads.
         """
-        limits, target = self.limits, self._next_point(pose)
+        limits, target = self.limits, self._next_route_point(pose)
         slower = brake_speeds(speed[None], limits)[0]
         if target is None:
             return np.asarray(slower)
@@ -144,19 +144,19 @@ class DynamicWindow:
             if speed[0] > 0.0:
                 return np.asarray(slower)
             step = limits.max_dw * limits.period
-            return np.array([0.0, _fitting(turn, speed[1], step, limits.max_w, limits.period)])
+            return np.array([0.0, _greatest_stoppable_speed(turn, speed[1], step, limits.max_w, limits.period)])
         if speed[1] != 0.0:
             return np.asarray(slower)
         step = limits.max_dv * limits.period
-        forward = np.array([_fitting(distance, speed[0], step, limits.max_v, limits.period), 0.0])
+        forward = np.array([_greatest_stoppable_speed(distance, speed[0], step, limits.max_v, limits.period), 0.0])
         stops = predict_drive(pose, forward[None], limits, brake=True, duration=limits.period)
         return forward if self.clearance(stops).min() > limits.radius else np.asarray(slower)
 
     def cost_to_go(self, point: ArrayLike) -> float:
         """The cost of the way from a point (2,) of the world to the goal, drawn between the centres of cells."""
-        return float(self._to_go(np.asarray(point, dtype=np.float64)[None])[0])
+        return float(self._costs_to_go(np.asarray(point, dtype=np.float64)[None])[0])
 
-    def _next_point(self, pose: Floats) -> Floats | None:
+    def _next_route_point(self, pose: Floats) -> Floats | None:
         """Return the next point (2,) of the cheapest way: a centre of a cell, or the goal; None for no way."""
         x, y = np.floor(self.world.to_cells(pose[:2])).astype(np.int64).tolist()
         height, width = self.ways.shape
@@ -179,7 +179,7 @@ class DynamicWindow:
         inside = (x >= 0) & (x < self.clear.shape[1]) & (y >= 0) & (y < self.clear.shape[0])
         return np.where(inside, self.clear[np.where(inside, y, 0), np.where(inside, x, 0)], 0.0)
 
-    def _window(self, speed: Floats) -> Floats:
+    def _reachable_speeds(self, speed: Floats) -> Floats:
         """The speeds (k, 2) within reach in one period; braking as hard as can be comes first."""
         limits = self.limits
         dv, dw = limits.max_dv * limits.period, limits.max_dw * limits.period
@@ -188,19 +188,19 @@ class DynamicWindow:
         grid = np.stack(np.meshgrid(v, np.append(w, 0.0) if abs(speed[1]) <= dw else w), axis=-1).reshape(-1, 2)
         return np.vstack([brake_speeds(speed[None], limits), grid])
 
-    def _to_go(self, points: Floats) -> Floats:
+    def _costs_to_go(self, points: Floats) -> Floats:
         x, y = (self.world.to_cells(points) - 0.5).T
         return np.asarray(map_coordinates(self.remaining, [y, x], order=1, mode="nearest"))
 
 
-def _fitting(way: float, speed: float, step: float, most: float, period: float) -> float:
+def _greatest_stoppable_speed(way: float, speed: float, step: float, most: float, period: float) -> float:
     """The greatest speed after one period from which one can still stop within `way`, a length or an angle.
 
     Speeds change by `step` a period at most; on the other side, or where none can stop in time, it is the slowest.
     """
     low, high = max(-most, speed - step), min(most, speed + step)
     if way < 0.0:
-        return -_fitting(-way, -speed, step, most, period)
+        return -_greatest_stoppable_speed(-way, -speed, step, most, period)
     exact = way / period
     if exact <= step and low <= exact <= high:
         return exact
@@ -230,12 +230,12 @@ def predict_drive(pose: Floats, speeds: Floats, limits: RobotLimits, *, brake: b
         if number and brake:
             speeds = brake_speeds(speeds, limits)
         for _ in range(PARTS):
-            current = arc(current, speeds, limits.period / PARTS)
+            current = move_along_arcs(current, speeds, limits.period / PARTS)
             passed.append(current)
     return np.stack(passed, axis=1)
 
 
-def arc(poses: Floats, speeds: Floats, duration: float) -> Floats:
+def move_along_arcs(poses: Floats, speeds: Floats, duration: float) -> Floats:
     """Poses (k, 3) after `duration` at the speeds (k, 2): exact along the arc of a circle.
 
     The chord of an arc of length s and turn a is s sin(a/2) / (a/2), at half the turn.
@@ -248,7 +248,7 @@ def arc(poses: Floats, speeds: Floats, duration: float) -> Floats:
     return moved
 
 
-def _extended(costs: Floats, resolution: float) -> Floats:
+def _replace_infinite_costs(costs: Floats, resolution: float) -> Floats:
     """Costs with their infinities replaced: by that of the nearest finite cell, and more the farther it is."""
     closed = ~np.isfinite(costs)
     away, (y, x) = distance_transform_edt(closed, return_indices=True)
@@ -266,11 +266,11 @@ def navigate(
 ) -> DrivenPath:
     """Drive from rest at the pose `start` (3,) to within `tolerance` (m) of `goal` (2,), or for `max_time` seconds.
 
-    The speeds are those of `choose`, and of `lead` once they bring no progress. A goal to which no way leads is not
-    reached. Raises PlanningError when the robot cannot stand at either end.
+    The speeds are those of `choose_speed`, and of `follow_route` once they bring no progress. A goal to which no way
+    leads is not reached. Raises PlanningError when the robot cannot stand at either end.
     """
     bounds = limits or RobotLimits()
-    window = DynamicWindow.towards(world, goal, bounds)
+    window = DynamicWindow.from_goal(world, goal, bounds)
     pose, speed = np.array(start, dtype=np.float64), np.zeros(2)
     if pose.shape != (3,) or not np.all(np.isfinite(pose)) or window.clearance(pose) <= bounds.radius:
         raise PlanningError("start", "is not a pose (3,) at which the robot can stand")
@@ -281,7 +281,7 @@ def navigate(
         cost = window.cost_to_go(pose[:2])
         if cost < least - PROGRESS * world.resolution:
             least, since = cost, 0.0
-        speed = window.choose(pose, speed) if since < bounds.patience else window.follow_route(pose, speed)
+        speed = window.choose_speed(pose, speed) if since < bounds.patience else window.follow_route(pose, speed)
         since += bounds.period
         passed = predict_drive(pose, speed[None], bounds, brake=False, duration=bounds.period)[0]
         pose, nearest = passed[-1], min(nearest, float(window.clearance(passed).min()))

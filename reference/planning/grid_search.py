@@ -89,40 +89,44 @@ class SearchGrid:
         """
         if not 1.0 <= weight < inf:
             raise PlanningError("weight", f"{weight} is not a number from 1 on")
-        source, target, octile = self._node("start", start), self._node("goal", goal), self._octile(goal)
-        return self._route(source, target, octile if weight == 1.0 else [weight * ahead for ahead in octile])
+        source, target, octile = (
+            self._node_of_cell("start", start),
+            self._node_of_cell("goal", goal),
+            self._octile_distances(goal),
+        )
+        return self._find_route(source, target, octile if weight == 1.0 else [weight * ahead for ahead in octile])
 
     def dijkstra(self, start: Cell, goal: Cell) -> Route:
         """A cheapest way, by Dijkstra: the same cost, more cells looked at. Raises as `astar`."""
-        return self._route(self._node("start", start), self._node("goal", goal), None)
+        return self._find_route(self._node_of_cell("start", start), self._node_of_cell("goal", goal), None)
 
     def costs_from(self, start: Cell) -> Floats:
         """What a cheapest way from `start` to each cell costs, (H, W); infinite where none leads. PlanningError."""
-        costs, _, _ = self._search(self._node("start", start), -1, None)
+        costs, _, _ = self._run_search(self._node_of_cell("start", start), -1, None)
         return np.array(costs).reshape(-1, self._width)[1:-1, 1:-1]
 
-    def _octile(self, goal: Cell) -> list[float]:
+    def _octile_distances(self, goal: Cell) -> list[float]:
         """For every cell of the padded grid, the length of a way to `goal` on a grid without walls: never too much."""
         dy = np.abs(np.arange(-1, self.shape[0] + 1) - goal[0])[:, None]
         dx = np.abs(np.arange(-1, self.shape[1] + 1) - goal[1])[None, :]
         octile: list[float] = (np.maximum(dx, dy) + (SQRT2 - 1.0) * np.minimum(dx, dy)).ravel().tolist()
         return octile
 
-    def _route(self, source: int, target: int, heuristic: list[float] | None) -> Route:
-        costs, parents, settled = self._search(source, target, heuristic)
-        order = self._cells(settled)
+    def _find_route(self, source: int, target: int, heuristic: list[float] | None) -> Route:
+        costs, parents, settled = self._run_search(source, target, heuristic)
+        order = self._cells_of_nodes(settled)
         if costs[target] == inf:
             raise UnreachableError("goal", "no way leads there", order)
         nodes = [target]
         while nodes[-1] != source:
             nodes.append(parents[nodes[-1]])
-        return Route(self._cells(nodes[::-1]), costs[target], order)
+        return Route(self._cells_of_nodes(nodes[::-1]), costs[target], order)
 
-    def _cells(self, nodes: list[int]) -> NDArray[np.int64]:
+    def _cells_of_nodes(self, nodes: list[int]) -> NDArray[np.int64]:
         """The cells (k, 2) = (y, x) of nodes."""
         return np.stack(np.divmod(np.array(nodes, dtype=np.int64), self._width), axis=1) - 1
 
-    def _search(
+    def _run_search(
         self, source: int, target: int, heuristic: list[float] | None
     ) -> tuple[list[float], list[int], list[int]]:
         """The costs from `source` and the cells before, until `target` is settled; and the cells settled, in order."""
@@ -153,7 +157,7 @@ class SearchGrid:
                     heappush(queue, (cost + ahead, ahead, there))
         return costs, parents, order
 
-    def _node(self, name: str, cell: Cell) -> int:
+    def _node_of_cell(self, name: str, cell: Cell) -> int:
         y, x = cell
         if not (0 <= y < self.shape[0] and 0 <= x < self.shape[1] and self._free[y, x]):
             raise PlanningError(name, f"{cell} is not a free cell of the grid")

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from reference.planning.grid_search import PlanningError
-from reference.world.distance_map import distance_to
+from reference.world.distance_map import distances_to_cells
 
 Floats = NDArray[np.float64]
 
@@ -35,6 +35,6 @@ def inflate(free: ArrayLike, radius: float, *, weight: float = 10.0, fall: float
             raise PlanningError(name, f"{value} is not a number from 0 on")
     if grid.ndim != 2 or grid.size == 0:
         raise PlanningError("free", f"has shape {grid.shape}, not (H, W)")
-    distance = distance_to(~np.pad(grid, 1))[1:-1, 1:-1]
+    distance = distances_to_cells(~np.pad(grid, 1))[1:-1, 1:-1]
     open_cells = grid & (distance > radius)
     return InflatedGrid(open_cells, np.where(open_cells, weight * np.exp(-fall * (distance - radius)), 0.0))

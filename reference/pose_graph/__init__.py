@@ -1,7 +1,7 @@
 """Pose graphs of the plane: relative measurements between poses, brought to agree by sparse least squares."""
 
 from reference.pose_graph.certificate import Certificate, certify
-from reference.pose_graph.chordal import chordal_start
+from reference.pose_graph.chordal import chordal_initial_guess
 from reference.pose_graph.covariance import joint_covariance, marginal_covariances, relative_covariance
 from reference.pose_graph.errors import (
     DisconnectedGraphError,
@@ -15,7 +15,7 @@ from reference.pose_graph.errors import (
     ShapeError,
     SingularSystemError,
 )
-from reference.pose_graph.g2o import G2oGraph, as_g2o, dumps_g2o, loads_g2o
+from reference.pose_graph.g2o import G2oGraph, dumps_g2o, loads_g2o, to_g2o
 from reference.pose_graph.gauge import gauge_dimension, gauge_null_vectors
 from reference.pose_graph.graph import PoseGraph, Sightings
 from reference.pose_graph.kernels import DCS, Huber, Kernel, Switchable
@@ -64,10 +64,9 @@ __all__ = [
     "StopReason",
     "Switchable",
     "add_false_closures",
-    "as_g2o",
     "certify",
     "chi2",
-    "chordal_start",
+    "chordal_initial_guess",
     "dumps_g2o",
     "edge_chi2",
     "edge_residuals",
@@ -87,4 +86,5 @@ __all__ = [
     "residuals",
     "robust_gauss_newton",
     "sighting_chi2",
+    "to_g2o",
 ]

@@ -34,7 +34,7 @@ from scipy import sparse
 
 from reference.pose_graph.errors import ParameterError, SingularSystemError
 from reference.pose_graph.factor import factorise
-from reference.pose_graph.graph import POINT, Floats, Indices, PoseGraph, checked_landmarks, checked_poses
+from reference.pose_graph.graph import POINT, Floats, Indices, PoseGraph, copy_checked_landmarks, copy_checked_poses
 from reference.pose_graph.residuals import landmark_residuals, planar_information, residuals
 
 Complex = NDArray[np.complex128]
@@ -55,7 +55,7 @@ class Certificate:
     gradient: float
 
 
-class _Terms(NamedTuple):
+class _MatrixTerms(NamedTuple):
     """Entries of the hermitian matrix M above or below its diagonal, each given once, and those on it."""
 
     rows: Indices
@@ -71,7 +71,7 @@ def certify(graph: PoseGraph, poses: ArrayLike, landmarks: ArrayLike | None = No
     """
     if len(graph.fixed) > 1:
         raise ParameterError("graph", "several poses are fixed: the proof is for one")
-    where, seen_at = checked_poses(graph, poses), checked_landmarks(graph, landmarks)
+    where, seen_at = copy_checked_poses(graph, poses), copy_checked_landmarks(graph, landmarks)
     v = np.concatenate([where[:, 0] + 1j * where[:, 1], seen_at[:, 0] + 1j * seen_at[:, 1], np.exp(1j * where[:, 2])])
     if graph.n_poses + graph.n_landmarks == 1:
         return Certificate(True, 0, 0.0)
@@ -80,18 +80,18 @@ def certify(graph: PoseGraph, poses: ArrayLike, landmarks: ArrayLike | None = No
     edges, sightings = _edge_terms(graph, where), _sighting_terms(graph, where, seen_at)
     if edges is None:
         return Certificate(False, len(v), np.inf)
-    S, gradient = _dual(_hermitian([*edges, *sightings], len(v)), v, graph.n_poses + graph.n_landmarks)
-    negative = _not_positive(S, [graph.fixed[0], graph.n_poses + graph.n_landmarks + graph.fixed[0]])
+    S, gradient = _dual_matrix(_assemble_hermitian([*edges, *sightings], len(v)), v, graph.n_poses + graph.n_landmarks)
+    negative = _count_non_positive_pivots(S, [graph.fixed[0], graph.n_poses + graph.n_landmarks + graph.fixed[0]])
     return Certificate(negative == 0 and gradient < STATIONARY, negative, gradient)
 
 
-def _edge_terms(graph: PoseGraph, poses: Floats) -> list[_Terms] | None:
+def _edge_terms(graph: PoseGraph, poses: Floats) -> list[_MatrixTerms] | None:
     """The bounds (18) and (19) of the edges; None where an angle is so wrong that (18) has no tangent."""
-    i, j, z, omega = graph.i, graph.j, graph.z_i_j, planar_information(graph).matrices()
+    i, j, z, omega = graph.i, graph.j, graph.z_i_j, planar_information(graph).to_matrices()
     e = residuals(poses[i], poses[j], z)
-    tau = _least(omega[:, :2, :2])
+    tau = _least_eigenvalues(omega[:, :2, :2])
     kappa = omega[:, 2, 2].copy()
-    shrink = _separable(omega, tau, kappa)
+    shrink = _separable_factors(omega, tau, kappa)
     tau, kappa = tau * shrink, kappa * shrink
     rest = omega.copy()
     rest[:, [0, 1, 2], [0, 1, 2]] -= np.stack([tau, tau, kappa], axis=1)
@@ -103,47 +103,54 @@ def _edge_terms(graph: PoseGraph, poses: Floats) -> list[_Terms] | None:
     kappa /= np.sinc(turn / np.pi)  # numpy's sinc(x) is sin(pi x) / (pi x)
     measured = np.exp(1j * (z[:, 2] - shift))
     ri, rj = (ends + graph.n_poses + graph.n_landmarks for ends in (i, j))
-    translation = _translation(i, j, ri, z[:, 0] + 1j * z[:, 1], tau, slope[:, 0] + 1j * slope[:, 1])
-    return [*translation, _Terms(ri, ri, kappa), _Terms(rj, rj, kappa), _Terms(ri, rj, -kappa / measured)]
+    translation = _translation_terms(i, j, ri, z[:, 0] + 1j * z[:, 1], tau, slope[:, 0] + 1j * slope[:, 1])
+    return [
+        *translation,
+        _MatrixTerms(ri, ri, kappa),
+        _MatrixTerms(rj, rj, kappa),
+        _MatrixTerms(ri, rj, -kappa / measured),
+    ]
 
 
-def _separable(omega: Floats, tau: Floats, kappa: Floats) -> Floats:
+def _separable_factors(omega: Floats, tau: Floats, kappa: Floats) -> Floats:
     """The largest factors s (m,) <= 1 with omega >= s diag(tau, tau, kappa): 1 without coupling."""
     root = 1.0 / np.sqrt(np.stack([tau, tau, kappa], axis=1))
     scaled = omega * root[:, :, None] * root[:, None, :]
-    return np.minimum(1.0, _least(scaled) * (1.0 + NEARLY_NONE))
+    return np.minimum(1.0, _least_eigenvalues(scaled) * (1.0 + NEARLY_NONE))
 
 
-def _least(matrices: Floats) -> Floats:
+def _least_eigenvalues(matrices: Floats) -> Floats:
     """The least eigenvalues (m,) of symmetric matrices (m, s, s)."""
     return np.asarray(np.linalg.eigvalsh(matrices)[:, 0], dtype=np.float64)
 
 
-def _sighting_terms(graph: PoseGraph, poses: Floats, landmarks: Floats) -> list[_Terms]:
+def _sighting_terms(graph: PoseGraph, poses: Floats, landmarks: Floats) -> list[_MatrixTerms]:
     """The bounds (19) of the sightings."""
     seen = graph.sightings
     e = landmark_residuals(poses[seen.i], landmarks[seen.landmark], seen.p_i_l)
-    tau = _least(seen.information)
+    tau = _least_eigenvalues(seen.information)
     slope = np.einsum("mab,mb->ma", seen.information - tau[:, None, None] * np.eye(POINT), e)
     z, gamma = (a[:, 0] + 1j * a[:, 1] for a in (seen.p_i_l, slope))
     ri = seen.i + graph.n_poses + graph.n_landmarks
-    return _translation(seen.i, seen.landmark + graph.n_poses, ri, z, tau, gamma)
+    return _translation_terms(seen.i, seen.landmark + graph.n_poses, ri, z, tau, gamma)
 
 
-def _translation(i: Indices, j: Indices, ri: Indices, z: Complex, tau: Floats, gamma: Complex) -> list[_Terms]:
+def _translation_terms(
+    i: Indices, j: Indices, ri: Indices, z: Complex, tau: Floats, gamma: Complex
+) -> list[_MatrixTerms]:
     """tau |t_j - t_i - r_i z|^2 + 2 Re(conj(gamma) a), the tangent of (19) being 2 gamma . a up to a constant."""
     across = gamma.conj() - tau * z.conj()
     return [
-        _Terms(i, i, tau),
-        _Terms(j, j, tau),
-        _Terms(ri, ri, tau * np.abs(z) ** 2),
-        _Terms(i, j, -tau),
-        _Terms(ri, j, across),
-        _Terms(ri, i, -across),
+        _MatrixTerms(i, i, tau),
+        _MatrixTerms(j, j, tau),
+        _MatrixTerms(ri, ri, tau * np.abs(z) ** 2),
+        _MatrixTerms(i, j, -tau),
+        _MatrixTerms(ri, j, across),
+        _MatrixTerms(ri, i, -across),
     ]
 
 
-def _hermitian(terms: list[_Terms], size: int) -> sparse.csr_array:
+def _assemble_hermitian(terms: list[_MatrixTerms], size: int) -> sparse.csr_array:
     """M from its terms: what is off the diagonal gets its conjugate on the other side."""
     rows, columns, values = (np.concatenate(part) for part in zip(*terms, strict=True))
     off = rows != columns
@@ -152,7 +159,7 @@ def _hermitian(terms: list[_Terms], size: int) -> sparse.csr_array:
     return sparse.coo_array((every_value, (every_row, every_column)), shape=(size, size)).tocsr()
 
 
-def _dual(M: sparse.csr_array, v: Complex, first_rotation: int) -> tuple[sparse.csr_array, float]:
+def _dual_matrix(M: sparse.csr_array, v: Complex, first_rotation: int) -> tuple[sparse.csr_array, float]:
     """S of (20), and how far S v is from 0."""
     product = np.asarray(M @ v)
     multipliers = (v.conj() * product).real
@@ -163,7 +170,7 @@ def _dual(M: sparse.csr_array, v: Complex, first_rotation: int) -> tuple[sparse.
     return S, float(np.linalg.norm(left) / np.linalg.norm(scale))
 
 
-def _not_positive(S: sparse.csr_array, without: list[int]) -> int:
+def _count_non_positive_pivots(S: sparse.csr_array, without: list[int]) -> int:
     """How many pivots of the real form of S are not positive, the rows and columns `without` left out.
 
     a + ib is the real block [[a, -b], [b, a]].

@@ -20,29 +20,29 @@ from scipy.sparse import csgraph
 
 from reference.pose_graph.errors import DisconnectedGraphError, ParameterError, SingularSystemError
 from reference.pose_graph.factor import SparsityPattern, factorise, is_positive_definite
-from reference.pose_graph.graph import POINT, Floats, PoseGraph, checked_poses
+from reference.pose_graph.graph import POINT, Floats, PoseGraph, copy_checked_poses
 from reference.pose_graph.normal_equations import NormalEquations
 from reference.se2 import wrap_angle
 
 SHORTEST = 1e-9
 
 
-def chordal_start(graph: PoseGraph, poses: ArrayLike | None = None) -> tuple[Floats, Floats]:
+def chordal_initial_guess(graph: PoseGraph, poses: ArrayLike | None = None) -> tuple[Floats, Floats]:
     """Poses (n, 3) and landmarks (l, 2) from the measurements alone; the fixed poses are taken from `poses` (n, 3).
 
     Without `poses` the fixed pose stands at the origin. Raises DisconnectedGraphError where no edge ties orientations,
     SingularSystemError where a position is not determined, ParameterError where the measurements of orientations cancel
     out, or where several poses are fixed and not given.
     """
-    held = _held(graph, poses)
+    held = _check_held_poses(graph, poses)
     _check_oriented(graph)
     angles = chordal_angles(graph, held[:, 2])
-    return positions(graph, np.column_stack([held[:, :2], angles]))
+    return solve_positions(graph, np.column_stack([held[:, :2], angles]))
 
 
-def _held(graph: PoseGraph, poses: ArrayLike | None) -> Floats:
+def _check_held_poses(graph: PoseGraph, poses: ArrayLike | None) -> Floats:
     if poses is not None:
-        return checked_poses(graph, poses)
+        return copy_checked_poses(graph, poses)
     if len(graph.fixed) > 1:
         raise ParameterError("poses", "must be given where several poses are fixed")
     return np.zeros((graph.n_poses, 3))
@@ -76,7 +76,11 @@ def chordal_angles(graph: PoseGraph, held: Floats) -> Floats:
         weight = graph.information[:, 2, 2]
         c, s = weight * np.cos(graph.z_i_j[:, 2]), weight * np.sin(graph.z_i_j[:, 2])
         data, b = np.zeros(pattern.nnz + 1), np.zeros(pattern.size + 1)
-        on, off, rows_i, rows_j = pattern.diagonal(), pattern.off_diagonal(), *map(pattern.unknowns, (graph.i, graph.j))
+        on, off, rows_i, rows_j = (
+            pattern.diagonal_slots(),
+            pattern.off_diagonal_slots(),
+            *map(pattern.unknowns_of_nodes, (graph.i, graph.j)),
+        )
         for row in range(POINT):
             for ends in (graph.i, graph.j):
                 np.add.at(data, on[row, row, ends], weight)
@@ -85,7 +89,7 @@ def chordal_angles(graph: PoseGraph, held: Floats) -> Floats:
             np.add.at(b, rows_i[row], -term * r[graph.j, column])
             np.add.at(b, rows_j[column], -term * r[graph.i, row])
         # the diagonal blocks hold (0, 1) too, which is zero
-        solved = factorise(pattern.upper(data[:-1])).solve(b[:-1])
+        solved = factorise(pattern.upper_triangle(data[:-1])).solve(b[:-1])
         r[sizes > 0] = solved.reshape(-1, POINT)
     lengths = np.hypot(*r.T)
     if np.any(lengths < SHORTEST):
@@ -93,21 +97,21 @@ def chordal_angles(graph: PoseGraph, held: Floats) -> Floats:
     return np.where(sizes > 0, np.arctan2(r[:, 1], r[:, 0]), wrap_angle(held))
 
 
-def positions(graph: PoseGraph, poses: Floats) -> tuple[Floats, Floats]:
+def solve_positions(graph: PoseGraph, poses: Floats) -> tuple[Floats, Floats]:
     """The poses (n, 3) and landmarks (l, 2) of least chi2 among those that have the angles of `poses` (n, 3).
 
     chi2 is quadratic in the positions, so the minimum is one step of Gauss-Newton with the angles' rows left out.
     """
     equations = NormalEquations(graph)
-    state = equations.state(poses, np.zeros((graph.n_landmarks, POINT)))
+    state = equations.join_state(poses, np.zeros((graph.n_landmarks, POINT)))
     system = equations.assemble(state)
     is_position = (equations.free >= 3 * graph.n_poses) | (equations.free % 3 != 2)
     step = np.zeros(len(equations.free))
     if is_position.any():
-        kept = sparse.csc_array(equations.pattern.upper(system.data)[is_position][:, is_position])
+        kept = sparse.csc_array(equations.pattern.upper_triangle(system.data)[is_position][:, is_position])
         factor = factorise(kept)
         if not graph.is_fully_informed and not is_positive_definite(kept, factor.lower()):
             raise SingularSystemError("the positions are not determined: some are free")
         step[is_position] = -factor.solve(system.b[is_position])
-    found, landmarks = equations.nodes(equations.moved(state, step))
+    found, landmarks = equations.split_state(equations.apply_step(state, step))
     return np.column_stack([found[:, :2], wrap_angle(found[:, 2])]), landmarks

@@ -21,7 +21,15 @@ from numpy.typing import ArrayLike
 
 from reference.pose_graph.errors import NodeIndexError, SingularSystemError
 from reference.pose_graph.factor import Factorisation, LowerFactor, factorise, is_positive_definite
-from reference.pose_graph.graph import BLOCK, POINT, Floats, Indices, PoseGraph, checked_landmarks, checked_poses
+from reference.pose_graph.graph import (
+    BLOCK,
+    POINT,
+    Floats,
+    Indices,
+    PoseGraph,
+    copy_checked_landmarks,
+    copy_checked_poses,
+)
 from reference.pose_graph.normal_equations import NormalEquations
 from reference.pose_graph.residuals import jacobians
 
@@ -34,8 +42,8 @@ def joint_covariance(
     Node k < n is pose k, node n + l is landmark l. Columns of (16), one solve each. Raises a PoseGraphError for
     arguments that do not fit the graph, SingularSystemError where something is not determined.
     """
-    equations, factor = _factor(graph, poses, landmarks)
-    components = _components(equations, nodes)
+    equations, factor = _factorise_graph(graph, poses, landmarks)
+    components = _unknowns_of_nodes(equations, nodes)
     covariance = np.zeros((len(components), len(components)))
     free = components < equations.pattern.size
     for column in np.flatnonzero(free):
@@ -52,7 +60,7 @@ def relative_covariance(
 
     J Sigma_ij J', J the Jacobians (3) of residuals.py. Errors are those of `joint_covariance`.
     """
-    current = checked_poses(graph, poses)
+    current = copy_checked_poses(graph, poses)
     joint = joint_covariance(graph, current, [i, j], landmarks)
     J = np.concatenate(jacobians(current[[i]], current[[j]]), axis=2)[0]
     return np.asarray(J @ joint @ J.T)
@@ -65,7 +73,7 @@ def marginal_covariances(
 
     By (17), at once. Errors are those of `joint_covariance`.
     """
-    equations, factor = _factor(graph, poses, landmarks)
+    equations, factor = _factorise_graph(graph, poses, landmarks)
     pattern, n = equations.pattern, graph.n_poses
     lower = factor.lower()
     blocks = np.zeros((n + graph.n_landmarks, BLOCK, BLOCK))
@@ -73,26 +81,26 @@ def marginal_covariances(
     place[lower.p] = np.arange(pattern.size)
     node = np.repeat(np.arange(len(pattern.sizes)), pattern.sizes)[lower.p]
     component = lower.p - pattern.offsets[node]
-    for column, rows, values in _selected_inverse(lower, node):
+    for column, rows, values in _selected_inverse_columns(lower, node):
         same = node[rows] == node[column]
         a, b = component[rows[same]], component[column]
         blocks[node[column], a, b] = blocks[node[column], b, a] = values[same]
     return blocks[:n], blocks[n:, :POINT, :POINT]
 
 
-def _selected_inverse(lower: LowerFactor, node: Indices) -> list[tuple[int, Indices, Floats]]:
+def _selected_inverse_columns(lower: LowerFactor, node: Indices) -> list[tuple[int, Indices, Floats]]:
     """(17): for each column of Z, its rows (the column itself first) and their values; `node` (s,) owns each column.
 
     A column keeps Z over its rows, the front, until the columns whose first row below is this one have taken theirs.
     """
     columns: list[tuple[int, Indices, Floats]] = []
     fronts: dict[int, tuple[Indices, Floats]] = {}
-    structure = _structure(lower, node)
+    structure = _inverse_structure(lower, node)
     waiting = np.bincount([rows[0] for rows in structure if len(rows)], minlength=len(structure)).tolist()
     for j in range(len(structure) - 1, -1, -1):
         rows = structure[j]
         front = np.empty((len(rows) + 1, len(rows) + 1))
-        below, values = _below(lower, j)
+        below, values = _column_below_diagonal(lower, j)
         column = np.zeros(len(rows))
         column[np.searchsorted(rows, below)] = values
         if len(rows):
@@ -112,14 +120,14 @@ def _selected_inverse(lower: LowerFactor, node: Indices) -> list[tuple[int, Indi
     return columns
 
 
-def _below(lower: LowerFactor, j: int) -> tuple[Indices, Floats]:
+def _column_below_diagonal(lower: LowerFactor, j: int) -> tuple[Indices, Floats]:
     """The rows and values of column j of L below its diagonal."""
     span = slice(lower.L.indptr[j], lower.L.indptr[j + 1])
     rows, values = lower.L.indices[span], lower.L.data[span]
     return rows[rows > j].astype(np.int64), values[rows > j]
 
 
-def _structure(lower: LowerFactor, node: Indices) -> list[Indices]:
+def _inverse_structure(lower: LowerFactor, node: Indices) -> list[Indices]:
     """The rows P of each column: those of L and of the column's own node, and those that the recursion asks for.
 
     An entry of L that happens to be zero may have been left out of it: its place is needed all the same.
@@ -130,23 +138,27 @@ def _structure(lower: LowerFactor, node: Indices) -> list[Indices]:
     structure = []
     for j, owner in enumerate(node.tolist()):
         mates = np.array([position for position in owned[owner] if position > j], dtype=np.int64)
-        structure.append(np.union1d(_below(lower, j)[0], mates))
+        structure.append(np.union1d(_column_below_diagonal(lower, j)[0], mates))
     for rows in structure:
         if len(rows) > 1:
             structure[rows[0]] = np.union1d(structure[rows[0]], rows[1:])
     return structure
 
 
-def _factor(graph: PoseGraph, poses: ArrayLike, landmarks: ArrayLike | None) -> tuple[NormalEquations, Factorisation]:
+def _factorise_graph(
+    graph: PoseGraph, poses: ArrayLike, landmarks: ArrayLike | None
+) -> tuple[NormalEquations, Factorisation]:
     equations = NormalEquations(graph)
-    upper = equations.upper(equations.state(checked_poses(graph, poses), checked_landmarks(graph, landmarks)))
+    upper = equations.upper_triangle(
+        equations.join_state(copy_checked_poses(graph, poses), copy_checked_landmarks(graph, landmarks))
+    )
     factor = factorise(upper)
     if not is_positive_definite(upper, factor.lower()):
         raise SingularSystemError("the information of the graph is singular: some unknown is free")
     return equations, factor
 
 
-def _components(equations: NormalEquations, nodes: Sequence[int]) -> Indices:
+def _unknowns_of_nodes(equations: NormalEquations, nodes: Sequence[int]) -> Indices:
     """The unknowns of nodes, one after the other; `size` for those of fixed poses."""
     graph = equations.graph
     outside = [k for k in nodes if not 0 <= k < graph.n_poses + graph.n_landmarks]
@@ -154,4 +166,4 @@ def _components(equations: NormalEquations, nodes: Sequence[int]) -> Indices:
         raise NodeIndexError("nodes", f"node {outside[0]} does not exist")
     chosen = np.asarray(nodes, dtype=np.int64)
     dimensions = np.where(chosen < graph.n_poses, BLOCK, POINT)
-    return equations.pattern.unknowns(chosen).T[np.arange(BLOCK) < dimensions[:, None]]
+    return equations.pattern.unknowns_of_nodes(chosen).T[np.arange(BLOCK) < dimensions[:, None]]

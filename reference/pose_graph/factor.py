@@ -59,11 +59,11 @@ class SparsityPattern:
         self.sizes = sizes
         self.offsets = np.concatenate([[0], np.cumsum(sizes)])
         self.size = int(self.offsets[-1])
-        self._pairs(a, b)
-        self._columns()
-        self._rows()
+        self._index_block_pairs(a, b)
+        self._index_columns()
+        self._index_rows()
 
-    def _pairs(self, a: Indices, b: Indices) -> None:
+    def _index_block_pairs(self, a: Indices, b: Indices) -> None:
         """Each distinct block above the diagonal, by columns; `_cell` (p,) says which one each pair falls in."""
         n = len(self.sizes)
         self._a, self._b = a, b
@@ -75,7 +75,7 @@ class SparsityPattern:
         self._cell[alive] = inverse
         self._hi, self._lo = np.divmod(cells, max(n, 1))
 
-    def _columns(self) -> None:
+    def _index_columns(self) -> None:
         """`starts` (s + 1,) of the columns; for each node, the `_first` of them, and how many entries are `_above`.
 
         Column c of a node holds the rows above its block, then c + 1 of its own: c columns before it hold
@@ -90,7 +90,7 @@ class SparsityPattern:
         before = np.cumsum(heights) - heights
         self._rank = before - (np.cumsum(self._above) - self._above)[self._hi]
 
-    def _rows(self) -> None:
+    def _index_rows(self) -> None:
         """`rows` (nnz,) of the entries: those of the nodes above each node and its own, cut at the diagonal."""
         n = len(self.sizes)
         stacked = np.empty(len(self._lo) + n, dtype=np.int64)
@@ -105,15 +105,15 @@ class SparsityPattern:
         self.rows = unknowns[(top - self.starts[:-1]).repeat(lengths) + np.arange(self.nnz)].astype(np.int32)
         self.starts = self.starts.astype(np.int32)
 
-    def diagonal(self) -> Indices:
+    def diagonal_slots(self) -> Indices:
         """The slots [row, column, node] of the entries of the diagonal blocks, where row <= column."""
-        row, column = self._within()
+        row, column = self._block_offsets()
         slots = self._first + self._above * (column + 1) + (column * (column + 1) // 2 + row)
         return np.where((row <= column) & (self.sizes > column), slots, self.nnz)
 
-    def off_diagonal(self) -> Indices:
+    def off_diagonal_slots(self) -> Indices:
         """The slots [row, column, pair] of the entries of the blocks of pairs; row is that of the first node."""
-        row, column = self._within()
+        row, column = self._block_offsets()
         if not len(self._hi):
             return np.full((len(row), len(row), len(self._a)), self.nnz)
         above, first = self._above[self._hi], self._first[self._hi] + self._rank
@@ -122,17 +122,17 @@ class SparsityPattern:
             below = np.where(self._swapped, below.swapaxes(0, 1), below)
         return np.where((self.sizes[self._a] > row) & (self.sizes[self._b] > column), below, self.nnz)
 
-    def _within(self) -> tuple[Indices, Indices]:
+    def _block_offsets(self) -> tuple[Indices, Indices]:
         """The rows (3, 1, 1) and the columns (3, 1) of a block, as large as any may be."""
         inner = np.arange(BLOCK)[:, None]
         return inner[:, None], inner
 
-    def unknowns(self, nodes: Indices) -> Indices:
+    def unknowns_of_nodes(self, nodes: Indices) -> Indices:
         """The rows [component, node] of nodes (k,), `size` for what they have not."""
-        component, _ = self._within()
+        component, _ = self._block_offsets()
         return np.where(self.sizes[nodes] > component[:, 0], self.offsets[nodes] + component[:, 0], self.size)
 
-    def upper(self, data: Floats) -> sparse.csc_array:
+    def upper_triangle(self, data: Floats) -> sparse.csc_array:
         """The upper triangle (s, s) whose entries are `data` (nnz,)."""
         return sparse.csc_array((data, self.rows, self.starts), shape=(self.size, self.size))
 
@@ -146,14 +146,14 @@ class QdldlFactor:
         try:
             self._solver = qdldl.Solver(self._upper, upper=True)
         except RuntimeError as error:
-            raise _singular(error) from error
+            raise _to_singular_error(error) from error
 
     def update(self, data: Floats) -> None:
         self._upper.data = data
         try:
             self._solver.update(self._upper, upper=True)
         except RuntimeError as error:
-            raise _singular(error) from error
+            raise _to_singular_error(error) from error
 
     def solve(self, b: Floats) -> Floats:
         return np.asarray(self._solver.solve(b))
@@ -169,13 +169,13 @@ class SuperLuFactor:
     """LDL' by SciPy's SuperLU: without pivoting off the diagonal, U = D L'. The order is that of the first matrix."""
 
     def __init__(self, upper: sparse.csc_array) -> None:
-        self._order = _minimum_degree(upper)
-        self._pick, self._permuted = _mirrored(upper, self._order)
+        self._order = _minimum_degree_order(upper)
+        self._pick, self._permuted = _mirror_and_permute(upper, self._order)
         self.update(upper.data)
 
     def update(self, data: Floats) -> None:
         self._permuted.data = data[self._pick]
-        self._lu = _superlu(self._permuted, "NATURAL")
+        self._lu = _factorise_superlu(self._permuted, "NATURAL")
 
     def solve(self, b: Floats) -> Floats:
         x = np.empty_like(b)
@@ -189,22 +189,22 @@ class SuperLuFactor:
         return LowerFactor(sparse.csc_array(self._lu.L), self._lu.U.diagonal(), self._order[again])
 
 
-def _superlu(full: sparse.csc_array, ordering: Literal["NATURAL", "MMD_AT_PLUS_A"]) -> sparse_linalg.SuperLU:
+def _factorise_superlu(full: sparse.csc_array, ordering: Literal["NATURAL", "MMD_AT_PLUS_A"]) -> sparse_linalg.SuperLU:
     try:
         return sparse_linalg.splu(full, permc_spec=ordering, diag_pivot_thresh=0.0, options=SUPERLU_OPTIONS)
     except RuntimeError as error:
-        raise _singular(error) from error
+        raise _to_singular_error(error) from error
 
 
-def _minimum_degree(upper: sparse.csc_array) -> Indices:
+def _minimum_degree_order(upper: sparse.csc_array) -> Indices:
     """An order (s,) of elimination with little fill, found on a matrix of the same pattern that cannot be singular."""
     pattern = sparse.csc_array((np.ones(upper.nnz), upper.indices, upper.indptr), shape=upper.shape)
     full = pattern + pattern.T
     dominant = full + sparse.diags_array(full.sum(axis=0), format="csc")
-    return np.argsort(_superlu(sparse.csc_array(dominant), "MMD_AT_PLUS_A").perm_c).astype(np.int64)
+    return np.argsort(_factorise_superlu(sparse.csc_array(dominant), "MMD_AT_PLUS_A").perm_c).astype(np.int64)
 
 
-def _mirrored(upper: sparse.csc_array, order: Indices) -> tuple[Indices, sparse.csc_array]:
+def _mirror_and_permute(upper: sparse.csc_array, order: Indices) -> tuple[Indices, sparse.csc_array]:
     """The whole matrix in the given order, and which entry of `upper` each of its entries is."""
     which = sparse.csc_array((np.arange(1, upper.nnz + 1), upper.indices, upper.indptr), shape=upper.shape)
     full = (which + sparse.triu(which, k=1).T).tocsc()[order][:, order].tocsc()
@@ -213,7 +213,7 @@ def _mirrored(upper: sparse.csc_array, order: Indices) -> tuple[Indices, sparse.
     return pick, sparse.csc_array((upper.data[pick], full.indices, full.indptr), shape=upper.shape)
 
 
-def _singular(error: RuntimeError) -> SingularSystemError:
+def _to_singular_error(error: RuntimeError) -> SingularSystemError:
     return SingularSystemError(f"the normal equations are singular: {error}")
 
 

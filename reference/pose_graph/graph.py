@@ -56,7 +56,7 @@ class Sightings:
     information: Floats
 
     @classmethod
-    def none(cls) -> Sightings:
+    def empty(cls) -> Sightings:
         """A graph of poses alone."""
         nobody = np.zeros(0, dtype=np.int64)
         return cls(0, nobody, nobody, np.zeros((0, POINT)), np.zeros((0, POINT, POINT)))
@@ -64,7 +64,7 @@ class Sightings:
     @classmethod
     def from_edges(cls, n_landmarks: int, edges: Iterable[Edge]) -> Sightings:
         """The sightings given one by one as (pose, landmark, p, omega)."""
-        return cls(n_landmarks, *_columns(edges, POINT))
+        return cls(n_landmarks, *_edge_columns(edges, POINT))
 
 
 @dataclass(frozen=True)
@@ -83,7 +83,7 @@ class PoseGraph:
     j: Indices
     z_i_j: Floats
     information: Floats
-    sightings: Sightings = field(default_factory=Sightings.none)
+    sightings: Sightings = field(default_factory=Sightings.empty)
     fixed: tuple[int, ...] = (0,)
     convention: Convention = "difference"
 
@@ -110,14 +110,14 @@ class PoseGraph:
         convention: Convention = "difference",
     ) -> PoseGraph:
         """The graph of edges given one by one as (i, j, z, omega)."""
-        seen = Sightings.none() if sightings is None else sightings
-        return cls(n_poses, *_columns(edges, BLOCK), seen, fixed, convention)
+        seen = Sightings.empty() if sightings is None else sightings
+        return cls(n_poses, *_edge_columns(edges, BLOCK), seen, fixed, convention)
 
     @property
     def n_landmarks(self) -> int:
         return self.sightings.n_landmarks
 
-    def keep(self, kept: NDArray[np.bool_]) -> PoseGraph:
+    def keep_edges(self, kept: NDArray[np.bool_]) -> PoseGraph:
         """The graph of the edges of a mask (m,), with all sightings. Raises a PoseGraphError when it falls apart."""
         _check_shape("kept", kept, self.i.shape)
         i, j, z_i_j, information = self.i[kept], self.j[kept], self.z_i_j[kept], self.information[kept]
@@ -130,12 +130,12 @@ class PoseGraph:
         return bool(np.all(np.linalg.eigvalsh(self.information)[:, 0] > POSITIVE * size))
 
     @property
-    def closures(self) -> NDArray[np.bool_]:
+    def is_closure_mask(self) -> NDArray[np.bool_]:
         """Which edges (m,) do not join one pose to the next: loop closures, by the usual numbering of poses."""
         return np.asarray(np.abs(self.j - self.i) != 1)
 
 
-def _columns(edges: Iterable[Edge], size: int) -> tuple[Indices, Indices, Floats, Floats]:
+def _edge_columns(edges: Iterable[Edge], size: int) -> tuple[Indices, Indices, Floats, Floats]:
     """Edges (a, b, z, omega) as arrays of components; `size` is that of z."""
     listed = list(edges)
     ends = np.array([(a, b) for a, b, _, _ in listed], dtype=np.int64).reshape(-1, 2)
@@ -197,12 +197,12 @@ def _check_finite(name: str, array: Floats) -> None:
 
 def _check_information(name: str, information: Floats) -> None:
     _check_finite(name, information)
-    fault = information_fault(information)
+    fault = find_information_fault(information)
     if fault is not None:
         raise InformationError(name, f"matrix {fault[0]} is not {fault[1]}")
 
 
-def information_fault(information: Floats) -> tuple[int, str] | None:
+def find_information_fault(information: Floats) -> tuple[int, str] | None:
     """The first matrix of (m, s, s) that is not symmetric, or not positive semidefinite; and which of the two.
 
     An eigenvalue that is negative by rounding alone is a zero.
@@ -233,7 +233,7 @@ def _check_connected(graph: PoseGraph) -> None:
         raise DisconnectedGraphError("edges", reason, (lost, graph.fixed[0]))
 
 
-def checked_poses(graph: PoseGraph, poses: ArrayLike) -> Floats:
+def copy_checked_poses(graph: PoseGraph, poses: ArrayLike) -> Floats:
     """A copy (n, 3) of the poses, angles in ]-pi, pi]. Raises ShapeError or NonFiniteError."""
     array = np.array(poses, dtype=np.float64)
     _check_shape("poses", array, (graph.n_poses, BLOCK))
@@ -242,7 +242,7 @@ def checked_poses(graph: PoseGraph, poses: ArrayLike) -> Floats:
     return array
 
 
-def checked_landmarks(graph: PoseGraph, landmarks: ArrayLike | None) -> Floats:
+def copy_checked_landmarks(graph: PoseGraph, landmarks: ArrayLike | None) -> Floats:
     """A copy (l, 2) of the landmarks, which a graph without any may leave out. Raises ShapeError or NonFiniteError."""
     array = np.zeros((0, POINT)) if landmarks is None else np.array(landmarks, dtype=np.float64)
     _check_shape("landmarks", array, (graph.n_landmarks, POINT))

@@ -15,7 +15,7 @@ from numpy.typing import ArrayLike
 
 from reference.pose_graph.errors import ParameterError, SingularSystemError
 from reference.pose_graph.factor import Factorisation, factorise, is_positive_definite
-from reference.pose_graph.graph import POINT, Floats, PoseGraph, checked_landmarks, checked_poses
+from reference.pose_graph.graph import POINT, Floats, PoseGraph, copy_checked_landmarks, copy_checked_poses
 from reference.pose_graph.normal_equations import LinearSystem, NormalEquations, Weights
 from reference.se2 import wrap_angle
 
@@ -88,7 +88,7 @@ class StopLimits:
         if not (self.step >= 0.0 and self.chi2 >= 0.0):
             raise ParameterError("tolerance", "is not a positive number")
 
-    def reached(self, step: Floats, system: LinearSystem, before: float, after: float) -> StopReason | None:
+    def reason_to_stop(self, step: Floats, system: LinearSystem, before: float, after: float) -> StopReason | None:
         """The reason to stop after a step that brought chi2 from `before`, where `system` was solved, to `after`.
 
         The decrease that the step promised is -b' step.
@@ -111,21 +111,21 @@ class OptimisationProblem:
         self.equations = NormalEquations(graph)
         self._factor: Factorisation | None = None
 
-    def at(self, state: Floats) -> LinearSystem:
+    def linearise_at(self, state: Floats) -> LinearSystem:
         return self.equations.assemble(state, self.weights)
 
     def cost(self, system: LinearSystem) -> float:
         """What the search reports: chi2, every edge in full."""
         return system.chi2
 
-    def step(self, system: LinearSystem, damping: float = 0.0) -> Floats:
+    def solve_step(self, system: LinearSystem, damping: float = 0.0) -> Floats:
         """The step (s,): (H + damping I) step = -b. Raises SingularSystemError."""
         data = system.data
         if damping:
             data = data.copy()
             data[self.equations.pattern.starts[1:] - 1] += damping
         if self._factor is None:
-            upper = self.equations.pattern.upper(data)
+            upper = self.equations.pattern.upper_triangle(data)
             self._factor = factorise(upper)
             if not self.is_surely_regular and not is_positive_definite(upper, self._factor.lower()):
                 raise SingularSystemError("the normal equations are singular: some unknown is free")
@@ -138,8 +138,8 @@ class OptimisationProblem:
         """Connected poses and full information make H positive definite; all else needs a look."""
         return not self.graph.n_landmarks and self.weights is None and self.graph.is_fully_informed
 
-    def solution(self, state: Floats, history: list[float], reason: StopReason, **more: object) -> Solution:
-        poses, landmarks = self.equations.nodes(state)
+    def make_solution(self, state: Floats, history: list[float], reason: StopReason, **more: object) -> Solution:
+        poses, landmarks = self.equations.split_state(state)
         poses[:, 2] = wrap_angle(poses[:, 2])
         size = self.equations.pattern.size
         gauge = Gauge(self.graph.fixed, size, size)
@@ -165,25 +165,25 @@ def gauss_newton(
     """
     limits = StopLimits(max_iterations, tolerance, chi2_tolerance)
     problem = OptimisationProblem(graph)
-    state = problem.equations.state(checked_poses(graph, poses), checked_landmarks(graph, landmarks))
-    return descend(problem, state, limits)
+    state = problem.equations.join_state(copy_checked_poses(graph, poses), copy_checked_landmarks(graph, landmarks))
+    return run_gauss_newton(problem, state, limits)
 
 
-def descend(problem: OptimisationProblem, state: Floats, limits: StopLimits) -> Solution:
+def run_gauss_newton(problem: OptimisationProblem, state: Floats, limits: StopLimits) -> Solution:
     """Steps of Gauss-Newton from a state, until a limit is reached."""
-    system = problem.at(state)
+    system = problem.linearise_at(state)
     history = [problem.cost(system)]
     if not problem.equations.pattern.size:
-        return problem.solution(state, history, StopReason.NOTHING_FREE)
+        return problem.make_solution(state, history, StopReason.NOTHING_FREE)
     for _ in range(limits.iterations):
-        before, step = system, problem.step(system)
-        state = problem.equations.moved(state, step)
-        system = problem.at(state)
+        before, step = system, problem.solve_step(system)
+        state = problem.equations.apply_step(state, step)
+        system = problem.linearise_at(state)
         history.append(problem.cost(system))
-        reason = limits.reached(step, before, *history[-2:])
+        reason = limits.reason_to_stop(step, before, *history[-2:])
         if reason is not None:
-            return problem.solution(state, history, reason)
-    return problem.solution(state, history, StopReason.ITERATIONS)
+            return problem.make_solution(state, history, reason)
+    return problem.make_solution(state, history, StopReason.ITERATIONS)
 
 
 def levenberg_marquardt(
@@ -206,20 +206,20 @@ def levenberg_marquardt(
     """
     limits = StopLimits(max_iterations, tolerance, chi2_tolerance)
     problem = OptimisationProblem(graph)
-    state = problem.equations.state(checked_poses(graph, poses), checked_landmarks(graph, landmarks))
-    system = problem.at(state)
+    state = problem.equations.join_state(copy_checked_poses(graph, poses), copy_checked_landmarks(graph, landmarks))
+    system = problem.linearise_at(state)
     history, dampings = [system.chi2], []
     if not problem.equations.pattern.size:
-        return problem.solution(state, history, StopReason.NOTHING_FREE)
+        return problem.make_solution(state, history, StopReason.NOTHING_FREE)
     damping, growth = first_damping * float(system.data[problem.equations.pattern.starts[1:] - 1].max()), 2.0
     reason = None
     while reason is None and len(history) <= max_iterations:
-        step = problem.step(system, damping)
-        there = problem.equations.moved(state, step)
-        trial = problem.at(there)
+        step = problem.solve_step(system, damping)
+        there = problem.equations.apply_step(state, step)
+        trial = problem.linearise_at(there)
         gain = (system.chi2 - trial.chi2) / float(step @ (damping * step - system.b))
         if gain > 0.0:
-            reason = limits.reached(step, system, system.chi2, trial.chi2)
+            reason = limits.reason_to_stop(step, system, system.chi2, trial.chi2)
             state, system = there, trial
             history.append(system.chi2)
             dampings.append(damping)
@@ -229,4 +229,4 @@ def levenberg_marquardt(
         else:
             damping, growth = damping * growth, 2.0 * growth
             reason = StopReason.NO_DECREASE if damping > MOST_DAMPING else None
-    return problem.solution(state, history, reason or StopReason.ITERATIONS, damping=tuple(dampings))
+    return problem.make_solution(state, history, reason or StopReason.ITERATIONS, damping=tuple(dampings))

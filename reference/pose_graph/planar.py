@@ -27,7 +27,7 @@ class PlanarMatrices(NamedTuple):
     w: Floats
 
     @classmethod
-    def of(cls, matrices: Floats) -> PlanarMatrices:
+    def from_matrices(cls, matrices: Floats) -> PlanarMatrices:
         """From symmetric matrices (m, 3, 3), or (m, 2, 2), which say nothing of the angle."""
         w00, w01, w11 = matrices[:, 0, 0], matrices[:, 0, 1], matrices[:, 1, 1]
         p, q = (w00 + w11) / 2.0, (w00 - w11) / 2.0 + 1j * w01
@@ -35,19 +35,19 @@ class PlanarMatrices(NamedTuple):
             return cls(p, q, np.zeros_like(q), np.zeros_like(p))
         return cls(p, q, matrices[:, 0, 2] + 1j * matrices[:, 1, 2], matrices[:, 2, 2].copy())
 
-    def turned(self, u: Complexes) -> PlanarMatrices:
+    def rotate(self, u: Complexes) -> PlanarMatrices:
         """P Q P' with P = diag(R(theta), 1), u = exp(i theta) (m,)."""
         return PlanarMatrices(self.p, self.q * (u * u), self.k * u, self.w)
 
-    def scaled(self, factors: Floats) -> PlanarMatrices:
+    def scale(self, factors: Floats) -> PlanarMatrices:
         """Each matrix times its factor (m,)."""
         return PlanarMatrices(self.p * factors, self.q * factors, self.k * factors, self.w * factors)
 
-    def applied(self, z: Complexes, phi: Floats) -> tuple[Complexes, Floats]:
+    def multiply(self, z: Complexes, phi: Floats) -> tuple[Complexes, Floats]:
         """The products (6) with vectors (z, phi), (m,) each."""
         return self.p * z + self.q * z.conj() + self.k * phi, (self.k.conj() * z).real + self.w * phi
 
-    def matrices(self) -> Floats:
+    def to_matrices(self) -> Floats:
         """The matrices (m, 3, 3)."""
         (qx, qy), (kx, ky) = ((part.real, part.imag) for part in (self.q, self.k))
         rows = [self.p + qx, qy, kx, qy, self.p - qx, ky, kx, ky, self.w]

@@ -77,8 +77,8 @@ def planar_information(graph: PoseGraph) -> PlanarMatrices:
 
     e2 = P' e1 with P = diag(R(theta_z), 1), by (2), so that e2' omega e2 = e1' (P omega P') e1
     """
-    omega = PlanarMatrices.of(graph.information)
-    return omega if graph.convention == "difference" else omega.turned(np.exp(1j * graph.z_i_j[:, 2]))
+    omega = PlanarMatrices.from_matrices(graph.information)
+    return omega if graph.convention == "difference" else omega.rotate(np.exp(1j * graph.z_i_j[:, 2]))
 
 
 def edge_residuals(graph: PoseGraph, poses: Floats) -> Floats:
@@ -90,7 +90,7 @@ def edge_residuals(graph: PoseGraph, poses: Floats) -> Floats:
 def edge_chi2(graph: PoseGraph, poses: Floats) -> Floats:
     """The share (m,) of each edge in chi2: e' omega e; not finite for poses so far away that it overflows."""
     with np.errstate(over="ignore", invalid="ignore"):
-        return _squares(edge_residuals(graph, poses), graph.information)
+        return _weighted_squares(edge_residuals(graph, poses), graph.information)
 
 
 def sighting_chi2(graph: PoseGraph, poses: Floats, landmarks: Floats) -> Floats:
@@ -98,7 +98,7 @@ def sighting_chi2(graph: PoseGraph, poses: Floats, landmarks: Floats) -> Floats:
     seen = graph.sightings
     with np.errstate(over="ignore", invalid="ignore"):
         e = landmark_residuals(poses[seen.i], landmarks[seen.landmark], seen.p_i_l)
-        return _squares(e, seen.information)
+        return _weighted_squares(e, seen.information)
 
 
 def chi2(graph: PoseGraph, poses: Floats, landmarks: Floats | None = None) -> float:
@@ -107,6 +107,6 @@ def chi2(graph: PoseGraph, poses: Floats, landmarks: Floats | None = None) -> fl
     return total if landmarks is None else total + float(sighting_chi2(graph, poses, landmarks).sum())
 
 
-def _squares(e: Floats, information: Floats) -> Floats:
+def _weighted_squares(e: Floats, information: Floats) -> Floats:
     weighted = np.matmul(information, e[:, :, None])[:, :, 0]
     return np.asarray((e * weighted).sum(axis=1))

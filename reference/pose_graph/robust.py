@@ -15,10 +15,10 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.special import gammaincinv
 
 from reference.pose_graph.errors import ParameterError, ShapeError
-from reference.pose_graph.graph import BLOCK, Floats, PoseGraph, checked_landmarks, checked_poses
+from reference.pose_graph.graph import BLOCK, Floats, PoseGraph, copy_checked_landmarks, copy_checked_poses
 from reference.pose_graph.kernels import Kernel
 from reference.pose_graph.normal_equations import LinearSystem
-from reference.pose_graph.optimise import OptimisationProblem, Solution, StopLimits, descend
+from reference.pose_graph.optimise import OptimisationProblem, Solution, StopLimits, run_gauss_newton
 
 Mask = NDArray[np.bool_]
 
@@ -43,7 +43,7 @@ class RobustSolution:
         return np.asarray(self.weights < 0.5)
 
 
-class _Reweighted(OptimisationProblem):
+class _ReweightedProblem(OptimisationProblem):
     """A problem whose suspects go through a kernel."""
 
     def __init__(self, graph: PoseGraph, kernel: Kernel, suspects: Mask) -> None:
@@ -70,10 +70,10 @@ def robust_gauss_newton(
 
     `suspects` (m,): the edges that may be false, the loop closures unless given. Errors are those of `gauss_newton`.
     """
-    problem = _Reweighted(graph, kernel, _checked_suspects(graph, suspects))
-    start = problem.equations.state(checked_poses(graph, poses), checked_landmarks(graph, landmarks))
-    solution = descend(problem, start, StopLimits(max_iterations, tolerance, chi2_tolerance))
-    return _judged(problem, solution)
+    problem = _ReweightedProblem(graph, kernel, _check_suspects(graph, suspects))
+    start = problem.equations.join_state(copy_checked_poses(graph, poses), copy_checked_landmarks(graph, landmarks))
+    solution = run_gauss_newton(problem, start, StopLimits(max_iterations, tolerance, chi2_tolerance))
+    return _to_robust_solution(problem, solution)
 
 
 def graduated_non_convexity(
@@ -94,30 +94,32 @@ def graduated_non_convexity(
     or throwing out true edges costs less than believing them. `poses` and the rest are those of `robust_gauss_newton`;
     SingularSystemError when the edges that remain leave a node free.
     """
-    doubted = _checked_suspects(graph, suspects)
+    doubted = _check_suspects(graph, suspects)
     # the 99 % quantile of the chi2 law with k degrees of freedom is 2 P^-1(k/2, 0.99), P of DLMF 8.2.4
     limit = 2.0 * float(gammaincinv(BLOCK / 2.0, 0.99)) if bound is None else bound
     if not 0.0 < limit < np.inf:
         raise ParameterError("bound", f"{limit} is not a positive number")
     weights = np.ones(len(graph.i))
     problem = OptimisationProblem(graph, lambda _: weights)
-    state = problem.equations.state(checked_poses(graph, poses), checked_landmarks(graph, landmarks))
-    found = descend(problem, state, INNER)
+    state = problem.equations.join_state(copy_checked_poses(graph, poses), copy_checked_landmarks(graph, landmarks))
+    found = run_gauss_newton(problem, state, INNER)
     mu = 0.0
     for _ in range(max_rounds):
-        state = problem.equations.state(found.poses, found.landmarks)
-        u = problem.at(state).edge_chi2
+        state = problem.equations.join_state(found.poses, found.landmarks)
+        u = problem.linearise_at(state).edge_chi2
         largest = float(u[doubted].max(initial=0.0))
         if mu == 0.0:
             if 2.0 * largest <= limit:
                 break
             mu = limit / (2.0 * largest - limit)
         weights = np.where(doubted, _truncated_weights(u, mu, limit), 1.0)
-        found = descend(problem, state, INNER)
+        found = run_gauss_newton(problem, state, INNER)
         if np.all((weights == 1.0) | (weights == 0.0)):
             break
         mu *= GROWTH
-    last = descend(problem, problem.equations.state(found.poses, found.landmarks), StopLimits(50, 1e-9, 0.0))
+    last = run_gauss_newton(
+        problem, problem.equations.join_state(found.poses, found.landmarks), StopLimits(50, 1e-9, 0.0)
+    )
     return RobustSolution(replace(last, weights=weights), weights)
 
 
@@ -127,15 +129,15 @@ def _truncated_weights(u: Floats, mu: float, bound: float) -> Floats:
     return np.where(u <= mu / (mu + 1.0) * bound, 1.0, np.where(u >= (mu + 1.0) / mu * bound, 0.0, between))
 
 
-def _checked_suspects(graph: PoseGraph, suspects: Mask | None) -> Mask:
-    mask = graph.closures if suspects is None else np.asarray(suspects, dtype=np.bool_)
+def _check_suspects(graph: PoseGraph, suspects: Mask | None) -> Mask:
+    mask = graph.is_closure_mask if suspects is None else np.asarray(suspects, dtype=np.bool_)
     if mask.shape != graph.i.shape:
         raise ShapeError("suspects", f"have shape {mask.shape}, not {graph.i.shape}")
     return mask
 
 
-def _judged(problem: _Reweighted, solution: Solution) -> RobustSolution:
-    system = problem.at(problem.equations.state(solution.poses, solution.landmarks))
+def _to_robust_solution(problem: _ReweightedProblem, solution: Solution) -> RobustSolution:
+    system = problem.linearise_at(problem.equations.join_state(solution.poses, solution.landmarks))
     weights = np.where(problem.suspects, problem.kernel.weight(system.edge_chi2), 1.0)
     return RobustSolution(replace(solution, weights=weights), weights)
 

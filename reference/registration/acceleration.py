@@ -45,6 +45,6 @@ class AndersonExtrapolation:
         gram.flat[:: len(gram) + 1] += RIDGE * gram.trace() + TINY
         return np.asarray(T_to - np.linalg.solve(gram, changes @ steps[-1]) @ (ends[1:] - ends[:-1]))
 
-    def forget(self) -> None:
+    def forget_older_poses(self) -> None:
         """Start again from the last step: the poses before it led astray."""
         self._ends, self._steps = self._ends[-1:], self._steps[-1:]

@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from reference.registration.icp import IcpError
-from reference.registration.normals import plane_cloud
+from reference.registration.normals import check_plane_cloud
 from reference.se2 import Pose, wrap_angle
 
 Floats = NDArray[np.float64]
@@ -92,7 +92,7 @@ def correlate(P: ArrayLike, Q: ArrayLike, T_q_p: ArrayLike, window: SearchWindow
 
     Raises IcpError or InvalidCloudError.
     """
-    p, q, guess = plane_cloud("P", P), plane_cloud("Q", Q), np.asarray(T_q_p, dtype=np.float64)
+    p, q, guess = check_plane_cloud("P", P), check_plane_cloud("Q", Q), np.asarray(T_q_p, dtype=np.float64)
     if guess.shape != (3,) or not np.all(np.isfinite(guess)):
         raise IcpError("T_q_p", f"of shape {guess.shape} is not a finite pose (x, y, theta)")
     far = max(float(np.linalg.norm(p, axis=1).max()), window.resolution)
@@ -101,7 +101,7 @@ def correlate(P: ArrayLike, Q: ArrayLike, T_q_p: ArrayLike, window: SearchWindow
     shift = int(np.ceil(window.reach / window.resolution))
     height = int(np.floor(np.log2(2 * shift + 1)))
     lattice = build_lattice(p, q, guess, turns, window, height)
-    (turn, dy, dx), score, evaluations = _search(lattice, len(turns), shift, height)
+    (turn, dy, dx), score, evaluations = _search_best_node(lattice, len(turns), shift, height)
     moved = guess + np.array([dx * window.resolution, dy * window.resolution, turns[turn]])
     return CorrelationMatch(np.array([*moved[:2], wrap_angle(float(moved[2]))]), score, evaluations)
 
@@ -121,17 +121,17 @@ def build_lattice(
     margin = np.array([3 * side + RADIUS + 1, side + RADIUS + 1])
     low, high = marked.min(axis=0) - margin, marked.max(axis=0) + margin
     width, rows = (high - low + 1).tolist()
-    field = _field(marked - low, (rows, width))
+    field = _proximity_field(marked - low, (rows, width))
     bounds = [field]
     for h in range(height):
-        bounds.append(_pooled(bounds[-1], 2**h))
+        bounds.append(_max_pyramid(bounds[-1], 2**h))
     x, y = np.moveaxis(cells - low, -1, 0)
     places = np.clip(y, -2 * side, rows + side) * width + np.clip(x, side, width - side)
     costs = COST * (turns / window.turn_sigma) ** 2
     return ScoreLattice(places, width, tuple(bounds), costs, COST * (resolution / window.sigma) ** 2)
 
 
-def _field(marked: Indices, shape: tuple[int, int]) -> Floats:
+def _proximity_field(marked: Indices, shape: tuple[int, int]) -> Floats:
     """exp(-d^2 / 2) (rows, width), d the distance in cells to the nearest of `marked` (m, 2) = (x, y); 0 from 3 on."""
     field = np.zeros(shape)
     places = np.unique(marked[:, 1] * shape[1] + marked[:, 0])
@@ -141,14 +141,16 @@ def _field(marked: Indices, shape: tuple[int, int]) -> Floats:
     return field
 
 
-def _pooled(field: Floats, side: int) -> Floats:
+def _max_pyramid(field: Floats, side: int) -> Floats:
     """From the largest value over squares of `side` cells on, that over squares twice as large."""
     padded = np.pad(field, ((0, side), (0, side)))
     tall = np.maximum(padded[:-side], padded[side:])
     return np.maximum(tall[:, :-side], tall[:, side:])
 
 
-def _search(lattice: ScoreLattice, turns: int, shift: int, height: int) -> tuple[tuple[int, int, int], float, int]:
+def _search_best_node(
+    lattice: ScoreLattice, turns: int, shift: int, height: int
+) -> tuple[tuple[int, int, int], float, int]:
     """The best (turn, dy, dx) with |dy|, |dx| <= shift, from squares of 2^height cells down to single ones."""
     roots = np.arange(-shift, shift + 1, 2**height)
     nodes = np.stack(np.meshgrid(np.arange(turns), roots, roots, indexing="ij"), axis=-1).reshape(-1, 3)
@@ -156,29 +158,29 @@ def _search(lattice: ScoreLattice, turns: int, shift: int, height: int) -> tuple
     best, best_score = nodes[0], -np.inf
     for h in range(height - 1, -2, -1):
         if h >= 0:
-            leaf, score = _dive(lattice, nodes[int(np.argmax(bounds))], h, shift)
+            leaf, score = _descend_greedily(lattice, nodes[int(np.argmax(bounds))], h, shift)
         else:
             leaf, score = nodes[int(np.argmax(bounds))], float(bounds.max())
         if score > best_score:
             best, best_score = leaf, score
-        nodes = _branches(nodes[bounds > best_score], h, shift)
+        nodes = _split_nodes(nodes[bounds > best_score], h, shift)
         if h < 0 or not len(nodes):
             break
         bounds, evaluations = lattice.scores(h, nodes), evaluations + len(nodes)
     return (int(best[0]), int(best[1]), int(best[2])), best_score, evaluations
 
 
-def _dive(lattice: ScoreLattice, node: Indices, height: int, shift: int) -> tuple[Indices, float]:
+def _descend_greedily(lattice: ScoreLattice, node: Indices, height: int, shift: int) -> tuple[Indices, float]:
     """A leaf below a node, by the best branch each time, and its score: a score that others must beat."""
     score = 0.0
     for h in range(height, -1, -1):
-        branches = _branches(node[None], h, shift)
+        branches = _split_nodes(node[None], h, shift)
         scores = lattice.scores(h, branches)
         node, score = branches[int(np.argmax(scores))], float(scores.max())
     return node, score
 
 
-def _branches(nodes: Indices, height: int, shift: int) -> Indices:
+def _split_nodes(nodes: Indices, height: int, shift: int) -> Indices:
     """The quarters (k, 3) of nodes, of 2^height cells a side, that start within the window."""
     if height < 0:
         return nodes[:0]

@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from reference.registration.nearest import Complexes, as_rows, squared
+from reference.registration.nearest import Complexes, squared_moduli, to_coordinate_rows
 from reference.registration.observability import line_jacobians
 from reference.registration.rigid import ROUNDING
 from reference.se2 import Pose, wrap_angle
@@ -36,7 +36,7 @@ class WeightedPoints(NamedTuple):
     size: float
 
     @classmethod
-    def of(cls, points: Complexes, weights: Floats | None = None) -> WeightedPoints:
+    def from_points(cls, points: Complexes, weights: Floats | None = None) -> WeightedPoints:
         """Points (n,) and their weights (n,); 1 each, unless given."""
         if weights is None:
             mean = complex(np.add.reduce(points)) / len(points)
@@ -72,9 +72,13 @@ def step_towards_lines(
     total = weights.sum()
     centre = complex(weights @ moved) / total
     # Where all that counts is one point no turn is seen; what does not count must not be divided by that nothing.
-    apart = squared(moved - centre)
+    apart = squared_moduli(moved - centre)
     spread = max(float(weights @ apart / total) ** 0.5, ROUNDING * float(apart.max()) ** 0.5, TINY)
-    J = line_jacobians(as_rows(moved), as_rows(normals), np.array([centre.real, centre.imag])) / [1.0, 1.0, spread]
+    J = line_jacobians(to_coordinate_rows(moved), to_coordinate_rows(normals), np.array([centre.real, centre.imag])) / [
+        1.0,
+        1.0,
+        spread,
+    ]
     gaps = (np.conj(normals) * (moved - q)).real
     weighted = J * weights[:, None]
     strengths, directions = np.linalg.eigh(weighted.T @ J)

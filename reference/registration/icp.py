@@ -29,7 +29,7 @@ from reference.registration.acceleration import AndersonExtrapolation
 from reference.registration.fits import UNSEEN, WeightedPoints, fit_weighted_pairs, step_towards_lines, transform_points
 from reference.registration.kernels import Kernel, LeastSquares
 from reference.registration.nearest import Complexes, NearestPoints
-from reference.registration.normals import plane_cloud
+from reference.registration.normals import check_plane_cloud
 from reference.registration.rigid import InvalidCloudError
 from reference.se2 import Pose, rotation, wrap_angle
 
@@ -59,7 +59,7 @@ class PairingRule:
             raise IcpError("keep", f"{self.keep} is not a share in ]0, 1]")
 
     @cached_property
-    def plain(self) -> bool:
+    def is_plain(self) -> bool:
         return isinstance(self.kernel, LeastSquares) and self.max_distance == np.inf and self.keep == 1.0
 
     def cost_and_weights(self, gaps: Floats, distances: Floats) -> tuple[float, Floats | None]:
@@ -67,7 +67,7 @@ class PairingRule:
 
         `distances` (n,): theirs, by which they are rejected; the same as their gaps, but for lines.
         """
-        if self.plain:
+        if self.is_plain:
             return float(gaps @ gaps), None
         far = distances > self.max_distance
         costs = self.kernel.cost(np.where(far, self.max_distance, gaps))
@@ -135,17 +135,19 @@ def icp(
     jumps there when that is lower: as good an end, in fewer iterations when they creep. Raises IcpError or
     InvalidCloudError, also when every point of P is the same one, or no pair is near enough to count.
     """
-    p, q = _distinct("P", P), _plane("Q", Q)
-    alike = WeightedPoints.of(p)
+    p, q = _check_distinct_points("P", P), _to_complex_points("Q", Q)
+    alike = WeightedPoints.from_points(p)
 
     def fit(T: Pose, moved: Complexes, pairs: Indices, weights: Floats | None) -> Pose:
-        return fit_weighted_pairs(alike if weights is None else WeightedPoints.of(p, weights), q[pairs], weights, T)
+        return fit_weighted_pairs(
+            alike if weights is None else WeightedPoints.from_points(p, weights), q[pairs], weights, T
+        )
 
     def gaps(moved: Complexes, distances: Floats, pairs: Indices) -> Floats:
         return distances
 
-    search = _Search(p, NearestPoints(q), fit, gaps, pairing or PairingRule(), max_iterations, tolerance)
-    return search.run(_pose(T_q_p), AndersonExtrapolation(float(np.std(p))) if accelerated else None)
+    search = _IcpSearch(p, NearestPoints(q), fit, gaps, pairing or PairingRule(), max_iterations, tolerance)
+    return search.run(_check_pose(T_q_p), AndersonExtrapolation(float(np.std(p))) if accelerated else None)
 
 
 def icp_to_lines(
@@ -164,7 +166,7 @@ def icp_to_lines(
     Along a motion that no line sees, nothing moves; nor, with a larger `unseen`, along one whose strength, as
     `Observability`'s, is that or less. Raises IcpError or InvalidCloudError.
     """
-    p, q, n = _distinct("P", P), _plane("Q", Q), _plane("normals", normals)
+    p, q, n = _check_distinct_points("P", P), _to_complex_points("Q", Q), _to_complex_points("normals", normals)
     if n.shape != q.shape:
         raise InvalidCloudError("normals", f"{len(n)} of them for {len(q)} points")
     if not np.any(n):
@@ -176,11 +178,11 @@ def icp_to_lines(
     def gaps(moved: Complexes, distances: Floats, pairs: Indices) -> Floats:
         return np.abs((np.conj(n[pairs]) * (moved - q[pairs])).real)
 
-    search = _Search(p, NearestPoints(q), fit, gaps, pairing or PairingRule(), max_iterations, tolerance)
-    return search.run(_pose(T_q_p))
+    search = _IcpSearch(p, NearestPoints(q), fit, gaps, pairing or PairingRule(), max_iterations, tolerance)
+    return search.run(_check_pose(T_q_p))
 
 
-class _State(NamedTuple):
+class _PairedState(NamedTuple):
     """All points paired at a pose: where they are, their pairs, gaps and weights, and what it all costs."""
 
     T_q_p: Pose
@@ -191,7 +193,7 @@ class _State(NamedTuple):
     weights: Floats | None
 
 
-def _counting(state: _State) -> _State:
+def _require_counting_pairs(state: _PairedState) -> _PairedState:
     """The state, in which some pair counts; or IcpError."""
     if state.weights is not None and not state.weights.any():
         raise IcpError("pairing", "no pair is near enough to count")
@@ -199,7 +201,7 @@ def _counting(state: _State) -> _State:
 
 
 @dataclass(frozen=True)
-class _Search:
+class _IcpSearch:
     """Pairing and fitting in turn; `gaps_of` tells the gaps whose squares `fit` minimises."""
 
     p: Complexes
@@ -211,49 +213,53 @@ class _Search:
     tolerance: float
 
     def run(self, T_q_p: Pose, extrapolate: AndersonExtrapolation | None = None) -> IcpResult:
-        state, converged = _counting(self._pair(T_q_p)), False
+        state, converged = _require_counting_pairs(self._pair_at(T_q_p)), False
         errors = [state.cost]
         while not converged and len(errors) <= self.max_iterations:
             T = self.fit(state.T_q_p, state.moved, state.pairs, state.weights)
-            converged = self._is_still(state.T_q_p, T)
-            state = _counting(self._jump(state, T, extrapolate) if extrapolate and not converged else self._pair(T))
+            converged = self._has_converged(state.T_q_p, T)
+            state = _require_counting_pairs(
+                self._try_extrapolation(state, T, extrapolate) if extrapolate and not converged else self._pair_at(T)
+            )
             errors.append(state.cost)
         weights = np.ones(len(self.p)) if state.weights is None else state.weights
         return IcpResult(state.T_q_p, np.array(errors), state.pairs, state.gaps, weights, converged)
 
-    def _jump(self, state: _State, T_fitted: Pose, extrapolate: AndersonExtrapolation) -> _State:
+    def _try_extrapolation(
+        self, state: _PairedState, T_fitted: Pose, extrapolate: AndersonExtrapolation
+    ) -> _PairedState:
         """Where the sequence is heading, if that is lower than where it is; its next pose otherwise."""
         T = extrapolate(state.T_q_p, T_fitted)
-        ahead = self._pair(T)
+        ahead = self._pair_at(T)
         if ahead.cost <= state.cost:
             return ahead
-        extrapolate.forget()
-        return self._pair(T_fitted)
+        extrapolate.forget_older_poses()
+        return self._pair_at(T_fitted)
 
-    def _pair(self, T: Pose) -> _State:
+    def _pair_at(self, T: Pose) -> _PairedState:
         moved = transform_points(T, self.p)
         distances, pairs = self.nearest.find(moved)
         gaps = self.gaps_of(moved, distances, pairs)
         cost, weights = self.pairing.cost_and_weights(gaps, distances)
-        return _State(T, moved, pairs, gaps, cost, weights)
+        return _PairedState(T, moved, pairs, gaps, cost, weights)
 
-    def _is_still(self, T: Pose, T_next: Pose) -> bool:
+    def _has_converged(self, T: Pose, T_next: Pose) -> bool:
         dx, dy, turn = (T_next - T).tolist()
         return bool(max(abs(dx), abs(dy), abs(wrap_angle(turn))) <= self.tolerance)
 
 
-def _plane(name: str, points: ArrayLike) -> Complexes:
-    return plane_cloud(name, points).view(np.complex128)[:, 0]
+def _to_complex_points(name: str, points: ArrayLike) -> Complexes:
+    return check_plane_cloud(name, points).view(np.complex128)[:, 0]
 
 
-def _distinct(name: str, points: ArrayLike) -> Complexes:
-    cloud = _plane(name, points)
+def _check_distinct_points(name: str, points: ArrayLike) -> Complexes:
+    cloud = _to_complex_points(name, points)
     if np.all(cloud == cloud[0]):
         raise InvalidCloudError(name, "has no two distinct points: its heading cannot be told")
     return cloud
 
 
-def _pose(guess: ArrayLike) -> Pose:
+def _check_pose(guess: ArrayLike) -> Pose:
     T = np.array(guess, dtype=np.float64)
     if T.shape != (3,) or not np.all(np.isfinite(T)):
         raise IcpError("T_q_p", f"of shape {T.shape} is not a finite pose (x, y, theta)")

@@ -44,7 +44,7 @@ class LeastSquares:
 
 
 @dataclass(frozen=True)
-class _Scaled:
+class _ScaledKernel:
     """A kernel with a length, beyond which a gap is suspect."""
 
     scale: float
@@ -55,7 +55,7 @@ class _Scaled:
 
 
 @dataclass(frozen=True)
-class Huber(_Scaled):
+class Huber(_ScaledKernel):
     """rho = d^2 up to the scale s, 2 s d - s^2 beyond: a far point pulls with a constant force."""
 
     def cost(self, gaps: Floats) -> Floats:
@@ -66,7 +66,7 @@ class Huber(_Scaled):
 
 
 @dataclass(frozen=True)
-class Cauchy(_Scaled):
+class Cauchy(_ScaledKernel):
     """rho = s^2 log(1 + (d/s)^2): the farther, the weaker the pull."""
 
     def cost(self, gaps: Floats) -> Floats:
@@ -77,14 +77,14 @@ class Cauchy(_Scaled):
 
 
 @dataclass(frozen=True)
-class Tukey(_Scaled):
+class Tukey(_ScaledKernel):
     """rho = s^2/3 (1 - (1 - (d/s)^2)^3) up to the scale s, s^2/3 beyond: a far point does not pull at all."""
 
     def cost(self, gaps: Floats) -> Floats:
-        return np.asarray(self.scale**2 / 3.0 * (1.0 - self._inside(gaps) ** 3))
+        return np.asarray(self.scale**2 / 3.0 * (1.0 - self._remaining_share(gaps) ** 3))
 
     def weight(self, gaps: Floats) -> Floats:
-        return self._inside(gaps) ** 2
+        return self._remaining_share(gaps) ** 2
 
-    def _inside(self, gaps: Floats) -> Floats:
+    def _remaining_share(self, gaps: Floats) -> Floats:
         return np.asarray(1.0 - np.minimum(gaps / self.scale, 1.0) ** 2)

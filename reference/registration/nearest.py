@@ -23,7 +23,7 @@ class NearestPoints:
     """The one of `targets` (m,) nearest to each of n points that are shown again and again as they move: x + i y."""
 
     def __init__(self, targets: Complexes) -> None:
-        self._tree = cKDTree(as_rows(targets), balanced_tree=False)
+        self._tree = cKDTree(to_coordinate_rows(targets), balanced_tree=False)
         self._targets = np.append(targets, np.inf)  # the row m stands where there are fewer than K
         self._asked_at: Complexes | None = None
         self.searches = 0
@@ -31,7 +31,7 @@ class NearestPoints:
     def find(self, points: Complexes) -> tuple[Floats, Indices]:
         """Distances (n,) to the nearest targets, and their rows (n,), for points (n,), the same n each time."""
         if self._asked_at is None:
-            return self._begin(points)
+            return self._search_first(points)
         gaps = np.abs(self._around - points[:, None])
         nearest = gaps.argmin(axis=1)
         nearest += self._first
@@ -39,33 +39,33 @@ class NearestPoints:
         doubtful = np.flatnonzero(distances > self._beyond - np.abs(points - self._asked_at))
         if doubtful.size:
             asked = points[doubtful]
-            found, rows = self._search(asked)
+            found, rows = self._search_targets(asked)
             self._asked_at[doubtful], self._rows[doubtful] = asked, rows
             self._around[doubtful] = self._targets[rows]
             self._beyond[doubtful] = SLACK * found[:, -1]
             distances[doubtful], pairs[doubtful] = found[:, 0], rows[:, 0]
         return distances, pairs
 
-    def _begin(self, points: Complexes) -> tuple[Floats, Indices]:
+    def _search_first(self, points: Complexes) -> tuple[Floats, Indices]:
         """The first search, of all points; `_beyond` (n,): how far every target that is not among the K is at least."""
-        found, self._rows = self._search(points)
+        found, self._rows = self._search_targets(points)
         self._asked_at, self._around = points.copy(), self._targets[self._rows]
         self._beyond = SLACK * found[:, -1]
         self._first = np.arange(len(points)) * KEPT
         return found[:, 0].copy(), self._rows[:, 0].copy()
 
-    def _search(self, points: Complexes) -> tuple[Floats, Indices]:
+    def _search_targets(self, points: Complexes) -> tuple[Floats, Indices]:
         """Distances (n, K) to the nearest targets, nearest first, and their rows (n, K); infinity and m for none."""
         self.searches += len(points)
-        distances, rows = self._tree.query(as_rows(points), k=KEPT)
+        distances, rows = self._tree.query(to_coordinate_rows(points), k=KEPT)
         return np.asarray(distances), np.asarray(rows, dtype=np.int64)
 
 
-def as_rows(points: Complexes) -> Floats:
+def to_coordinate_rows(points: Complexes) -> Floats:
     """Points x + i y (n,) as rows (x, y), (n, 2)."""
     return np.ascontiguousarray(points).view(np.float64).reshape(-1, 2)
 
 
-def squared(gaps: Complexes) -> Floats:
+def squared_moduli(gaps: Complexes) -> Floats:
     """|z|^2, elementwise."""
     return np.asarray(gaps.real**2 + gaps.imag**2)

@@ -33,7 +33,7 @@ def normals_by_neighbours(
     points, there is no line: far neighbours may be of two walls. Signs are arbitrary. Raises InvalidCloudError for
     fewer than 3 points or neighbours.
     """
-    cloud = plane_cloud("points", points)
+    cloud = check_plane_cloud("points", points)
     if min(neighbours, len(cloud)) < 3:
         raise InvalidCloudError("points" if neighbours >= 3 else "neighbours", "a line is drawn through 3 or more")
     _, near = cKDTree(cloud).query(cloud, k=min(neighbours, len(cloud)))
@@ -54,7 +54,7 @@ def normals_by_beams(points: ArrayLike, max_gap: float) -> Floats:
     Across the chord from the beam before to the beam after; a neighbour farther than `max_gap` belongs to another
     surface and is replaced by the point itself. The first beam follows the last one.
     """
-    cloud = plane_cloud("points", points)
+    cloud = check_plane_cloud("points", points)
     if not max_gap > 0.0:
         raise InvalidCloudError("max_gap", f"{max_gap} is not a positive length")
     before, after = np.roll(cloud, 1, axis=0), np.roll(cloud, -1, axis=0)
@@ -68,7 +68,7 @@ def normals_by_beams(points: ArrayLike, max_gap: float) -> Floats:
     return np.asarray(across * facing[:, None])
 
 
-def plane_cloud(name: str, points: ArrayLike) -> Floats:
+def check_plane_cloud(name: str, points: ArrayLike) -> Floats:
     """A cloud (n, 2), n >= 1, of finite coordinates; InvalidCloudError otherwise."""
     cloud = np.ascontiguousarray(points, dtype=np.float64)
     if cloud.ndim != 2 or cloud.shape[0] == 0 or cloud.shape[1] != 2:

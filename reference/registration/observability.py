@@ -38,7 +38,7 @@ class Observability:
     directions: Floats
 
     @property
-    def degenerate(self) -> bool:
+    def is_degenerate(self) -> bool:
         """Is there a motion that the lines do not see, or hardly?"""
         return bool(self.strengths[0] < DEGENERATE)
 

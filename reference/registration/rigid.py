@@ -50,7 +50,7 @@ def kabsch(P: ArrayLike, Q: ArrayLike) -> RigidAlignment:
 
     Raises InvalidCloudError for an empty cloud, shapes that differ or a coordinate that is not finite.
     """
-    p, q = _clouds(P, Q)
+    p, q = _check_clouds(P, Q)
     p_mean, q_mean = p.mean(axis=0), q.mean(axis=0)
     p_centred, q_centred = p - p_mean, q - q_mean
     U, singular_values, Vt = np.linalg.svd(p_centred.T @ q_centred)
@@ -69,7 +69,7 @@ def squared_residual(R_q_p: ArrayLike, t_q_p: ArrayLike, P: ArrayLike, Q: ArrayL
     return float(np.sum(gaps * gaps))
 
 
-def _clouds(P: ArrayLike, Q: ArrayLike) -> tuple[Floats, Floats]:
+def _check_clouds(P: ArrayLike, Q: ArrayLike) -> tuple[Floats, Floats]:
     p, q = np.asarray(P, dtype=np.float64), np.asarray(Q, dtype=np.float64)
     for name, cloud in (("P", p), ("Q", q)):
         if cloud.ndim != 2 or 0 in cloud.shape:

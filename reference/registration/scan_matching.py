@@ -25,7 +25,7 @@ from scipy.spatial import cKDTree
 from reference.registration.correlation import SearchWindow, correlate
 from reference.registration.icp import IcpError, IcpResult, PairingRule, icp_to_lines
 from reference.registration.kernels import Cauchy
-from reference.registration.normals import normals_by_neighbours, plane_cloud
+from reference.registration.normals import check_plane_cloud, normals_by_neighbours
 from reference.registration.observability import DEGENERATE, Observability, line_jacobians, observability
 from reference.se2 import Pose, rotation, transform
 from reference.world.scan import Scan
@@ -70,7 +70,7 @@ class LineCloud:
     normals: Floats
 
     @classmethod
-    def of_scan(cls, scan: Scan, T_robot_laser: ArrayLike = (0.0, 0.0, 0.0)) -> LineCloud:
+    def from_scan(cls, scan: Scan, T_robot_laser: ArrayLike = (0.0, 0.0, 0.0)) -> LineCloud:
         """The points that a scan shows, in the frame of the robot."""
         points = transform(T_robot_laser, scan.points())
         if len(points) < MIN_POINTS:
@@ -78,21 +78,21 @@ class LineCloud:
         return cls(points, normals_by_neighbours(points, max_thickness=THICKNESS))
 
     @classmethod
-    def joined(cls, clouds: Sequence[LineCloud]) -> LineCloud:
+    def join(cls, clouds: Sequence[LineCloud]) -> LineCloud:
         """All the points of several clouds of one frame."""
         return cls(np.concatenate([c.points for c in clouds]), np.concatenate([c.normals for c in clouds]))
 
     def __len__(self) -> int:
         return len(self.points)
 
-    def seen_from(self, T_a_b: Pose) -> LineCloud:
+    def transform(self, T_a_b: Pose) -> LineCloud:
         """The cloud of frame b, in frame a."""
         R = rotation(float(T_a_b[2]))
         return LineCloud(self.points @ R.T + T_a_b[:2], self.normals @ R.T)
 
-    def thinned(self, cell: float) -> LineCloud:
+    def thin(self, cell: float) -> LineCloud:
         """One point of each square of `cell` metres."""
-        _, first = np.unique(_squares(self.points, cell), return_index=True)
+        _, first = np.unique(_square_numbers(self.points, cell), return_index=True)
         return LineCloud(self.points[first], self.normals[first])
 
 
@@ -108,13 +108,13 @@ class ScanMatch:
     T_a_b: Pose
     information: Floats
     overlap: float
-    held: Observability
+    observability: Observability
     icp: IcpResult
 
     @property
-    def degenerate(self) -> bool:
+    def is_degenerate(self) -> bool:
         """Is there a motion that the walls do not see?"""
-        return self.held.degenerate
+        return self.observability.is_degenerate
 
 
 def match_scans(
@@ -124,14 +124,14 @@ def match_scans(
 
     Raises IcpError for a scan of fewer than 10 points, or when nothing of b comes near a.
     """
-    rule, clouds = matching or MatchingSettings(), (LineCloud.of_scan(a), LineCloud.of_scan(b))
+    rule, clouds = matching or MatchingSettings(), (LineCloud.from_scan(a), LineCloud.from_scan(b))
     for name, cloud in zip("ab", clouds, strict=True):
         if len(cloud) < MIN_POINTS:
             raise IcpError(name, f"shows {len(cloud)} points, fewer than {MIN_POINTS}")
     match = match_clouds(*clouds, T_a_b, matching=rule, window=window)
     moved = transform(match.T_a_b, clouds[1].points)
     back = float(np.mean(cKDTree(moved).query(clouds[0].points)[0] <= rule.near))
-    return ScanMatch(match.T_a_b, match.information, min(match.overlap, back), match.held, match.icp)
+    return ScanMatch(match.T_a_b, match.information, min(match.overlap, back), match.observability, match.icp)
 
 
 def match_clouds(
@@ -148,7 +148,7 @@ def match_clouds(
     """
     rule, guess = matching or MatchingSettings(), np.asarray(T_a_b, dtype=np.float64)
     if window:
-        close = b.points[np.linalg.norm(plane_cloud("b", b.points), axis=1) <= rule.reach]
+        close = b.points[np.linalg.norm(check_plane_cloud("b", b.points), axis=1) <= rule.reach]
         guess = correlate(close, a.points, guess, window).T_q_p
     pairing = PairingRule(Cauchy(rule.scale), rule.max_distance)
     # A few points of a door frame would let a corridor slide by metres: along what is hardly seen, the guess stays.
@@ -156,11 +156,13 @@ def match_clouds(
     moved, normals = transform(found.T_q_p, b.points), a.normals[found.pairs]
     overlap = float(np.mean(np.linalg.norm(moved - a.points[found.pairs], axis=1) <= rule.near))
     held = observability(moved, found.t_q_p, normals, found.weights)
-    information = _information(moved, found.t_q_p, normals, found.weights, rule)
+    information = _match_information(moved, found.t_q_p, normals, found.weights, rule)
     return ScanMatch(found.T_q_p, information, overlap, held, found)
 
 
-def _information(moved: Floats, t_a_b: Floats, normals: Floats, weights: Floats, rule: MatchingSettings) -> Floats:
+def _match_information(
+    moved: Floats, t_a_b: Floats, normals: Floats, weights: Floats, rule: MatchingSettings
+) -> Floats:
     """The sum (3, 3) over the pieces of wall of the mean of w J'J / sigma^2 of the points on each, w their weights.
 
     What is weak is left out, lengths and angles being compared by the spread of the points about the robot.
@@ -169,7 +171,7 @@ def _information(moved: Floats, t_a_b: Floats, normals: Floats, weights: Floats,
     J, w = line_jacobians(moved[counting], normals[counting], t_a_b), weights[counting]
     if not len(J):
         return np.zeros((3, 3))
-    _, piece, count = np.unique(_squares(moved[counting], rule.patch), return_inverse=True, return_counts=True)
+    _, piece, count = np.unique(_square_numbers(moved[counting], rule.patch), return_inverse=True, return_counts=True)
     arms = np.hypot(*(moved[counting] - t_a_b).T)
     units = np.array([1.0, 1.0, max(float(np.sqrt(np.mean(arms**2))), SHORTEST_ARM)])
     scaled = J / units
@@ -179,7 +181,7 @@ def _information(moved: Floats, t_a_b: Floats, normals: Floats, weights: Floats,
     return np.asarray((whole + whole.T) / 2.0)
 
 
-def _squares(points: Floats, cell: float) -> Indices:
+def _square_numbers(points: Floats, cell: float) -> Indices:
     """A number (n,) for the square of `cell` metres in which each point lies."""
     columns = np.floor(points / cell).astype(np.int64)
     columns -= columns.min(axis=0, initial=0)

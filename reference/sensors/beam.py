@@ -19,7 +19,7 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.special import log_ndtr, ndtr, ndtri
 
 from reference.errors import InvalidArgumentError
-from reference.sensors.rays import checked_poses, checked_power
+from reference.sensors.rays import check_poses, check_power
 from reference.world.grid_map import GridMap
 from reference.world.scan import Scan
 
@@ -53,7 +53,7 @@ class BeamModel:
         """(hit, short, beyond, random)."""
         return np.array([self.hit, self.short, self.beyond, self.random])
 
-    def densities(self, ranges: ArrayLike, expected: ArrayLike) -> Floats:
+    def cause_densities(self, ranges: ArrayLike, expected: ArrayLike) -> Floats:
         """The densities (4, …) of the four causes, for ranges and expected ranges (…) in [0, max_range].
 
         p_hit(z)    = N(z; z*, sigma^2) / Phi(z* / sigma)                  and what lies beyond, at max_range  (2)
@@ -63,7 +63,9 @@ class BeamModel:
 
         Inside a wall, z* = 0, there is no way for something to be on: p_short is zero. Raises InvalidArgumentError.
         """
-        z, truth = np.broadcast_arrays(self._within("ranges", ranges), self._within("expected", expected))
+        z, truth = np.broadcast_arrays(
+            self._check_in_range("ranges", ranges), self._check_in_range("expected", expected)
+        )
         full = z >= self.max_range
         short = np.zeros(z.shape)
         reachable = (z <= truth) & (truth > 0.0) & ~full
@@ -74,11 +76,11 @@ class BeamModel:
     def log_density(self, ranges: ArrayLike, expected: ArrayLike) -> Floats:
         """log of (1), (…), -inf where the model says never. Raises InvalidArgumentError."""
         with np.errstate(divide="ignore"):
-            return np.asarray(np.log(np.tensordot(self.shares, self.densities(ranges, expected), axes=1)))
+            return np.asarray(np.log(np.tensordot(self.shares, self.cause_densities(ranges, expected), axes=1)))
 
     def sample(self, expected: ArrayLike, rng: np.random.Generator) -> Floats:
         """One range for each expected range (n,), drawn from (1). Raises InvalidArgumentError."""
-        truth = np.atleast_1d(self._within("expected", expected))
+        truth = np.atleast_1d(self._check_in_range("expected", expected))
         cause = rng.choice(4, size=truth.shape, p=self.shares / self.shares.sum())
         u = rng.random(truth.shape)
         below_zero = ndtr(-truth / self.sigma)
@@ -87,7 +89,7 @@ class BeamModel:
         shorts = np.minimum(-np.log1p(u * np.expm1(-self.rate * truth)) / self.rate, truth)
         return np.choose(cause, [hits, shorts, np.full(truth.shape, self.max_range), u * self.max_range])
 
-    def _within(self, argument: str, lengths: ArrayLike) -> Floats:
+    def _check_in_range(self, argument: str, lengths: ArrayLike) -> Floats:
         values = np.asarray(lengths, dtype=np.float64)
         if not np.all((values >= 0.0) & (values <= self.max_range)):
             raise InvalidArgumentError(argument, "are not all lengths in [0, max_range]")
@@ -145,11 +147,11 @@ class BeamSensor:
     """
 
     def __init__(self, grid_map: GridMap, model: BeamModel, power: float = 1.0) -> None:
-        self.grid_map, self.model, self.power = grid_map, model, checked_power(power)
+        self.grid_map, self.model, self.power = grid_map, model, check_power(power)
 
     def log_likelihood(self, poses_world: Floats, scan: Scan) -> Floats:
         """power x sum over the measured beams k of log p(z_k | z*_k), (n,); 0 where none is. InvalidArgumentError."""
-        poses, seen = checked_poses(poses_world, scan), scan.only_measured()
+        poses, seen = check_poses(poses_world, scan), scan.only_measured()
         if not len(seen):
             return np.zeros(len(poses))
         # What met nothing as far as its own lidar sees is no hit at that distance.

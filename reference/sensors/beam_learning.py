@@ -50,12 +50,12 @@ def learn_beam_model(
         raise InvalidArgumentError(
             "ranges", f"of shape {z.shape} and expected {truth.shape} are not pairs, one or more"
         )
-    model, history = start, [_log_likelihood(start, z, truth)]
+    model, history = start, [_total_log_likelihood(start, z, truth)]
     if not np.isfinite(history[0]):
         raise InvalidArgumentError("start", "makes some range impossible")
     for _ in range(rounds):
-        model = _improved(model, z, truth, responsibilities(model, z, truth))
-        history.append(_log_likelihood(model, z, truth))
+        model = _maximisation_step(model, z, truth, responsibilities(model, z, truth))
+        history.append(_total_log_likelihood(model, z, truth))
         if history[-1] - history[-2] < tolerance * z.size:
             return BeamFit(model, np.array(history), True)
     return BeamFit(model, np.array(history), False)
@@ -63,11 +63,11 @@ def learn_beam_model(
 
 def responsibilities(model: BeamModel, ranges: Floats, expected: Floats) -> Floats:
     """The probability (4, n) of each cause of each range."""
-    joint = model.shares[:, None] * model.densities(ranges, expected)
+    joint = model.shares[:, None] * model.cause_densities(ranges, expected)
     return np.asarray(joint / joint.sum(axis=0))
 
 
-def _improved(model: BeamModel, z: Floats, truth: Floats, due: Floats) -> BeamModel:
+def _maximisation_step(model: BeamModel, z: Floats, truth: Floats, due: Floats) -> BeamModel:
     """The M step."""
     hit, short, beyond, random = (float(share) for share in due.mean(axis=1) / due.mean(axis=1).sum())
     return replace(
@@ -76,12 +76,16 @@ def _improved(model: BeamModel, z: Floats, truth: Floats, due: Floats) -> BeamMo
         short=short,
         beyond=beyond,
         random=random,
-        sigma=_best(model.sigma, lambda sigma: _weighted(due[0], log_hit(z, truth, sigma, model.max_range)), due[0]),
-        rate=_best(model.rate, lambda rate: _weighted(due[1], _log_short(z, truth, rate)), due[1]),
+        sigma=_newton_step_in_log(
+            model.sigma, lambda sigma: _weighted_sum(due[0], log_hit(z, truth, sigma, model.max_range)), due[0]
+        ),
+        rate=_newton_step_in_log(
+            model.rate, lambda rate: _weighted_sum(due[1], _log_short_density(z, truth, rate)), due[1]
+        ),
     )
 
 
-def _best(present: float, gain: Callable[[float], float], due: Floats) -> float:
+def _newton_step_in_log(present: float, gain: Callable[[float], float], due: Floats) -> float:
     """The top of the parabola through three gains, in the logarithm of a parameter: a step of Newton's method.
 
     The present value is kept when the step gains nothing, so that a round of EM never loses.
@@ -95,17 +99,17 @@ def _best(present: float, gain: Callable[[float], float], due: Floats) -> float:
     return candidate if gain(candidate) > here else present
 
 
-def _log_short(z: Floats, truth: Floats, rate: float) -> Floats:
+def _log_short_density(z: Floats, truth: Floats, rate: float) -> Floats:
     """The logarithm of the truncated exponential; what is due to it has 0 <= z <= truth, truth > 0."""
     with np.errstate(divide="ignore"):
         return np.asarray(np.log(rate) - rate * z - np.log(-np.expm1(-rate * truth)))
 
 
-def _weighted(due: Floats, logs: Floats) -> float:
+def _weighted_sum(due: Floats, logs: Floats) -> float:
     """Sum of due x logs over what is due at all: where nothing is, a logarithm may be infinite."""
     some = due > 0.0
     return float(due[some] @ logs[some])
 
 
-def _log_likelihood(model: BeamModel, z: Floats, truth: Floats) -> float:
+def _total_log_likelihood(model: BeamModel, z: Floats, truth: Floats) -> float:
     return float(np.sum(model.log_density(z, truth)))

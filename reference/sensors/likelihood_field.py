@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from reference.errors import InvalidArgumentError
 from reference.se2 import rotation
-from reference.sensors.rays import checked_poses, checked_power
+from reference.sensors.rays import check_poses, check_power
 from reference.world.grid_map import GridMap
 from reference.world.scan import Scan
 
@@ -46,8 +46,8 @@ class LikelihoodField:
             raise InvalidArgumentError("hit, random", "are not shares, the second one positive, of at most one")
         self.grid_map = grid_map
         noise = random / max_range
-        density = np.exp(-0.5 * (grid_map.distance_to_wall / sigma) ** 2) / (sigma * np.sqrt(2.0 * np.pi))
-        self.log_field = checked_power(power) * np.log(hit * density + noise)
+        density = np.exp(-0.5 * (grid_map.distances_to_wall / sigma) ** 2) / (sigma * np.sqrt(2.0 * np.pi))
+        self.log_field = check_power(power) * np.log(hit * density + noise)
         self.log_field.flags.writeable = False
         # One cell of noise all around, and more behind each row, which also comes before the next one: what ends as far
         # off the map as that needs no clipping. It is as wide as the map, or else as far as twice what a beam reaches.
@@ -65,7 +65,7 @@ class LikelihoodField:
         Lengths are in cells of the table, whose corner is one cell before that of the map. The ends of the k beams from
         the n poses are two products of matrices, (k, 3) by (3, n).
         """
-        poses = checked_poses(poses_world, scan)
+        poses = check_poses(poses_world, scan)
         points = scan.points()
         starts = self._to_table @ poses[:, :2].T + self._corner[:, None]
         headings = poses[:, 2] - self.grid_map.T_world_map[2]
@@ -73,7 +73,7 @@ class LikelihoodField:
         np.divide(points, self.grid_map.resolution, out=ends[:, :2])
         columns = ends @ np.array([c, -s, x])
         rows = ends @ np.array([s, c, y])
-        if not self._surrounds(starts, scan.max_range / self.grid_map.resolution):
+        if not self._has_wide_enough_margin(starts, scan.max_range / self.grid_map.resolution):
             # Whatever lies off the map falls on the one cell of noise around it.
             np.clip(columns, 0.0, self.grid_map.shape[1] + 1.0, out=columns)
             np.clip(rows, 0.0, self.grid_map.shape[0] + 1.0, out=rows)
@@ -83,7 +83,7 @@ class LikelihoodField:
         # Before the first row and after the last one all is noise, as their ends are.
         return np.asarray(self._table.ravel().take(cells, mode="clip").sum(axis=0))
 
-    def _surrounds(self, starts: Floats, reach: float) -> bool:
+    def _has_wide_enough_margin(self, starts: Floats, reach: float) -> bool:
         """Is the noise around the map wide enough for beams of that reach from points (2, n) = (x, y) of the table?"""
         (right, top), (height, width) = starts.max(axis=1, initial=0.0).tolist(), self.grid_map.shape
         room = self._behind - reach

@@ -29,17 +29,17 @@ def thin_scan(scan: Scan, count: int) -> Scan:
         raise InvalidArgumentError("count", f"{count} beams make no scan")
     if count >= len(scan):
         return scan
-    return scan.take(np.arange(count) * len(scan) // count)
+    return scan.select_beams(np.arange(count) * len(scan) // count)
 
 
-def checked_power(power: float) -> float:
+def check_power(power: float) -> float:
     """The exponent of a tempered likelihood. Raises InvalidArgumentError unless 0 < power <= 1."""
     if not 0.0 < power <= 1.0:
         raise InvalidArgumentError("power", f"{power} is not in ]0, 1]")
     return power
 
 
-def checked_poses(poses_world: Floats, scan: Scan) -> Floats:
+def check_poses(poses_world: Floats, scan: Scan) -> Floats:
     """Poses (n, 3) and a scan that can be weighed. Raises InvalidArgumentError, also for a scan without beams."""
     poses = np.asarray(poses_world, dtype=np.float64)
     if poses.ndim != 2 or poses.shape[1] != 3 or not np.isfinite(poses).all():

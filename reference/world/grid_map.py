@@ -16,7 +16,7 @@ from numpy.typing import ArrayLike, NDArray
 from reference.errors import InvalidArgumentError
 from reference.se2 import rotation, wrap_angle
 from reference.text import decode_lines
-from reference.world.distance_map import distance_to
+from reference.world.distance_map import distances_to_cells
 from reference.world.ray_caster import RayCaster
 
 Floats = NDArray[np.float64]
@@ -93,24 +93,24 @@ class GridMap:
 
     def to_cells(self, points_world: ArrayLike) -> Floats:
         """Points (…, 2) of the world, in metres, as (x, y) in cells in the frame of the map."""
-        points = _checked_points("points_world", points_world)
+        points = _check_points("points_world", points_world)
         return np.asarray((points - self.T_world_map[:2]) @ rotation(self.T_world_map[2]) / self.resolution)
 
     def to_world(self, points_cells: ArrayLike) -> Floats:
         """Points (…, 2) = (x, y) in cells in the frame of the map, as points of the world in metres."""
-        points = _checked_points("points_cells", points_cells)
+        points = _check_points("points_cells", points_cells)
         return np.asarray(points * self.resolution @ rotation(self.T_world_map[2]).T + self.T_world_map[:2])
 
     def poses_to_cells(self, poses_world: ArrayLike) -> Floats:
         """Poses (…, 3) of the world as poses in cells in the frame of the map."""
-        poses = _checked_poses("poses_world", poses_world)
+        poses = _check_poses("poses_world", poses_world)
         return np.concatenate(
             [self.to_cells(poses[..., :2]), wrap_angle(poses[..., 2:] - self.T_world_map[2])], axis=-1
         )
 
     def poses_to_world(self, poses_cells: ArrayLike) -> Floats:
         """Poses (…, 3) in cells in the frame of the map as poses of the world."""
-        poses = _checked_poses("poses_cells", poses_cells)
+        poses = _check_poses("poses_cells", poses_cells)
         return np.concatenate(
             [self.to_world(poses[..., :2]), wrap_angle(poses[..., 2:] + self.T_world_map[2])], axis=-1
         )
@@ -128,30 +128,30 @@ class GridMap:
         return np.asarray(inside & self.free[cells[..., 1], cells[..., 0]])
 
     @cached_property
-    def distance_to_wall(self) -> Floats:
+    def distances_to_wall(self) -> Floats:
         """Metres (H, W) from the centre of each cell to the centre of the nearest occupied one; inf without any."""
-        return distance_to(self.occupied) * self.resolution
+        return distances_to_cells(self.occupied) * self.resolution
 
     @cached_property
-    def caster(self) -> RayCaster:
+    def ray_caster(self) -> RayCaster:
         """The map made ready for casting rays, in cells; they stop at whatever is not free."""
-        return RayCaster.of(self.free)
+        return RayCaster.from_free_cells(self.free)
 
     def cast_scans(self, poses_world: ArrayLike, angles: ArrayLike, max_range: float) -> Floats:
         """What a perfect lidar at poses (m, 3) of the world reads along `angles` (n,) from its heading, (m, n)."""
-        cells = self.caster.scans(self.poses_to_cells(poses_world), angles, max_range / self.resolution)
+        cells = self.ray_caster.cast_scans(self.poses_to_cells(poses_world), angles, max_range / self.resolution)
         return np.minimum(cells * self.resolution, max_range)
 
 
-def _checked_points(argument: str, points: ArrayLike) -> Floats:
-    return _checked(argument, points, 2)
+def _check_points(argument: str, points: ArrayLike) -> Floats:
+    return _check_rows(argument, points, 2)
 
 
-def _checked_poses(argument: str, poses: ArrayLike) -> Floats:
-    return _checked(argument, poses, 3)
+def _check_poses(argument: str, poses: ArrayLike) -> Floats:
+    return _check_rows(argument, poses, 3)
 
 
-def _checked(argument: str, rows: ArrayLike, columns: int) -> Floats:
+def _check_rows(argument: str, rows: ArrayLike, columns: int) -> Floats:
     values = np.asarray(rows, dtype=np.float64)
     if values.ndim == 0 or values.shape[-1] != columns or not np.all(np.isfinite(values)):
         raise GridMapError(argument, f"of shape {values.shape} is not an array (…, {columns}) of finite numbers")

@@ -23,7 +23,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from reference.world.clear_cones import clear_leap_lengths
-from reference.world.raycast import Floats, Grid, RaycastError, checked_rays
+from reference.world.raycast import Floats, Grid, RaycastError, check_rays
 
 Integers = NDArray[np.int64]
 
@@ -43,7 +43,7 @@ LAST_PLACES = 8192
 
 
 @dataclass
-class _Rays:
+class _FlyingRays:
     """Rays in flight, each where it comes into a column of its mirror. All have shape (n,).
 
     `height` is how far it then is above the row of its start, in units; `slope` how much it rises in a column,
@@ -57,9 +57,9 @@ class _Rays:
     stride: Integers
     number: Integers
 
-    def only(self, kept: Integers) -> _Rays:
+    def select(self, kept: Integers) -> _FlyingRays:
         height, slope, origin = self.height.take(kept), self.slope.take(kept), self.origin.take(kept)
-        return _Rays(height, slope, origin, self.stride.take(kept), self.number.take(kept))
+        return _FlyingRays(height, slope, origin, self.stride.take(kept), self.number.take(kept))
 
     def leap(self, columns: Integers) -> None:
         """Go on by so many columns (n,), an array that is spent on it."""
@@ -67,7 +67,7 @@ class _Rays:
         columns *= self.stride
         self.origin += columns
 
-    def places(self, unit: int) -> Integers:
+    def table_places(self, unit: int) -> Integers:
         """Where the table tells of the columns (n,) that the rays come into.
 
         It has two places for each row of a column, one for rays that stay in it and one for those that go on to the
@@ -79,7 +79,7 @@ class _Rays:
         found += self.origin
         return found
 
-    def ways(self, unit: int, columns: int) -> Integers:
+    def next_places(self, unit: int, columns: int) -> Integers:
         """The places (n, columns) of the next columns on the rays' ways, whether they get there or not."""
         ahead = np.arange(columns + 1)
         rows = self.height[:, None] + self.slope[:, None] * ahead
@@ -91,7 +91,7 @@ class _Rays:
 
 
 @dataclass(frozen=True)
-class _Starts:
+class _RayStarts:
     """Where rays start from. Pairs (2, n) tell of the lines between columns of the mirror, then of those between rows.
 
     `first` is how far the first line ahead is, along its axis, and `speed` how fast the ray nears it; `origin` and
@@ -136,7 +136,7 @@ class RayCaster:
     unit: int
 
     @classmethod
-    def of(cls, free: ArrayLike) -> RayCaster:
+    def from_free_cells(cls, free: ArrayLike) -> RayCaster:
         """Prepare the map `free` (H, W), up to 32,765 cells a side, into 32 bytes a cell. Raises RaycastError."""
         grid = np.array(free, dtype=np.bool_)
         if grid.ndim != 2 or grid.size == 0 or max(grid.shape) > MAX_SIDE:
@@ -145,7 +145,7 @@ class RayCaster:
         steep = np.stack([wall[::step_y, ::step_x] for step_y in (1, -1) for step_x in (1, -1)])
         shallow = np.ascontiguousarray(steep.swapaxes(1, 2))
         table = np.concatenate([clear_leap_lengths(maps, SECTORS).ravel() for maps in (shallow, steep)])
-        return cls(grid, table, _places(*wall.shape), BITS - max(wall.shape).bit_length())
+        return cls(grid, table, _place_table(*wall.shape), BITS - max(wall.shape).bit_length())
 
     def cast(self, origins: ArrayLike, angles: ArrayLike, max_range: float) -> Floats:
         """Distances (n,) to the first wall from origins (n, 2) = (x, y) at angles (n,) in radians, at most `max_range`.
@@ -153,17 +153,17 @@ class RayCaster:
         Those of `raycast.cast_rays`, to rounding; through the very corner of four cells, rounding may decide which
         neighbour comes first. From inside a wall, or from outside the grid, a ray reads 0. Raises RaycastError.
         """
-        _, starts, headings = checked_rays(self.free, origins, angles, max_range)
+        _, starts, headings = check_rays(self.free, origins, angles, max_range)
         distances = np.empty(len(headings))
         for first in range(0, len(headings), BLOCK):
             block = slice(first, first + BLOCK)
             directions = np.empty((2, len(headings[block])))
             np.cos(headings[block], out=directions[0])
             np.sin(headings[block], out=directions[1])
-            distances[block] = self._distances(starts[block].T, directions)
+            distances[block] = self._wall_distances(starts[block].T, directions)
         return np.minimum(distances, max_range, out=distances)
 
-    def scans(self, poses: ArrayLike, angles: ArrayLike, max_range: float) -> Floats:
+    def cast_scans(self, poses: ArrayLike, angles: ArrayLike, max_range: float) -> Floats:
         """What a lidar at poses (m, 3), in cells, reads along `angles` (n,) from its heading: (m, n).
 
         Raises RaycastError.
@@ -173,7 +173,7 @@ class RayCaster:
             raise RaycastError("poses", f"has shape {frames.shape}, not (m, 3)")
         if beams.ndim != 1 or not np.all(np.isfinite(beams)):
             raise RaycastError("angles", f"of shape {beams.shape} is not an array (n,) of finite numbers")
-        _, starts, headings = checked_rays(self.free, frames[:, :2], frames[:, 2], max_range)
+        _, starts, headings = check_rays(self.free, frames[:, :2], frames[:, 2], max_range)
         # exp(i (heading + beam)) = exp(i heading) exp(i beam): far fewer cosines than rays.
         turns, beam_turns = np.exp(1j * headings), np.exp(1j * beams)
         distances, together = np.empty((len(frames), beams.size)), max(1, BLOCK // max(1, beams.size))
@@ -181,13 +181,13 @@ class RayCaster:
             block = slice(first, first + together)
             directions = np.outer(turns[block], beam_turns).view(np.float64).reshape(-1, 2).T
             points = np.repeat(starts[block].T, beams.size, axis=1)
-            distances[block] = self._distances(points, directions).reshape(distances[block].shape)
+            distances[block] = self._wall_distances(points, directions).reshape(distances[block].shape)
         return np.minimum(distances, max_range, out=distances)
 
-    def _distances(self, points: Floats, directions: Floats) -> Floats:
+    def _wall_distances(self, points: Floats, directions: Floats) -> Floats:
         """How far the walls are (n,) from points (2, n) = (x, y); 0 from a point that is not on a free cell."""
-        starts, rays, places = self._launch(points, directions)
-        ends = self._fly(rays, places)
+        starts, rays, places = self._launch_rays(points, directions)
+        ends = self._leap_until_landed(rays, places)
         # The wall is in the row above when the column could be crossed without going there.
         above = (ends & 1).astype(np.bool_)
         above &= self.table.take(ends & -2) > 0
@@ -195,7 +195,7 @@ class RayCaster:
         distances[np.flatnonzero(self.table.take(starts.origin) == 0)] = 0.0
         return distances
 
-    def _launch(self, points: Floats, directions: Floats) -> tuple[_Starts, _Rays, Integers]:
+    def _launch_rays(self, points: Floats, directions: Floats) -> tuple[_RayStarts, _FlyingRays, Integers]:
         """Rays from points (2, n), about to leap from the columns of their starts; and those columns' places."""
         # Fresh memory costs most of all. In one piece, as the C library keeps for the next block no more than twice the
         # largest piece that it was ever given back.
@@ -209,18 +209,18 @@ class RayCaster:
         np.abs(ways, out=ways)
         steep = ways[1, 1] > ways[1, 0]
         first[:], speed[:] = np.where(steep, ways[:, ::-1], ways)
-        sector = _climbs(first, speed, steep, 2**self.unit, ways, whole[:2])
+        sector = _write_slopes(first, speed, steep, 2**self.unit, ways, whole[:2])
         mirror = (4 * steep.view(np.uint8) + 2 * back[1].view(np.uint8) + back[0].view(np.uint8)).astype(np.int64)
-        origin[:] = ahead[:] = self._origins(cells, mirror, sector)
+        origin[:] = ahead[:] = self._start_places(cells, mirror, sector)
         stride[:] = np.where(steep, 2 * self.free.shape[1] + 4, 2 * self.free.shape[0] + 4)
         number[:] = np.arange(len(number))
         np.right_shift(height, self.unit, out=places)
         places += origin
         # As if they had come into the columns that they start in.
         height -= slope
-        return _Starts(first, speed, origin, stride), _Rays(height, slope, ahead, stride, number), places
+        return _RayStarts(first, speed, origin, stride), _FlyingRays(height, slope, ahead, stride, number), places
 
-    def _origins(self, cells: Floats, mirror: Integers, sector: Floats) -> Floats:
+    def _start_places(self, cells: Floats, mirror: Integers, sector: Floats) -> Floats:
         """The places (n,), whole, of cells (2, n), each in its mirror and sector (n,); both are spent on it."""
         # Off the map, the nearest cell of its frame is as good a wall.
         for along, side in zip(cells, self.free.shape[::-1], strict=True):
@@ -232,7 +232,7 @@ class RayCaster:
             place += term
         return place
 
-    def _fly(self, rays: _Rays, places: Integers) -> Integers:
+    def _leap_until_landed(self, rays: _FlyingRays, places: Integers) -> Integers:
         """Let rays leap from their first `places` (n,) until all have landed; where they have."""
         ends, longest = places.copy(), max(self.free.shape) + 2
         # What lands where it starts is told by its first place alone: its height at the column's line cannot give it.
@@ -245,21 +245,21 @@ class RayCaster:
                 flying = columns > 0
                 landed, kept = np.flatnonzero(~flying), np.flatnonzero(flying)
                 ends[rays.number.take(landed)] = places.take(landed)
-                rays, columns = rays.only(kept), columns.take(kept)
+                rays, columns = rays.select(kept), columns.take(kept)
             rays.leap(columns.astype(np.int64))
             if few:
-                ends[rays.number] = self._finish(rays.ways(self.unit, longest))
+                ends[rays.number] = self._places_of_walls(rays.next_places(self.unit, longest))
                 break
-            places, share = rays.places(self.unit), COMPACTION
+            places, share = rays.table_places(self.unit), COMPACTION
         return ends
 
-    def _finish(self, ways: Integers) -> Integers:
+    def _places_of_walls(self, ways: Integers) -> Integers:
         """The places (n,) at which ways (n, columns) meet a wall."""
         where = self.table.take(ways, mode="clip").argmin(axis=1)
         return np.take_along_axis(ways, where[:, None], axis=1)[:, 0]
 
 
-def _climbs(
+def _write_slopes(
     first: Floats, speed: Floats, steep: NDArray[np.bool_], units_per_row: int, spare: Floats, found: Integers
 ) -> Floats:
     """Write to `found` (2, n) how high rays are above their start row when they leave its column, and how much they
@@ -290,7 +290,7 @@ def _climbs(
     return np.asarray(np.minimum(np.floor(sector, out=sector), SECTORS - 1.0, out=sector))
 
 
-def _places(height: int, width: int) -> Floats:
+def _place_table(height: int, width: int) -> Floats:
     """RayCaster's `place`, for a map that takes height x width cells with its frame."""
     found: list[tuple[int, int, int]] = []
     for steep, back_y, back_x in product((False, True), repeat=3):

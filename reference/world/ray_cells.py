@@ -44,8 +44,8 @@ def crossed_cells(starts: ArrayLike, ends: ArrayLike) -> CrossedCells:
     ax, ay, bx, by = a[:, 0], a[:, 1], b[:, 0], b[:, 1]
     first_y = np.floor(ay).astype(np.int64)
     first_x = np.floor(ax).astype(np.int64)
-    by_x, x_of_columns, y_of_columns = _entered(ax, ay, bx, by, other_first=True)
-    by_y, y_of_rows, x_of_rows = _entered(ay, ax, by, bx, other_first=False)
+    by_x, x_of_columns, y_of_columns = _cells_entered(ax, ay, bx, by, other_first=True)
+    by_y, y_of_rows, x_of_rows = _cells_entered(ay, ax, by, bx, other_first=False)
     return CrossedCells(
         np.concatenate([np.arange(len(a)), by_x, by_y]),
         np.concatenate([first_x, x_of_columns, x_of_rows]),
@@ -53,7 +53,9 @@ def crossed_cells(starts: ArrayLike, ends: ArrayLike) -> CrossedCells:
     )
 
 
-def _entered(u0: Floats, v0: Floats, u1: Floats, v1: Floats, *, other_first: bool) -> tuple[Indices, Indices, Indices]:
+def _cells_entered(
+    u0: Floats, v0: Floats, u1: Floats, v1: Floats, *, other_first: bool
+) -> tuple[Indices, Indices, Indices]:
     """The cells (u, v) entered across the lines of axis u, and by which segment.
 
     On a line of axis v at that very moment, v is the cell behind that line if `other_first`, before it otherwise. How
@@ -66,16 +68,16 @@ def _entered(u0: Floats, v0: Floats, u1: Floats, v1: Floats, *, other_first: boo
     k = np.arange(len(segment)) - np.repeat(np.cumsum(counts) - counts, counts) + 1
     u0, v0, u1, v1 = (values[segment] for values in (u0, v0, u1, v1))
     c0, d0, across = (values[segment] for values in (c0, d0, across))
-    moment = _moment(u0, u1, c0, k)
+    moment = _crossing_time(u0, u1, c0, k)
     guess = np.floor(v0 + moment * (v1 - v0)).astype(np.int64)
     crossed = np.clip(np.abs(guess - d0), 0, across)
-    one_more, one_less = (_moment(v0, v1, d0, crossed + extra) for extra in (1, 0))
+    one_more, one_less = (_crossing_time(v0, v1, d0, crossed + extra) for extra in (1, 0))
     before = np.less_equal if other_first else np.less
     crossed = crossed + ((crossed < across) & before(one_more, moment)) - ((crossed > 0) & ~before(one_less, moment))
     return segment, c0 + np.where(u1 > u0, k, -k), d0 + np.where(v1 > v0, crossed, -crossed)
 
 
-def _moment(start: Floats, end: Floats, cell: Indices, k: Indices) -> Floats:
+def _crossing_time(start: Floats, end: Floats, cell: Indices, k: Indices) -> Floats:
     """When, from 0 at the start to 1 at the end, the k-th grid line is crossed; without meaning where none is."""
     line = np.where(end > start, cell + k, cell + 1 - k)
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):

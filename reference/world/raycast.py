@@ -25,7 +25,7 @@ class RaycastError(InvalidArgumentError):
 
 
 @dataclass
-class _Axis:
+class _AxisCrossings:
     """The crossings of rays with the grid lines of one axis: those still to come, one for each ray."""
 
     cell: NDArray[np.int64]
@@ -34,7 +34,7 @@ class _Axis:
     spacing: Floats
 
     @classmethod
-    def of(cls, start: Floats, direction: Floats) -> _Axis:
+    def from_rays(cls, start: Floats, direction: Floats) -> _AxisCrossings:
         cell = np.floor(start).astype(np.int64)
         forward = direction > 0
         with np.errstate(divide="ignore", invalid="ignore"):
@@ -54,20 +54,25 @@ def cast_rays(free: ArrayLike, origins: ArrayLike, angles: ArrayLike, max_range:
     From inside a wall, or from outside the grid, a ray reads 0. A ray through the very corner of four cells enters the
     neighbour in y before the one in x. Raises RaycastError.
     """
-    grid, starts, headings = checked_rays(free, origins, angles, max_range)
+    grid, starts, headings = check_rays(free, origins, angles, max_range)
     blocked = np.pad(~grid, 1, constant_values=True)
-    x, y = _Axis.of(starts[:, 0], np.cos(headings)), _Axis.of(starts[:, 1], np.sin(headings))
+    x, y = (
+        _AxisCrossings.from_rays(starts[:, 0], np.cos(headings)),
+        _AxisCrossings.from_rays(starts[:, 1], np.sin(headings)),
+    )
     inside = (x.cell >= 0) & (x.cell < grid.shape[1]) & (y.cell >= 0) & (y.cell < grid.shape[0])
     standing = inside.copy()
     standing[inside] = grid[y.cell[inside], x.cell[inside]]
     distances = np.where(standing, float(max_range), 0.0)
     rays = np.flatnonzero(standing)
     while rays.size:
-        rays = _cross(blocked, x, y, rays, distances)
+        rays = _cross_next_line(blocked, x, y, rays, distances)
     return distances
 
 
-def _cross(blocked: Grid, x: _Axis, y: _Axis, rays: NDArray[np.int64], distances: Floats) -> NDArray[np.int64]:
+def _cross_next_line(
+    blocked: Grid, x: _AxisCrossings, y: _AxisCrossings, rays: NDArray[np.int64], distances: Floats
+) -> NDArray[np.int64]:
     """Move each ray over its next grid line; write down the distances of those that end and return the others."""
     through_x = x.next_at[rays] < y.next_at[rays]
     travelled = np.where(through_x, x.next_at[rays], y.next_at[rays])
@@ -92,9 +97,7 @@ def cast_scans(free: ArrayLike, poses: ArrayLike, beams: int, max_range: float) 
     return cast_rays(free, origins, angles.ravel(), max_range).reshape(len(frames), beams)
 
 
-def checked_rays(
-    free: ArrayLike, origins: ArrayLike, angles: ArrayLike, max_range: float
-) -> tuple[Grid, Floats, Floats]:
+def check_rays(free: ArrayLike, origins: ArrayLike, angles: ArrayLike, max_range: float) -> tuple[Grid, Floats, Floats]:
     """The grid (H, W), origins (n, 2) and angles (n,) as arrays. Raises RaycastError for what cannot be cast."""
     grid = np.asarray(free, dtype=np.bool_)
     starts, headings = np.asarray(origins, dtype=np.float64), np.asarray(angles, dtype=np.float64)

@@ -52,14 +52,14 @@ class Scan:
             raise ScanError("ranges", f"of shape {ranges.shape} is not an array (n,) of lengths in [0, max_range]")
         if angles.shape != ranges.shape or not np.all(np.isfinite(angles)):
             raise ScanError("angles", f"of shape {angles.shape} is not an array ({len(ranges)},) of finite angles")
-        close = self._mask("too_close", self.too_close, ranges.shape)
-        measured = self._mask("measured", self.measured, ranges.shape) & ~close
+        close = self._check_mask("too_close", self.too_close, ranges.shape)
+        measured = self._check_mask("measured", self.measured, ranges.shape) & ~close
         for name, values in (("ranges", ranges), ("angles", angles), ("measured", measured), ("too_close", close)):
             values.flags.writeable = False
             object.__setattr__(self, name, values)
 
     @staticmethod
-    def _mask(name: str, truths: ArrayLike, shape: tuple[int, ...]) -> NDArray[np.bool_]:
+    def _check_mask(name: str, truths: ArrayLike, shape: tuple[int, ...]) -> NDArray[np.bool_]:
         mask = np.array(truths, dtype=np.bool_)
         if mask.shape not in ((), shape):
             raise ScanError(name, f"of shape {mask.shape} is not an array ({shape[0]},) of truths")
@@ -97,39 +97,39 @@ class Scan:
     def full_turn(cls, ranges: ArrayLike, max_range: float) -> Scan:
         """A scan over a whole turn: beam k of n points at 2 pi k / n from the heading."""
         readings = np.asarray(ranges, dtype=np.float64)
-        return cls(readings, turn_angles(readings.size), max_range)
+        return cls(readings, full_turn_angles(readings.size), max_range)
 
     def __len__(self) -> int:
         return len(self.ranges)
 
     @property
-    def hits(self) -> NDArray[np.bool_]:
+    def hit_mask(self) -> NDArray[np.bool_]:
         """Which beams (n,) touched something, away from the lidar itself."""
         return self.measured & (self.ranges > 0.0) & (self.ranges < self.max_range)
 
     def points(self) -> Floats:
         """Where the beams that hit something ended, (k, 2) = (x, y) in the robot's frame, in the order of the beams."""
-        hits = self.hits
+        hits = self.hit_mask
         ranges, angles = self.ranges[hits], self.angles[hits]
         points = np.empty((len(ranges), 2))
         np.multiply(ranges, np.cos(angles), out=points[:, 0])
         np.multiply(ranges, np.sin(angles), out=points[:, 1])
         return points
 
-    def every(self, step: int) -> Scan:
+    def take_every(self, step: int) -> Scan:
         """The scan of one beam out of `step`, the first one included. Raises ScanError."""
         if step < 1:
             raise ScanError("step", f"{step} keeps no beam")
-        return self.take(np.arange(0, len(self), step))
+        return self.select_beams(np.arange(0, len(self), step))
 
-    def take(self, beams: ArrayLike) -> Scan:
+    def select_beams(self, beams: ArrayLike) -> Scan:
         """The scan of some beams: indices (k,) or a mask (n,)."""
         kept = np.asarray(beams)
         return Scan(self.ranges[kept], self.angles[kept], self.max_range, self.measured[kept], self.too_close[kept])
 
     def only_measured(self) -> Scan:
         """The scan of the beams that say something; the scan itself where all do."""
-        return self if self.measured.all() else self.take(self.measured)
+        return self if self.measured.all() else self.select_beams(self.measured)
 
     def filled_ranges(self) -> Floats:
         """The ranges (n,) of a whole turn, those that were not measured drawn between their measured neighbours.
@@ -142,7 +142,7 @@ class Scan:
         return np.asarray(np.interp(np.arange(len(self)), beams, self.ranges[beams], period=len(self)))
 
 
-def turn_angles(beams: int) -> Floats:
+def full_turn_angles(beams: int) -> Floats:
     """The angles (beams,) of beams spread evenly over a whole turn, the first one straight ahead. Raises ScanError."""
     if beams < 0:
         raise ScanError("beams", f"{beams} beams make no scan")

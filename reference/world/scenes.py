@@ -37,17 +37,17 @@ def random_building(
         raise SceneError("room", f"{room} cells are too few for a wall with a door of {door} cells")
     if door < 1:
         raise SceneError("door", f"{door} cells let nobody through")
-    rows, columns = (_wall_lines(rng, count, room) for count in rooms)
+    rows, columns = (_wall_positions(rng, count, room) for count in rooms)
     free = np.ones((rows[-1] + 1, columns[-1] + 1), dtype=np.bool_)
     free[rows], free[:, columns] = False, False
     for y, (left, right) in ((y, span) for y in rows[1:-1] for span in pairwise(columns)):
-        free[y, _door(rng, left, right, door)] = True
+        free[y, _door_slice(rng, left, right, door)] = True
     for x, (top, bottom) in ((x, span) for x in columns[1:-1] for span in pairwise(rows)):
-        free[_door(rng, top, bottom, door), x] = True
+        free[_door_slice(rng, top, bottom, door), x] = True
     for top, bottom in pairwise(rows):
         for left, right in pairwise(columns):
-            _furnish(rng, free[top + door : bottom - door + 1, left + door : right - door + 1])
-    return GridMap.from_free(_connected(free), resolution)
+            _add_box(rng, free[top + door : bottom - door + 1, left + door : right - door + 1])
+    return GridMap.from_free(_largest_connected_part(free), resolution)
 
 
 def random_clutter(
@@ -65,7 +65,7 @@ def random_clutter(
     free[[0, -1]], free[:, [0, -1]] = False, False
     if not free.any():
         raise SceneError("obstacles", f"{obstacles} boxes of {size} cells fill the hall")
-    return GridMap.from_free(_connected(free), resolution)
+    return GridMap.from_free(_largest_connected_part(free), resolution)
 
 
 def random_ring(
@@ -86,28 +86,28 @@ def random_ring(
     free[margin : height - margin, margin : width - margin] = True
     inner = margin + corridor
     free[inner : height - inner, inner : width - inner] = False
-    walls = np.argwhere(~free[1:-1, 1:-1] & _beside(free)[1:-1, 1:-1]) + 1
+    walls = np.argwhere(~free[1:-1, 1:-1] & _neighbours_of_free(free)[1:-1, 1:-1]) + 1
     for y, x in walls[rng.integers(0, len(walls), niches)]:
         tall, wide = rng.integers(1, depth + 1, 2)
         top, left = y - rng.integers(0, tall), x - rng.integers(0, wide)
         free[max(top, 1) : min(top + tall, height - 1), max(left, 1) : min(left + wide, width - 1)] = True
-    return GridMap.from_free(_connected(free), resolution)
+    return GridMap.from_free(_largest_connected_part(free), resolution)
 
 
-def _wall_lines(rng: np.random.Generator, rooms: int, room: int) -> Integers:
+def _wall_positions(rng: np.random.Generator, rooms: int, room: int) -> Integers:
     """Where the walls (rooms + 1,) stand along one axis."""
     lines = (room + 1) * np.arange(rooms + 1)
     lines[1:-1] += rng.integers(-(room // 6), room // 6 + 1, rooms - 1)
     return lines
 
 
-def _door(rng: np.random.Generator, start: int, end: int, door: int) -> slice:
+def _door_slice(rng: np.random.Generator, start: int, end: int, door: int) -> slice:
     """Where a wall between two crossing ones, at `start` and `end`, opens."""
     first = int(rng.integers(start + 1, end - door + 1))
     return slice(first, first + door)
 
 
-def _furnish(rng: np.random.Generator, inside: Grid) -> None:
+def _add_box(rng: np.random.Generator, inside: Grid) -> None:
     """Set one box in the inner part of a room, which leaves a passage all around."""
     height, width = inside.shape
     tall, wide = (int(rng.integers(1, max(2, length // 2))) for length in (height, width))
@@ -115,7 +115,7 @@ def _furnish(rng: np.random.Generator, inside: Grid) -> None:
     inside[y : y + tall, x : x + wide] = False
 
 
-def _beside(free: Grid) -> Grid:
+def _neighbours_of_free(free: Grid) -> Grid:
     """The cells (H, W) that share a side with a free one."""
     beside = np.zeros_like(free)
     beside[1:] |= free[:-1]
@@ -125,7 +125,7 @@ def _beside(free: Grid) -> Grid:
     return beside
 
 
-def _connected(free: Grid) -> Grid:
+def _largest_connected_part(free: Grid) -> Grid:
     """The largest connected part of the free cells."""
     parts, _ = label(free)
     sizes = np.bincount(parts.ravel())

@@ -15,10 +15,10 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from reference.errors import InvalidArgumentError
-from reference.odometry import DifferentialDrive, Motion, integrate
+from reference.odometry import DifferentialDrive, Motion, integrate_poses
 from reference.se2 import wrap_angle
 from reference.world.grid_map import GridMap
-from reference.world.scan import Scan, turn_angles
+from reference.world.scan import Scan, full_turn_angles
 
 Floats = NDArray[np.float64]
 
@@ -61,13 +61,13 @@ class SimulatedLidar:
     @classmethod
     def full_turn(cls, beams: int, max_range: float, sigma: float = 0.0) -> SimulatedLidar:
         """A lidar of `beams` beams over a whole turn, without gross errors."""
-        return cls(turn_angles(beams), max_range, sigma)
+        return cls(full_turn_angles(beams), max_range, sigma)
 
-    def read(self, grid_map: GridMap, poses: ArrayLike, rng: np.random.Generator) -> Floats:
+    def measure_ranges(self, grid_map: GridMap, poses: ArrayLike, rng: np.random.Generator) -> Floats:
         """Ranges (m, n), noisy, from poses (m, 3) of the world."""
-        return self.disturb(grid_map.cast_scans(poses, self.angles, self.max_range), rng)
+        return self.add_noise(grid_map.cast_scans(poses, self.angles, self.max_range), rng)
 
-    def disturb(self, ranges: ArrayLike, rng: np.random.Generator) -> Floats:
+    def add_noise(self, ranges: ArrayLike, rng: np.random.Generator) -> Floats:
         """What would have been read instead of perfect ranges (…)."""
         true = np.asarray(ranges, dtype=np.float64)
         hit = np.clip(true + self.sigma * rng.standard_normal(true.shape), 0.0, self.max_range)
@@ -124,17 +124,17 @@ def simulate(
     """
     if not 0.0 < period < np.inf:
         raise SimulationError("period", f"{period} is not a positive duration")
-    paths = np.array([drive.wheels(motion) for motion in motions]).reshape(-1, 2)
-    truth = integrate(drive, paths, start)
+    paths = np.array([drive.wheel_paths(motion) for motion in motions]).reshape(-1, 2)
+    truth = integrate_poses(drive, paths, start)
     blocked = np.flatnonzero(~grid_map.is_free(truth[:, :2]))
     if blocked.size:
         raise SimulationError("motions", f"lead off the free cells, at pose {blocked[0]}")
-    counted = paths + drive.deviations(paths) * rng.standard_normal(paths.shape)
-    ranges = lidar.read(grid_map, truth, rng)
-    return SimulatedRun(truth, counted, integrate(drive, counted, start), ranges, drive, lidar, period)
+    counted = paths + drive.path_deviations(paths) * rng.standard_normal(paths.shape)
+    ranges = lidar.measure_ranges(grid_map, truth, rng)
+    return SimulatedRun(truth, counted, integrate_poses(drive, counted, start), ranges, drive, lidar, period)
 
 
-def motions_through(start: ArrayLike, waypoints: ArrayLike, step: float, turn: float) -> list[Motion]:
+def motions_through_waypoints(start: ArrayLike, waypoints: ArrayLike, step: float, turn: float) -> list[Motion]:
     """The motions that visit `waypoints` (k, 2) one after the other, turning on the spot before each straight line.
 
     None is longer than `step` metres, or turns by more than `turn` radians. Raises SimulationError.
@@ -152,8 +152,8 @@ def motions_through(start: ArrayLike, waypoints: ArrayLike, step: float, turn: f
         if distance == 0.0:
             continue
         heading = float(np.arctan2(away[1], away[0]))
-        motions += [Motion(0.0, part) for part in _parts(wrap_angle(heading - float(pose[2])), turn)]
-        motions += [Motion(part, 0.0) for part in _parts(distance, step)]
+        motions += [Motion(0.0, part) for part in _equal_parts(wrap_angle(heading - float(pose[2])), turn)]
+        motions += [Motion(part, 0.0) for part in _equal_parts(distance, step)]
         pose = np.array([*goal, heading])
     return motions
 
@@ -172,7 +172,7 @@ def random_walk(
         raise SimulationError("start", "is not a pose (3,) on a free cell")
     motions: list[Motion] = []
     sight = float(np.hypot(*grid_map.shape)) * grid_map.resolution
-    sides, ahead = turn_angles(16), np.linspace(-0.5, 0.5, 7)
+    sides, ahead = full_turn_angles(16), np.linspace(-0.5, 0.5, 7)
     while len(motions) < count:
         if grid_map.cast_scans([pose], ahead, sight).min() > 3.0 * step:
             pose[:2] += step * np.array([np.cos(pose[2]), np.sin(pose[2])])
@@ -180,12 +180,12 @@ def random_walk(
             continue
         room = grid_map.cast_scans([pose], sides, sight)[0] + 1e-3 * sight
         chosen = wrap_angle(float(rng.choice(sides, p=room / room.sum())))
-        motions += [Motion(0.0, part) for part in _parts(chosen, turn)]
+        motions += [Motion(0.0, part) for part in _equal_parts(chosen, turn)]
         pose[2] += chosen
     return motions[:count]
 
 
-def _parts(total: float, largest: float) -> list[float]:
+def _equal_parts(total: float, largest: float) -> list[float]:
     """Equal parts of `total`, none of them larger than `largest` either way."""
     count = int(np.ceil(abs(total) / largest - 1e-9))
     return [total / count] * count if count else []

@@ -155,7 +155,7 @@ def localisation_contenders() -> list[Contender]:
         robot.predict(move)
         robot.correct(scan)
 
-    distances = grid_map.distance_to_wall.tolist()
+    distances = grid_map.distances_to_wall.tolist()
     return [
         timed("likelihood field: a whole step, ours", lambda: step(by_field)),
         timed("its weighing alone", lambda: field.log_likelihood(start, scan)),

@@ -18,11 +18,11 @@ from functools import partial
 
 import numpy as np
 
-from reference.world.distance_map import distance_to
+from reference.world.distance_map import distances_to_cells
 from reference.world.grid_map import GridMap
 from reference.world.ray_caster import RayCaster
 from reference.world.raycast import cast_rays
-from reference.world.scan import turn_angles
+from reference.world.scan import full_turn_angles
 from reference.world.scenes import random_building, random_clutter
 from tests.benchmarks.measure import Contender, Goal, Row, figure, interleave, median, table
 
@@ -123,11 +123,11 @@ def compare(title: str, place: GridMap, rounds: int, numba_cast: Callable[..., n
     reach = float(sum(free.shape))
     blocked = np.pad(~free, 1, constant_values=True)
     start = time.perf_counter()
-    caster = RayCaster.of(free)
+    caster = RayCaster.from_free_cells(free)
     prepared = 1000.0 * (time.perf_counter() - start)
     casts: dict[str, Callable[[], np.ndarray]] = {
         "ours, leaps": lambda: caster.cast(origins, angles, reach),
-        "ours, leaps, as scans": lambda: caster.scans(poses, turn_angles(BEAMS), reach).ravel(),
+        "ours, leaps, as scans": lambda: caster.cast_scans(poses, full_turn_angles(BEAMS), reach).ravel(),
         "naive Python": partial(naive, blocked.tolist(), origins, angles, reach),
         "ours, walk on arrays": lambda: cast_rays(free, origins, angles, reach),
         "sphere tracing, numpy": partial(sphere_tracing, free, grown_clearance(blocked), origins, angles, reach),
@@ -182,7 +182,7 @@ def grown_clearance(blocked: np.ndarray) -> np.ndarray:
     grown = blocked.copy()
     for axis in (0, 1):
         grown |= np.roll(grown, 1, axis) | np.roll(grown, -1, axis)
-    return distance_to(grown)[1:-1, 1:-1]
+    return distances_to_cells(grown)[1:-1, 1:-1]
 
 
 def main() -> None:

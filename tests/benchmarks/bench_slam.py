@@ -80,7 +80,7 @@ def map_log(folder: Path, name: str) -> Mapped:
         return Mapped(log, found, pace, None)
     times = np.array(stamps.read_text().split(), dtype=np.float64)
     dated = np.flatnonzero(np.isfinite(times))
-    pairs, T = parse_relations(relations.read_bytes()).between(times[dated])
+    pairs, T = parse_relations(relations.read_bytes()).select_between_times(times[dated])
     return Mapped(log, found, pace, relation_error(found.T_map_robot, dated[pairs], T) if len(pairs) else None)
 
 

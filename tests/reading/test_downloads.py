@@ -13,7 +13,7 @@ import pytest
 from reference.formats.map_server import read_map
 from reference.formats.trajectory_files import read_tum
 from reference.metrics import absolute_trajectory_error
-from reference.odometry import DifferentialDrive, integrate
+from reference.odometry import DifferentialDrive, integrate_poses
 from server.base.errors import NotFound
 from server.base.files import reproducible_zip
 from server.base.settings import Settings
@@ -50,7 +50,7 @@ def test_the_plain_files_give_what_the_text_says(journey: dict[str, bytes]) -> N
     )
     assert (wheels.shape, scans.shape, len(truth)) == ((1044, 3), (1045, 181), 1045)
     assert scans[:, 1:].max() == 8.0
-    told = integrate(DifferentialDrive(0.3), wheels[:, 1:], truth.planar()[0])
+    told = integrate_poses(DifferentialDrive(0.3), wheels[:, 1:], truth.planar()[0])
     assert absolute_trajectory_error(truth.planar(), told).rmse == pytest.approx(0.58, abs=0.006)
     assert np.hypot(*(told[-1] - truth.planar()[-1])[:2]) == pytest.approx(1.10, abs=0.006)
     world = read_map(journey["carte.yaml"].decode(), journey["carte.pgm"]).to_grid_map()

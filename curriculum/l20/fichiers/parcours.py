@@ -48,7 +48,7 @@ def files() -> dict[str, bytes]:
     run = journey()
     bag = export_rosbag(run, localised=False)
     world = place()
-    drawn = write_map(OccupancyGrid.of(world), "carte.pgm")
+    drawn = write_map(OccupancyGrid.from_grid_map(world), "carte.pgm")
     texts = {
         "LISEZ-MOI.txt": READ_ME,
         "bag/metadata.yaml": bag.metadata,

@@ -17,7 +17,7 @@ from reference.pose_graph import PoseGraph, gauss_newton
 from reference.registration import MatchingSettings, match_scans
 from reference.se2 import compose, relative
 from reference.world.grid_map import GridMap
-from reference.world.simulation import SimulatedLidar, SimulatedRun, motions_through, simulate
+from reference.world.simulation import SimulatedLidar, SimulatedRun, motions_through_waypoints, simulate
 
 Floats = NDArray[np.float64]
 
@@ -43,7 +43,7 @@ def world() -> GridMap:
 @cache
 def tour() -> SimulatedRun:
     """Once around the building and back into the first room, by wheels that slip and a lidar of 120 beams."""
-    motions = motions_through(START, TOUR, 0.5, 0.4)
+    motions = motions_through_waypoints(START, TOUR, 0.5, 0.4)
     drive = DifferentialDrive(0.6, 0.0, 0.045)
     return simulate(
         world(), motions, START, drive, SimulatedLidar.full_turn(120, 12.0, 0.05), np.random.default_rng(SEED)

@@ -20,7 +20,7 @@ from reference.localisation.odometry_motion import OdometryNoise
 from reference.odometry import DifferentialDrive
 from reference.sensors.beam import BeamModel, BeamSensor
 from reference.world.grid_map import GridMap
-from reference.world.simulation import SimulatedLidar, SimulatedRun, motions_through, simulate
+from reference.world.simulation import SimulatedLidar, SimulatedRun, motions_through_waypoints, simulate
 
 Floats = NDArray[np.float64]
 
@@ -32,7 +32,7 @@ SIGMA = 1.5
 @cache
 def grid_story() -> list[tuple[tuple[int, int], Floats]]:
     """Where the robot is, (y, x), and what it believes, after the first scan and after each of eight steps."""
-    world, rng = GridWorld.of(module_map().free, RANGE), np.random.default_rng(2)
+    world, rng = GridWorld.from_free_cells(module_map().free, RANGE), np.random.default_rng(2)
     lidar = SimulatedLidar.full_turn(4, RANGE, SIGMA)
     cell, belief = (8, 9), GridFilter(world, SIGMA)
     story = []
@@ -40,7 +40,7 @@ def grid_story() -> list[tuple[tuple[int, int], Floats]]:
         if step > 0:
             belief.predict(COMMANDS[step - 1])
             cell = sample_move(world, cell, *COMMANDS[step - 1], rng)
-        belief.correct(lidar.disturb(world.scans[cell], rng))
+        belief.correct(lidar.add_noise(world.scans[cell], rng))
         story.append((cell, belief.belief))
     return story
 
@@ -79,7 +79,7 @@ def journey(grid_map: GridMap, way: tuple[tuple[float, float], ...], beams: int,
     """A robot that drives through `way` from its first point, and `rng` ready for the filter that follows it."""
     rng = np.random.default_rng(seed)
     start = (*way[0], 0.0)
-    motions = motions_through(start, way[1:], 1.0, np.pi / 4)
+    motions = motions_through_waypoints(start, way[1:], 1.0, np.pi / 4)
     lidar = SimulatedLidar.full_turn(beams, sight, 0.1)
     return Journey(grid_map, simulate(grid_map, motions, start, DifferentialDrive(0.5, 0.0, 0.01), lidar, rng), rng)
 
@@ -107,7 +107,7 @@ class Journey:
                 localization.predict(se2.relative(self.run.odometry[step - 1], self.run.odometry[step]))
             localization.weigh(self.run.scan(step))
             clouds.append(localization.states[comb_resampling(localization.weights, 0.5).ancestors])
-            if localization.degenerate:
+            if localization.is_degenerate:
                 localization.resample()
         return clouds
 

@@ -68,7 +68,7 @@ def two_clouds() -> tuple[Floats, Floats]:
     free[2:-2, 2:-2] = True
     hall, rng, truth = GridMap.from_free(free, 0.1), np.random.default_rng(1), np.array([2.2, 1.2, 0.3])
     lidar = SimulatedLidar.full_turn(36, 12.0)
-    scan = Scan(lidar.read(hall, truth[None], rng)[0], lidar.angles, 12.0)
+    scan = Scan(lidar.measure_ranges(hall, truth[None], rng)[0], lidar.angles, 12.0)
     field = LikelihoodField(hall, sigma=0.15, max_range=12.0, power=0.15)
     states = likely_poses(hall, field, scan, 240, rng, 70)
     return states + rng.normal(0.0, [0.12, 0.12, 0.1], states.shape), truth
@@ -149,7 +149,7 @@ def draw_beacons(figure: Figure, palette: Palette) -> None:
     bare(left)
     left.set_title("poses et balises")
     equations = NormalEquations(made, free_gauge=True)
-    upper = equations.upper(equations.state(truth, places))
+    upper = equations.upper_triangle(equations.join_state(truth, places))
     mask = np.abs((upper + upper.T).toarray()) > 1e-9
     right.imshow(mask, cmap=ListedColormap([palette.paper, palette.truth]), interpolation="nearest")
     for cut in (59.5,):
@@ -168,7 +168,7 @@ def draw_eigenvalues(figure: Figure, palette: Palette) -> None:
     made, truth, odometry, _ = beacons(closure=True)
     ring = PoseGraph(made.n_poses, made.i, made.j, made.z_i_j, made.information)
     equations = NormalEquations(ring, free_gauge=True)
-    upper = equations.upper(equations.state(odometry))
+    upper = equations.upper_triangle(equations.join_state(odometry))
     full = (upper + upper.T).toarray() - np.diag(upper.diagonal())
     values = np.maximum(np.abs(np.linalg.eigvalsh(full)), 1e-16)
     axes.semilogy(np.arange(1, 4), values[:3], "o", color=palette.alert, ms=7)

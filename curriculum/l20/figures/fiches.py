@@ -53,7 +53,7 @@ def draw_wheels(figure: Figure, palette: Palette) -> None:
     _bare(axes)
     drive = DifferentialDrive(track=0.9)
     left, right = 0.95, 1.75
-    paths = np.array([drive.arc((0, 0, 0), left * k, right * k) for k in np.linspace(0, 1, 60)])
+    paths = np.array([drive.step_along_arc((0, 0, 0), left * k, right * k) for k in np.linspace(0, 1, 60)])
     normals = np.column_stack([-np.sin(paths[:, 2]), np.cos(paths[:, 2])]) * drive.track / 2
     start, end, turn = paths[0], paths[-1], float(paths[-1, 2])
     axes.plot(*paths[:, :2].T, color=palette.truth, lw=2.4)

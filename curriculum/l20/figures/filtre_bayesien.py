@@ -140,11 +140,12 @@ def _to_plane(polar: Floats) -> Floats:
 def unscented_moments() -> tuple[Floats, Floats, Floats]:
     """The images of the sigma points, their mean and their covariance."""
     variances = np.diag([RANGE_LAW[1] ** 2, BEARING_LAW[1] ** 2])
-    sigma = SigmaPoints.of(np.array([RANGE_LAW[0], BEARING_LAW[0]]), variances, UnscentedParameters(1.0, 0.0, 1.0))
+    means, spread = np.array([RANGE_LAW[0], BEARING_LAW[0]]), UnscentedParameters(1.0, 0.0, 1.0)
+    sigma = SigmaPoints.from_gaussian(means, variances, spread)
     images = _to_plane(sigma.points)
-    mean = sigma.for_mean @ images
+    mean = sigma.mean_weights @ images
     away = images - mean
-    return images, mean, away.T @ (sigma.for_covariance[:, None] * away)
+    return images, mean, away.T @ (sigma.covariance_weights[:, None] * away)
 
 
 def draw_banana(figure: Figure, palette: Palette) -> None:

@@ -23,7 +23,7 @@ from curriculum.l20.figures._plan import (
 )
 from graders.plotting import Palette
 from reference.odometry import LateralDrift
-from reference.world.scan import turn_angles
+from reference.world.scan import full_turn_angles
 
 Floats = NDArray[np.float64]
 
@@ -34,7 +34,7 @@ def draw_world(figure: Figure, palette: Palette) -> None:
     """The map, the robot and its 36 rays; under it, the scan: a distance for each direction."""
     figure.set_size_inches(5.8, 6.6)
     above, below = figure.subplots(2, 1, height_ratios=[2.1, 1.0])
-    ranges = module_map().cast_scans([ROBOT], turn_angles(36), RANGE)[0]
+    ranges = module_map().cast_scans([ROBOT], full_turn_angles(36), RANGE)[0]
     draw_walls(above, palette, module_map())
     mark_axes(above, palette)
     draw_rays(above, ROBOT, ranges, palette.measure)
@@ -89,9 +89,9 @@ HYPOTHESES = (("Au bon endroit", (8.6, 7.4, 0.35)), ("Deux cases plus à droite,
 def draw_hypotheses(figure: Figure, palette: Palette) -> None:
     """The same scan, laid on the map from two poses: on the walls, or beside them."""
     figure.set_size_inches(5.8, 7.4)
-    ranges = module_map().cast_scans([ROBOT], turn_angles(72), RANGE)[0]
+    ranges = module_map().cast_scans([ROBOT], full_turn_angles(72), RANGE)[0]
     for axes, (title, pose) in zip(figure.subplots(2, 1), HYPOTHESES, strict=True):
-        expected = module_map().cast_scans([pose], turn_angles(72), RANGE)[0]
+        expected = module_map().cast_scans([pose], full_turn_angles(72), RANGE)[0]
         gap = float(np.abs(expected - ranges).mean())
         draw_walls(axes, palette, module_map(), 0.55)
         draw_impacts(axes, ray_ends(pose, ranges)[ranges < RANGE], palette.measure, 26)

@@ -11,7 +11,7 @@ from curriculum.l20.figures._plan import RANGE, draw_impacts, french, module_map
 from graders.plotting import Palette
 from reference.registration import icp
 from reference.se2 import compose, inverse, transform
-from reference.world.scan import turn_angles
+from reference.world.scan import full_turn_angles
 
 Floats = NDArray[np.float64]
 
@@ -27,8 +27,8 @@ def draw_turned_scans(figure: Figure, palette: Palette) -> None:
     figure.set_size_inches(6.4, 2.9)
     for k, (title, pose) in enumerate(VIEWS):
         axes = figure.add_subplot(1, 3, k + 1, projection="polar")
-        ranges = module_map().cast_scans([pose], turn_angles(72), RANGE)[0]
-        axes.plot(turn_angles(72), ranges, "o", color=palette.measure, ms=3)
+        ranges = module_map().cast_scans([pose], full_turn_angles(72), RANGE)[0]
+        axes.plot(full_turn_angles(72), ranges, "o", color=palette.measure, ms=3)
         axes.set_theta_zero_location("N")  # type: ignore[attr-defined]
         axes.set_theta_direction(-1)  # type: ignore[attr-defined]
         axes.set(xticks=np.arange(0, 2 * np.pi, np.pi / 2), xticklabels=[], ylim=(0, RANGE), yticks=[4, 8, 12])
@@ -83,7 +83,7 @@ def room_clouds() -> tuple[Floats, Floats]:
     """Points of two scans of a room, each in the frame of its robot: (n, 2) and (m, 2)."""
     clouds = []
     for pose in (ROOM, BESIDE):
-        ranges = module_map().cast_scans([pose], turn_angles(120), RANGE)[0]
+        ranges = module_map().cast_scans([pose], full_turn_angles(120), RANGE)[0]
         clouds.append(ray_ends((0.0, 0.0, 0.0), ranges)[ranges < RANGE])
     return clouds[0], clouds[1]
 
@@ -111,7 +111,7 @@ def draw_bent_corridors(figure: Figure, palette: Palette) -> None:
     """Scans taken along a straight corridor, drawn where a heading that drifts believes they were."""
     figure.set_size_inches(6.0, 4.6)
     xs = np.linspace(2, 20, 13)
-    taken = module_map().cast_scans([(x, 8.0, 0.0) for x in xs], turn_angles(90), RANGE)
+    taken = module_map().cast_scans([(x, 8.0, 0.0) for x in xs], full_turn_angles(90), RANGE)
     for axes, drift in zip(figure.subplots(2, 1, sharex=True), (0.05, -0.05), strict=True):
         for k, (x, ranges) in enumerate(zip(xs, taken, strict=True)):
             believed = (x, 8.0 + (x - 2.0) * drift * k / 2.0, drift * k)

@@ -14,7 +14,7 @@ from reference.planning.dynamic_window import DynamicWindow, RobotLimits, naviga
 from reference.planning.grid_search import SearchGrid
 from reference.planning.inflation import inflate
 from reference.world.grid_map import GridMap
-from reference.world.scan import turn_angles
+from reference.world.scan import full_turn_angles
 
 Point = tuple[float, float]
 
@@ -115,7 +115,7 @@ def draw_late_scan(figure: Figure, palette: Palette) -> None:
     world = module_map()
     draw_walls(axes, palette, world)
     pose = np.array([11.5, 7.6, 0.4])
-    ranges = world.cast_scans([pose], turn_angles(180), 12.0)[0]
+    ranges = world.cast_scans([pose], full_turn_angles(180), 12.0)[0]
     late = pose - [0.0, 0.0, 1.5 * 0.05]
     hit = ranges < 12.0
     draw_impacts(axes, ray_ends(pose, ranges)[hit], palette.measure, 12)
@@ -159,7 +159,7 @@ def draw_window(figure: Figure, palette: Palette) -> None:
     limits = RobotLimits(radius=0.25, max_v=2.0, max_w=2.2, max_dv=3.0, max_dw=8.0, period=0.25, horizon=1.6, samples=9)
     goal = np.array([13.0, 2.0])
     journey = navigate(world, np.array([2.5, 8.0, 0.0]), goal, limits)
-    window = DynamicWindow.towards(world, goal, limits)
+    window = DynamicWindow.from_goal(world, goal, limits)
     at = int(np.argmin(np.abs(journey.poses[:, 0] - 8.2)))
     pose, speed = journey.poses[at], journey.speeds[at - 1]
     choices = np.array([(v, w) for v in np.linspace(0.4, 2.0, 4) for w in np.linspace(-2.0, 2.0, 17)])
@@ -168,7 +168,8 @@ def draw_window(figure: Figure, palette: Palette) -> None:
     for path, free in zip(arcs, clear, strict=True):
         colour, width = (palette.faint, 1.2) if free else (palette.alert, 0.7)
         axes.plot(path[:, 0], path[:, 1], color=colour, lw=width, zorder=4 if free else 3)
-    chosen = predict_drive(pose, window.choose(pose, speed)[None], limits, brake=False, duration=limits.horizon)[0]
+    speeds = window.choose_speed(pose, speed)[None]
+    chosen = predict_drive(pose, speeds, limits, brake=False, duration=limits.horizon)[0]
     axes.plot(journey.poses[:, 0], journey.poses[:, 1], color=palette.truth, lw=1.6, zorder=5)
     axes.plot(chosen[:, 0], chosen[:, 1], color=palette.estimate, lw=3.0, zorder=6)
     draw_robot(axes, pose, palette.estimate, palette)

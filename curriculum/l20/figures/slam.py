@@ -17,7 +17,7 @@ from reference.pose_graph import NormalEquations, PoseGraph, gauss_newton
 from reference.pose_graph.factor import factorise
 from reference.registration import icp
 from reference.se2 import compose, relative, transform, wrap_angle
-from reference.world.scan import turn_angles
+from reference.world.scan import full_turn_angles
 
 Floats = NDArray[np.float64]
 
@@ -62,7 +62,7 @@ def _arrow(axes: Axes, start: Floats, end: Floats, colour: str, width: float = 1
 @cache
 def clouds() -> tuple[Floats, Floats]:
     """The points of two scans of one room, from two poses, each in its robot's frame: before (Q), after (P)."""
-    rng, angles = np.random.default_rng(2), turn_angles(BEAMS)
+    rng, angles = np.random.default_rng(2), full_turn_angles(BEAMS)
     both = []
     for pose in (ROOM, compose(ROOM, MOVE)):
         ranges = world().cast_scans(pose[None], angles, 12.0)[0]
@@ -192,7 +192,7 @@ def draw_graph(figure: Figure, palette: Palette) -> None:
         draw_walls(axes, palette, 0.22)
         axes.plot(*truth[:, :2].T, color=palette.truth, lw=1.2, alpha=0.8)
         axes.plot(*poses[:, :2].T, "o-", color=colour, lw=1.6, ms=3.4)
-        for i, j in zip(made.i[made.closures], made.j[made.closures], strict=True):
+        for i, j in zip(made.i[made.is_closure_mask], made.j[made.is_closure_mask], strict=True):
             axes.plot(*poses[[i, j], :2].T, color=palette.alert, lw=2.2, zorder=5)
         rms = np.sqrt(np.mean(np.sum((poses - truth)[:, :2] ** 2, axis=1)))
         axes.set_title(f"{title} : {rms:.2f}".replace(".", ","))
@@ -221,7 +221,7 @@ def factors() -> dict[str, tuple[NDArray[np.bool_], int]]:
     pairs += [(order[row, c], order[row + 1, c]) for row in range(side - 1) for c in range(side)]
     edges = [(i, j, relative(poses[i], poses[j]), np.eye(3)) for i, j in dict.fromkeys(pairs)]
     equations = NormalEquations(PoseGraph.from_edges(side * side, edges))
-    upper = equations.upper(equations.state(poses))
+    upper = equations.upper_triangle(equations.join_state(poses))
     full = (upper + upper.T).toarray() - np.diag(upper.diagonal())
     natural = np.abs(np.linalg.cholesky(full)) > 1e-12
     chosen = abs(factorise(upper).lower().L).toarray() > 1e-12
@@ -258,7 +258,7 @@ def draw_signature(figure: Figure, palette: Palette) -> None:
         "un autre lieu": (np.array([11.5, 12.0, 0.4]), palette.alert, "s:"),
     }
     for shift, (name, (pose, colour, style)) in enumerate(scans.items()):
-        ranges = world().cast_scans(pose[None], turn_angles(36), 12.0)[0]
+        ranges = world().cast_scans(pose[None], full_turn_angles(36), 12.0)[0]
         left.plot(ranges, style, color=colour, ms=3, lw=1.4, label=name)
         right.bar(np.arange(1, 13) + 0.27 * (shift - 1), fourier_signature(ranges)[1:13], 0.25, color=colour)
     left.set_ylabel("distance")

@@ -20,7 +20,7 @@ from curriculum.l20.figures._plan import (
 )
 from graders.plotting import Palette
 from reference.world.grid_map import GridMap
-from reference.world.scan import turn_angles
+from reference.world.scan import full_turn_angles
 from reference.world.simulation import SimulatedLidar
 
 Floats = NDArray[np.float64]
@@ -97,9 +97,9 @@ def passer_by_scan() -> tuple[Floats, NDArray[np.bool_]]:
     """36 readings with somebody in the corridor who is not on the map, and which of the rays they stopped."""
     free = module_map().free.copy()
     free[PASSER_BY] = False
-    angles = turn_angles(36)
+    angles = full_turn_angles(36)
     seen, mapped = (world.cast_scans([TRUTH], angles, RANGE)[0] for world in (GridMap.from_free(free), module_map()))
-    read = SimulatedLidar.full_turn(36, RANGE, SIGMA).disturb(seen, np.random.default_rng(4))
+    read = SimulatedLidar.full_turn(36, RANGE, SIGMA).add_noise(seen, np.random.default_rng(4))
     return read, seen < mapped - 1e-9
 
 
@@ -110,14 +110,14 @@ def candidates() -> tuple[Floats, Floats]:
     places = np.column_stack([x, y])[module_map().is_free(np.column_stack([x, y]))]
     headings = 2.0 * np.pi * np.arange(24) / 24
     poses = np.column_stack([np.repeat(places, 24, axis=0), np.tile(headings, len(places))])
-    return poses, module_map().cast_scans(poses, turn_angles(36), RANGE)
+    return poses, module_map().cast_scans(poses, full_turn_angles(36), RANGE)
 
 
 def favourites() -> dict[str, tuple[Floats, float]]:
     """For each model, the pose that it likes best, and by how many nats more than the true one."""
     ranges, _ = passer_by_scan()
     poses, expected = candidates()
-    true = module_map().cast_scans([TRUTH], turn_angles(36), RANGE)
+    true = module_map().cast_scans([TRUTH], full_turn_angles(36), RANGE)
     best = {}
     for name, model in (("gaussienne", bell_log), ("mélange", mixture_log)):
         scores = model(ranges, expected)
@@ -190,14 +190,14 @@ def draw_field(figure: Figure, palette: Palette) -> None:
     """The distance to the nearest wall, and the ends of a scan laid on it from a pose a little off."""
     figure.set_size_inches(5.8, 4.05)
     axes = figure.subplots()
-    field = fine_map().distance_to_wall
+    field = fine_map().distances_to_wall
     nearness = np.ma.masked_where(fine_map().occupied, np.exp(-0.5 * (field / 0.6) ** 2))
     axes.imshow(
         nearness, cmap=palette.ramp, vmin=0, vmax=1.25, extent=(0, 24, 16, 0), interpolation="nearest", zorder=1
     )
     draw_walls(axes, palette, module_map(), 0.9)
     mark_axes(axes, palette)
-    ranges = module_map().cast_scans([TRUTH], turn_angles(72), RANGE)[0]
+    ranges = module_map().cast_scans([TRUTH], full_turn_angles(72), RANGE)[0]
     pose = (8.9, 7.8, 0.12)
     points = ray_ends(pose, ranges)[ranges < RANGE]
     axes.scatter(*points.T, s=26, color=palette.measure, edgecolors=palette.paper, linewidths=0.7, zorder=6)

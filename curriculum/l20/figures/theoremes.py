@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from graders.plotting import Palette
 from reference import se2
-from reference.odometry import DifferentialDrive, LateralDrift, integrate
+from reference.odometry import DifferentialDrive, LateralDrift, integrate_poses
 from reference.registration.rigid import kabsch, squared_residual
 
 Floats = NDArray[np.float64]
@@ -132,7 +132,7 @@ def draw_drift(figure: Figure, palette: Palette) -> None:
     drive = DifferentialDrive(track=0.3, sigma=1e-3)
     rng = np.random.default_rng(20)
     wheels = length + rng.normal(0.0, drive.sigma, (100, steps, 2))
-    paths = integrate(drive, wheels)
+    paths = integrate_poses(drive, wheels)
     axes.plot(paths[:, ::25, 0].T, paths[:, ::25, 1].T, color=palette.estimate, lw=0.6, alpha=0.5)
     turn = drive.turn_deviation(length, length)
     counts = np.arange(25, steps + 1, 25)

@@ -28,7 +28,7 @@ from graders.scene.replay import (
     decimal,
 )
 from reference.planning import InflatedGrid, Route, SearchGrid, UnreachableError, inflate
-from reference.world.distance_map import distance_to
+from reference.world.distance_map import distances_to_cells
 from reference.world.grid_map import GridMap
 
 TITLE = "A* cherche un chemin"
@@ -213,7 +213,7 @@ def travelled(path: np.ndarray) -> np.ndarray:
 
 def margins(path: np.ndarray) -> np.ndarray:
     """La distance du centre de chaque case du chemin au bord du mur le plus proche."""
-    away = distance_to(~free()) / FINE - 0.5 / FINE
+    away = distances_to_cells(~free()) / FINE - 0.5 / FINE
     columns, rows = np.floor(path * FINE).astype(int).T
     return np.asarray(away[rows, columns])
 

@@ -119,9 +119,9 @@ class Journey:
 def compute(values: Values, rng: np.random.Generator) -> Replay:
     walk = WALKS[values.choice("depart")]
     sigma, slip, reach = values.number("sigma"), values.number("glissement"), float(values.whole("portee"))
-    world = GridWorld.of(walk.grid_map.free, reach)
+    world = GridWorld.from_free_cells(walk.grid_map.free, reach)
     journey = Journey(world, [], [], [], [])
-    belief, cell = world.uniform(), walk.start
+    belief, cell = world.uniform_belief(), walk.start
     journey.show(belief, cell, "Au départ, le robot ne sait rien : toutes les cases libres se valent.")
     belief = sense(journey, belief, cell, sigma, reach, rng, "Premier scan")
     goals = deque(walk.goals)
@@ -155,7 +155,7 @@ def sense(
     journey: Journey, belief: Belief, cell: Cell, sigma: float, reach: float, rng: np.random.Generator, name: str
 ) -> Belief:
     """Un scan bruité, la croyance qu'il corrige, et leur image."""
-    scan = SimulatedLidar.full_turn(4, reach, sigma).disturb(journey.world.scans[cell], rng)
+    scan = SimulatedLidar.full_turn(4, reach, sigma).add_noise(journey.world.scans[cell], rng)
     corrected = correct(journey.world, belief, scan, sigma)
     centre = np.array([cell[1] + 0.5, cell[0] + 0.5])
     ends = centre + scan[:, None] * np.array([[1, 0], [0, 1], [-1, 0], [0, -1]])

@@ -31,7 +31,7 @@ from reference.metrics import absolute_trajectory_error
 from reference.odometry import DifferentialDrive
 from reference.pose_graph import DCS, Huber, Kernel, PoseGraph, chi2, edge_chi2, gauss_newton, robust_gauss_newton
 from reference.se2 import relative, transform
-from reference.world.simulation import SimulatedLidar, SimulatedRun, motions_through, simulate
+from reference.world.simulation import SimulatedLidar, SimulatedRun, motions_through_waypoints, simulate
 
 TITLE = "Le graphe de poses se referme"
 ALT = (
@@ -91,7 +91,7 @@ class State:
 
 def compute(values: Values, rng: np.random.Generator) -> Replay:
     drive = DifferentialDrive(TRACK, sigma_per_root_metre=values.number("derive") / 100.0)
-    run = simulate(carte(), motions_through(START, ROUTE, STRIDE, TURN), START, drive, LIDAR, rng)
+    run = simulate(carte(), motions_through_waypoints(START, ROUTE, STRIDE, TURN), START, drive, LIDAR, rng)
     noise = rng.normal(0.0, 1.0, (MOST_CLOSURES + 1, 3)) * CLOSURE_SIGMAS
     pairs = closures(run, values.whole("fermetures"))
     graph = build(run, pairs, noise, values.flag("fausse"))
@@ -148,7 +148,7 @@ def build(run: SimulatedRun, pairs: list[tuple[int, int]], noise: np.ndarray, mi
     edges = []
     for k, (left, right) in enumerate(run.wheels.tolist()):
         covariance = run.drive.increment_covariance(left, right) + FLOOR
-        edges.append((k, k + 1, run.drive.increment(left, right), np.linalg.inv(covariance)))
+        edges.append((k, k + 1, run.drive.pose_increment(left, right), np.linalg.inv(covariance)))
     information = np.diag(CLOSURE_SIGMAS**-2.0)
     for (i, j), error in zip(pairs, noise, strict=False):
         edges.append((i, j, relative(run.truth[i], run.truth[j]) + error, information))
@@ -178,14 +178,14 @@ def judged(graph: PoseGraph, run: SimulatedRun, poses: np.ndarray, kernel: Kerne
     error = absolute_trajectory_error(run.truth, poses, "first").rmse
     if kernel is None:
         return State(poses, chi2(graph, poses), np.ones(len(graph.i)), error)
-    each, doubted = edge_chi2(graph, poses), graph.closures
+    each, doubted = edge_chi2(graph, poses), graph.is_closure_mask
     cost = float(np.where(doubted, kernel.rho(each), each).sum())
     return State(poses, cost, np.where(doubted, kernel.weight(each), 1.0), error)
 
 
 def pictures(run: SimulatedRun, graph: PoseGraph, states: list[State], mistaken: bool) -> list[Frame]:
     scans = [run.scan(k).points() for k in range(len(run))]
-    loops = np.flatnonzero(graph.closures)
+    loops = np.flatnonzero(graph.is_closure_mask)
     before = f"L'odométrie seule : un écart quadratique moyen de {en_cases(states[0].error)} avec le vrai trajet."
     frames = [Frame(layers(states[0], scans, graph, loops[:0], False), before)]
     for k, state in enumerate(states):

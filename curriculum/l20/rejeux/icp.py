@@ -129,7 +129,7 @@ def compute(values: Values, rng: np.random.Generator) -> Replay:
 
 def scan_points(pose: np.ndarray, lidar: SimulatedLidar, rng: np.random.Generator) -> np.ndarray:
     """Les points d'un scan, dans le repère du robot."""
-    ranges = lidar.read(carte(), [pose], rng)[0]
+    ranges = lidar.measure_ranges(carte(), [pose], rng)[0]
     hit = ranges < REACH
     return np.column_stack([ranges * np.cos(lidar.angles), ranges * np.sin(lidar.angles)])[hit]
 

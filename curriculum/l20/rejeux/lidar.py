@@ -24,7 +24,7 @@ from graders.scene.replay import (
     Values,
     decimal,
 )
-from reference.world.scan import turn_angles
+from reference.world.scan import full_turn_angles
 from reference.world.simulation import SimulatedLidar
 
 TITLE = "Ce que voit le lidar"
@@ -64,11 +64,11 @@ def compute(values: Values, rng: np.random.Generator) -> Replay:
     count, reach, sigma = values.whole("rayons"), float(values.whole("portee")), values.number("bruit")
     lidar = SimulatedLidar.full_turn(count, reach, sigma)
     true = carte().cast_scans([pose], lidar.angles, reach)[0]
-    read = lidar.disturb(true, rng)
+    read = lidar.add_noise(true, rng)
     headings = pose[2] + lidar.angles
     ends = pose[:2] + read[:, None] * np.column_stack([np.cos(headings), np.sin(headings)])
     hits = read < reach
-    degrees = np.degrees(turn_angles(count))
+    degrees = np.degrees(full_turn_angles(count))
     frames = [
         Frame([Segments(pose[None, :2], ends[k : k + 1], "alert", width=2.5)], caption(k, degrees[k], read[k], hits[k]))
         for k in range(count)

@@ -29,12 +29,12 @@ from graders.scene.replay import (
 )
 from reference.localisation.mcl import MonteCarloLocalization, likely_poses, uniform_poses
 from reference.localisation.odometry_motion import OdometryNoise, sample_odometry
-from reference.odometry import DifferentialDrive, integrate
+from reference.odometry import DifferentialDrive, integrate_poses
 from reference.se2 import relative
 from reference.sensors.likelihood_field import LikelihoodField
 from reference.world.grid_map import GridMap
 from reference.world.scan import Scan
-from reference.world.simulation import SimulatedLidar, motions_through
+from reference.world.simulation import SimulatedLidar, motions_through_waypoints
 
 TITLE = "La localisation de Monte-Carlo"
 ALT = (
@@ -106,8 +106,8 @@ def routes() -> tuple[np.ndarray, np.ndarray]:
     """Deux trajets (STEPS + 1, 3) au moins : celui du robot, et celui qu'il suit là où on l'a porté."""
     drive, journeys = DifferentialDrive(0.5), []
     for start, goals in (((3.5, 3.5, 0.0), ROUTE), ((11.5, 10.8, np.pi / 2.0), ELSEWHERE)):
-        motions = motions_through(start, goals, STRIDE, TURN)
-        journeys.append(integrate(drive, [drive.wheels(motion) for motion in motions], start))
+        motions = motions_through_waypoints(start, goals, STRIDE, TURN)
+        journeys.append(integrate_poses(drive, [drive.wheel_paths(motion) for motion in motions], start))
     return journeys[0][: STEPS + 1], journeys[1][: STEPS + 1]
 
 
@@ -171,7 +171,7 @@ def weigh_and_resample(
     """Une mesure : les particules se pèsent, et se rééchantillonnent si leur nombre effectif est trop petit. La carte
     est celle du module, si l'on n'en donne pas une autre."""
     grid = carte() if grid is None else grid
-    scan = Scan(lidar.read(grid, [truth], rng)[0], lidar.angles, REACH)
+    scan = Scan(lidar.measure_ranges(grid, [truth], rng)[0], lidar.angles, REACH)
     robot.weigh(scan)
     size = robot.effective_sample_size
     guess = robot.clusters()[0].mean
@@ -184,9 +184,9 @@ def weigh_and_resample(
     weighed = Points(None, "estimate", weights=robot.weights / robot.weights.max())
     story.show(
         step, 0.0, f"Pas {step}, mesure : N_{{eff}} = {size:.0f} particules utiles.", weighed,
-        Pose(truth, "truth"), estimate, Rays(truth[:2], ends, hits=scan.hits),
+        Pose(truth, "truth"), estimate, Rays(truth[:2], ends, hits=scan.hit_mask),
     )  # fmt: skip
-    if not robot.degenerate:
+    if not robot.is_degenerate:
         return
     robot.resample()
     lost = np.flatnonzero(rng.random(len(robot.states)) < injection)

@@ -30,7 +30,7 @@ from graders.scene.replay import (
 from reference.occupancy import InverseSensorModel, OccupancyGrid, log_odds
 from reference.odometry import DifferentialDrive
 from reference.se2 import wrap_angle
-from reference.world.simulation import SimulatedLidar, SimulatedRun, motions_through, simulate
+from reference.world.simulation import SimulatedLidar, SimulatedRun, motions_through_waypoints, simulate
 
 TITLE = "La carte d'occupation, scan après scan"
 ALT = (
@@ -108,7 +108,7 @@ def compute(values: Values, rng: np.random.Generator) -> Replay:
     drive = DifferentialDrive(TRACK, sigma_per_root_metre=values.number("derive") / 100.0)
     reach = float(values.whole("portee"))
     lidar = SimulatedLidar.full_turn(values.whole("rayons"), reach, values.number("bruit"))
-    run = simulate(carte(), motions_through(START, ROUTE, STRIDE, TURN), START, drive, lidar, rng)
+    run = simulate(carte(), motions_through_waypoints(START, ROUTE, STRIDE, TURN), START, drive, lidar, rng)
     confidence = float(log_odds(values.number("confiance")))
     model = InverseSensorModel(confidence, -confidence, once_a_scan=True)
     mode = values.choice("poses")
@@ -166,7 +166,7 @@ def draw(run: SimulatedRun, mode: str, model: InverseSensorModel) -> tuple[list[
             headings = poses[k, 2] + scan.angles
             ends = poses[k, :2] + scan.ranges[:, None] * np.column_stack([np.cos(headings), np.sin(headings)])
             layers.append(Grid(coarse(p), "occupancy", (-MARGIN, -MARGIN), SIDE))
-            layers.append(Rays(poses[k, :2], ends, hits=scan.hits))
+            layers.append(Rays(poses[k, :2], ends, hits=scan.hit_mask))
         if mode != "vraies":
             layers.append(Pose(run.odometry[k], "estimate", glide=True))
         layers.append(Pose(run.truth[k], "truth", style="robot" if mode == "vraies" else "ghost", glide=True))

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from graders.core.answers.numeric import numeric
 from graders.core.answers.quantity import Data, Formula, Quantity
-from reference.filters.log_weights import normalise
+from reference.filters.log_weights import normalise_log_weights
 from reference.occupancy import log_odds
 from reference.se2 import transform
 
@@ -96,7 +96,7 @@ def evidence(data: Data, _: object) -> float:
 
 
 def weight(data: Data, _: object) -> float:
-    return float(normalise(np.array([data["l1"], data["l2"]])).weights[0])
+    return float(normalise_log_weights(np.array([data["l1"], data["l2"]])).weights[0])
 
 
 REL, ABS = 0.002, 0.001

@@ -67,7 +67,7 @@ class Robust:
     @cached_property
     def without_false(self) -> Floats:
         """The poses of least squares on the true edges."""
-        return pose_graph.gauss_newton(self.model.keep(~self.false), self.poses, max_iterations=60).poses
+        return pose_graph.gauss_newton(self.model.keep_edges(~self.false), self.poses, max_iterations=60).poses
 
     def error(self, poses: Floats) -> float:
         """The root mean square of the distances (n,) to the true positions."""

@@ -29,7 +29,7 @@ from graders.scene.replay import (
 from reference.localisation.mcl import InjectionRule, MonteCarloLocalization, uniform_poses
 from reference.sensors.likelihood_field import LikelihoodField
 from reference.world.grid_map import GridMap
-from reference.world.scan import Scan, turn_angles
+from reference.world.scan import Scan, full_turn_angles
 
 FINE = 4
 PARTICLES = 400
@@ -77,7 +77,7 @@ class Reference:
         told = cls()
         for move, ranges in zip(moves, scans, strict=True):
             robot.predict(move)
-            robot.correct(Scan(ranges, turn_angles(BEAMS), world.RANGE))
+            robot.correct(Scan(ranges, full_turn_angles(BEAMS), world.RANGE))
             told.estimates.append(robot.clusters()[0].mean)
         return told
 
@@ -133,7 +133,7 @@ def _cloud(data: dict[str, Any], k: int) -> Points:
 
 
 def _rays(pose: Floats, scan: Floats) -> Rays:
-    angles = pose[2] + turn_angles(BEAMS)
+    angles = pose[2] + full_turn_angles(BEAMS)
     ends = pose[:2] + scan[:, None] * np.column_stack([np.cos(angles), np.sin(angles)])
     return Rays(pose[:2], ends, hits=scan < world.RANGE)
 

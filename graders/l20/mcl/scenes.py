@@ -61,7 +61,7 @@ def hall() -> GridMap:
 def scan_of(grid: GridMap, pose: Floats, reach: float, rng: np.random.Generator) -> Floats:
     """What the lidar reads from a pose: noisy, 36 rays."""
     lidar = SimulatedLidar.full_turn(journeys.BEAMS, reach, journeys.SCAN_NOISE)
-    return np.asarray(lidar.read(grid, [pose], rng)[0])
+    return np.asarray(lidar.measure_ranges(grid, [pose], rng)[0])
 
 
 def step(

@@ -15,7 +15,7 @@ from graders.core.compare.told_apart import got_instead_of_expected_text
 from graders.core.contract.findings import FigureData
 from graders.core.contract.values import Arguments, Floats, UnreadableError, Value, read_scalar
 from reference.sensors.beam import plain_log_likelihood
-from reference.world.distance_map import distance_to
+from reference.world.distance_map import distances_to_cells
 
 FEW_BEAMS = 4
 #: A logarithm beyond which a density is not written.
@@ -46,7 +46,7 @@ def log_likelihood(z: Floats, expected: Floats, sigma: float, z_max: float, alph
 
 def distance_field(libres: Floats) -> Floats:
     """The right answer."""
-    return distance_to(~np.asarray(libres, dtype=bool))
+    return distances_to_cells(~np.asarray(libres, dtype=bool))
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -13,7 +13,7 @@ from graders.core.contract.findings import FigureData
 from graders.core.contract.values import Floats, UnreadableError, Value, read_array
 from graders.l20.odometrie.cases import pose
 from graders.robotics.poses import SamePose
-from reference.odometry import DifferentialDrive, integrate
+from reference.odometry import DifferentialDrive, integrate_poses
 
 #: What steps may lose by rounding, each of them exact to 1e-9.
 SAME = SamePose(tolerance=1e-7)
@@ -43,7 +43,7 @@ def _drawn(rng: np.random.Generator, track: float) -> Floats:
 
 def _follow(bench: Bench, start: Floats, track: float, wheels: Floats) -> None:
     """Raises Rejection at the first step after which the robot is believed elsewhere than it is."""
-    expected = integrate(DifferentialDrive(track), wheels, start)
+    expected = integrate_poses(DifferentialDrive(track), wheels, start)
     followed = [start]
     for step, args in enumerate(_steps(followed, wheels, track), start=1):
         value = bench.call("odometrie", *args)

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from graders.core.contract.values import Floats
 from reference.planning import PlanningError, SearchGrid, UnreachableError
-from reference.world.distance_map import distance_to
+from reference.world.distance_map import distances_to_cells
 
 Cell = tuple[int, int]
 Grid = NDArray[np.bool_]
@@ -22,7 +22,7 @@ FREE, WALL, UNKNOWN = 0, 100, -1
 
 def right_permitted(grid: NDArray[np.int64], radius: float, resolution: float) -> Grid:
     """The free cells farther than `radius` metres from every wall. Outside of the grid, nothing is a wall."""
-    return np.asarray((grid == FREE) & (resolution * distance_to(grid == WALL) > radius))
+    return np.asarray((grid == FREE) & (resolution * distances_to_cells(grid == WALL) > radius))
 
 
 def right_price(path: Sequence[Cell], costs: Floats) -> float:

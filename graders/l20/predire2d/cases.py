@@ -41,7 +41,7 @@ def module_world() -> GridWorld:
     """The map that the kit holds."""
     names: dict[str, object] = {"__name__": world.MODULE}
     exec(compile(kit_source(world.MODULE), f"<kit {world.MODULE}>", "exec"), names)
-    return GridWorld.of(np.asarray(names["libres"]), world.RANGE)
+    return GridWorld.from_free_cells(np.asarray(names["libres"]), world.RANGE)
 
 
 def open_world(rng: Rng, height: int = 5, width: int = 7) -> GridWorld:
@@ -53,7 +53,7 @@ def open_world(rng: Rng, height: int = 5, width: int = 7) -> GridWorld:
         free = world.random_map(rng, height + 2, width + 2, fill=0.25)[1:-1, 1:-1]
         roomy_enough = np.count_nonzero(free) >= 0.5 * free.size
         if roomy_enough and _wraps(free) and _wraps(free.T) and _pinches(free) and _pinches(free[:, ::-1]):
-            return GridWorld.of(free, world.RANGE)
+            return GridWorld.from_free_cells(free, world.RANGE)
 
 
 @cache
@@ -121,7 +121,7 @@ def moves_near_walls(rng: Rng, grid: GridWorld) -> Iterator[Arguments]:
     tight = grid.free & ~roomy(grid.free)
     for du, dv in MOVES:
         yield one_hot(shape, pick(rng, tight)), du, dv
-    yield grid.uniform(), 0, 1
+    yield grid.uniform_belief(), 0, 1
     for du, dv in MOVES:
         yield spread(rng, grid.free), du, dv
 
@@ -164,14 +164,14 @@ def doubts(rng: Rng, grid: GridWorld) -> Iterator[Arguments]:
         map(tuple, np.argwhere(grid.free)), key=lambda cell: float(np.sum((grid.scans[cell] - grid.scans[1, 1]) ** 2))
     )
     yield one_hot(shape, (1, 1), (int(away[0]), int(away[1]))), grid.scans[1, 1], 5.0
-    yield grid.uniform(), grid.scans[FAR_FROM_OTHERS], 0.4
+    yield grid.uniform_belief(), grid.scans[FAR_FROM_OTHERS], 0.4
     for sigma in (1.5, 1.0, 0.5):
         cell = pick(rng, grid.free)
         other = neighbour(rng, grid, cell)
         yield one_hot(shape, cell, other), grid.scans[cell], sigma
         yield weighted(shape, {cell: 0.25, other: 0.75}), grid.scans[cell], sigma
     for sigma in (0.5, 0.4):
-        yield grid.uniform(), grid.scans[pick(rng, grid.free)], sigma
+        yield grid.uniform_belief(), grid.scans[pick(rng, grid.free)], sigma
 
 
 def _opposed(grid: GridWorld) -> Iterator[tuple[Floats, Cell]]:

@@ -27,7 +27,7 @@ from graders.scene.replay import (
     decimal,
 )
 from graders.typography import elided
-from reference.localisation.grid_filter import Cell, GridWorld, correct, most_likely, predict
+from reference.localisation.grid_filter import Cell, GridWorld, correct, most_likely_cell, predict
 
 #: Beliefs that differ by this share of their mass are no longer the same; the bytes of a film make less than a quarter
 #: of it.
@@ -67,7 +67,7 @@ def localisation(data: dict[str, Any]) -> Replay:
     height, width = grid.free.shape
     wrong = next((k for k, moment in enumerate(moments, 1) if moment.apart > APART or moment.got is None), None)
     first = Frame(
-        [*_beside(grid.uniform(), grid.uniform()), _robot(start)],
+        [*_beside(grid.uniform_belief(), grid.uniform_belief()), _robot(start)],
         "Au départ, le filtre ne sait rien : toutes les cases libres se valent.",
     )
     return Replay(
@@ -92,7 +92,7 @@ def localisation(data: dict[str, Any]) -> Replay:
 def _moments(grid: GridWorld, data: dict[str, Any]) -> list[Moment]:
     """As far as the student's beliefs go, and one more where they stop before the end."""
     got = [_normalised(_levels(belief).reshape(grid.free.shape)) for belief in data["beliefs"]]
-    wanted, moments = grid.uniform(), []
+    wanted, moments = grid.uniform_belief(), []
     for step, ((du, dv), (y, x)) in enumerate(zip(data["commands"], data["cells"], strict=True), 1):
         wanted = predict(grid, wanted, du, dv)
         asked = f"on demande une case {WORDS[du, dv]}"
@@ -123,7 +123,7 @@ def _beside(got: Floats | None, wanted: Floats) -> list[Layer]:
             continue
         layers.append(Grid(np.sqrt(belief), "belief", panel=panel))
         if belief.max() > 1.5 / np.count_nonzero(module_world().free):
-            y, x = most_likely(belief)
+            y, x = most_likely_cell(belief)
             layers.append(Circles([[x + 0.5, y + 0.5]], 0.5, "estimate", filled=False, panel=panel))
     return layers
 
@@ -156,7 +156,7 @@ def _percent(share: float) -> str:
 
 def _chart(grid: GridWorld, start: Cell, moments: Sequence[Moment], wrong: int | None) -> Chart:
     times = np.array([0.0, *(k / 2 for k in range(1, len(moments) + 1))])
-    begin = float(grid.uniform()[start])
+    begin = float(grid.uniform_belief()[start])
     yours = [begin, *(float("nan") if one.got is None else float(one.got[one.cell]) for one in moments)]
     return Chart(
         "La probabilité donnée à la vraie case",
@@ -186,7 +186,7 @@ def _summary(moments: Sequence[Moment], wrong: int | None) -> list[str]:
             end = f"Votre croyance suit la référence, puis s'en écarte au pas {step}, après {function}."
     if last.got is None or last.got.max() <= 0.0:
         return [end]
-    away = gap(most_likely(last.got), last.cell)
+    away = gap(most_likely_cell(last.got), last.cell)
     if away == 0:
         return [end, "À la fin, la case la plus probable est celle du robot."]
     place = "à une case" if away == 1 else f"à {away} cases"

@@ -20,7 +20,7 @@ from graders.core.contract.program import StudentFault
 from graders.core.contract.values import Arguments, Floats, UnreadableError, Value, read_array
 from graders.l20.predire2d.beliefs import at
 from graders.l20.predire2d.cases import MOVES, module_world, pick
-from reference.localisation.grid_filter import Belief, Cell, GridWorld, correct, most_likely, predict, sample_move
+from reference.localisation.grid_filter import Belief, Cell, GridWorld, correct, most_likely_cell, predict, sample_move
 
 STEPS = 8
 SIGMA = 0.5
@@ -74,7 +74,7 @@ def episodes(seed: int) -> tuple[Episode, ...]:
 
 def _walk(grid: GridWorld, rng: np.random.Generator) -> Episode:
     start = cell = pick(rng, grid.free)
-    belief, commands, cells = grid.uniform(), [], []
+    belief, commands, cells = grid.uniform_belief(), [], []
     for _ in range(STEPS):
         du, dv = MOVES[int(rng.integers(len(MOVES)))]
         cell = sample_move(grid, cell, du, dv, rng)
@@ -89,12 +89,12 @@ def _is_telling(grid: GridWorld, episode: Episode) -> bool:
     close = np.maximum(np.abs(y - episode.end[0]), np.abs(x - episode.end[1])) <= NEAR
     if episode.belief[close].max() < MARGIN * episode.belief[~close].max():
         return False
-    return all(gap(most_likely(_misled(grid, episode, mislead)), episode.end) > NEAR for mislead in MISLED)
+    return all(gap(most_likely_cell(_misled(grid, episode, mislead)), episode.end) > NEAR for mislead in MISLED)
 
 
 def _misled(grid: GridWorld, episode: Episode, mislead: Callable[[int, int], tuple[int, int]]) -> Belief:
     """Where a filter ends that takes each command for another one."""
-    belief = grid.uniform()
+    belief = grid.uniform_belief()
     for (du, dv), cell in zip(episode.commands, episode.cells, strict=True):
         belief = correct(grid, predict(grid, belief, *mislead(du, dv)), grid.scans[cell], SIGMA)
     return belief
@@ -113,7 +113,7 @@ def _side_by_side(bench: Bench) -> Sequence[Sequence[Floats]]:
     one, up to the first that is told.
     """
     grid = module_world()
-    beliefs: list[list[Floats]] = [[grid.uniform()] for _ in episodes(WALKS)]
+    beliefs: list[list[Floats]] = [[grid.uniform_belief()] for _ in episodes(WALKS)]
     for step in range(STEPS):
         moves: list[Arguments] = [episode.commands[step] for episode in episodes(WALKS)]
         scans: list[Arguments] = [(grid.scans[episode.cells[step]], SIGMA) for episode in episodes(WALKS)]
@@ -145,7 +145,7 @@ def localise(bench: Bench) -> None:
         if failed is None and not bench.runner.reenacting:
             bench.record_film(film(episode, beliefs))
         belief = beliefs[-1]
-        believed = most_likely(belief)
+        believed = most_likely_cell(belief)
         located = gap(believed, episode.end) <= NEAR
         bench.observe(LOOP, located, ok=located)
         if not located and failed is None:
@@ -156,7 +156,7 @@ def localise(bench: Bench) -> None:
 
 def _follow(bench: Bench, grid: GridWorld, episode: Episode, beliefs: list[Floats]) -> None:
     """Has the student's functions follow a walk; each of their beliefs goes to the list, as they come."""
-    belief: Floats = grid.uniform()
+    belief: Floats = grid.uniform_belief()
     for (du, dv), cell in zip(episode.commands, episode.cells, strict=True):
         for function, args in (("predire2d", (du, dv)), ("corriger2d", (grid.scans[cell], SIGMA))):
             belief = _called(bench, grid, function, belief, *args)

@@ -18,7 +18,7 @@ KEPT_NS = 10_000 * NANOSECONDS
 
 
 def right_between(a: Floats, b: Floats, share: float) -> Floats:
-    return interpolate(Transform.planar(a), Transform.planar(b), share).to_planar()
+    return interpolate(Transform.from_planar(a), Transform.from_planar(b), share).to_planar()
 
 
 def right_at(dates: Floats, poses: Floats, date: float) -> Floats | str:
@@ -38,7 +38,7 @@ def right_lookup(messages: Sequence[Message], target: str, source: str, date: fl
         frame = parents[frame]
     buffer = FrameBuffer(KEPT_NS)
     for parent, child, t, pose in messages:
-        buffer.add(parent, child, Transform.planar(pose), _ns(t or 0.0), static=t is None)
+        buffer.add(parent, child, Transform.from_planar(pose), _ns(t or 0.0), static=t is None)
     try:
         return buffer.lookup(target, source, _ns(date)).to_planar()
     except (FutureDateError, PastDateError):

@@ -27,7 +27,7 @@ from graders.l20.tp_slam.chain import (
 )
 from graders.l20.tp_slam.pictures import FAR, match_figure
 from graders.l20.tp_slam.told import centimetres, given_up, metres
-from reference.odometry import DifferentialDrive, integrate
+from reference.odometry import DifferentialDrive, integrate_poses
 from reference.se2 import relative, wrap_angle
 
 SAME = 1e-6
@@ -64,7 +64,7 @@ def _right_so_far(count: int) -> str:
 def odometry(bench: Bench) -> None:
     """The path that the wheels count, pose by pose."""
     run, chain = journeys.simulated(), chain_of(bench)
-    wanted = integrate(DifferentialDrive(parcours.TRACK), run.wheels)
+    wanted = integrate_poses(DifferentialDrive(parcours.TRACK), run.wheels)
     got = read_poses(bench, "trajectoire", bench.call("trajectoire", run.wheels, parcours.TRACK), len(wanted))
     apart = np.column_stack([got[:, :2] - wanted[:, :2], wrap_angle(got[:, 2] - wanted[:, 2])])
     wrong = np.flatnonzero(np.abs(apart).max(axis=1) > SAME)

@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 import server
 from curriculum.l20.figures import outils
 from curriculum.l20.figures._gestes import gestures
-from reference.filters.log_weights import normalise
+from reference.filters.log_weights import normalise_log_weights
 from reference.occupancy import log_odds, probability
 from reference.pose_graph import PoseGraph, gauss_newton
 from reference.registration import kabsch
@@ -137,7 +137,7 @@ def test_evidence_and_weights() -> None:
         assert states("nombres", value, digits)
     assert math.exp(3 * touch) == pytest.approx(343 / 27)
     assert states("nombres", 360 * math.log(0.1), 1)
-    weights = normalise([-1000, -1001, -1003]).weights
+    weights = normalise_log_weights([-1000, -1001, -1003]).weights
     for value in (*weights, math.exp(-1), 1 + math.exp(-1) + math.exp(-3)):
         assert states("nombres", value, 3)
     assert np.all(np.exp([-1000.0, -1001.0, -1003.0]) == 0)

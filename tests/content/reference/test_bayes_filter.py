@@ -14,7 +14,7 @@ from reference.filters.histogram import HistogramFilter
 from reference.filters.kalman import KalmanFilter
 from reference.filters.particles import ParticleFilter
 from reference.filters.unscented import UnscentedKalmanFilter, UnscentedParameters
-from reference.localisation.grid_filter import COMMANDS, GridFilter, GridWorld, landings
+from reference.localisation.grid_filter import COMMANDS, GridFilter, GridWorld, possible_landings
 
 CORRIDOR = Corridor()
 STEPS = 12
@@ -130,10 +130,10 @@ def brute_force(world: GridWorld, sigma: float, commands: list[tuple[int, int]],
     """Every path of the robot, its joint probability with the measurements, added up by where it ends."""
     free = [(int(y), int(x)) for y, x in np.argwhere(world.free)]
     result = np.zeros(world.free.shape)
-    for start, *choices in itertools.product(free, *[range(len(landings(*command))) for command in commands]):
+    for start, *choices in itertools.product(free, *[range(len(possible_landings(*command))) for command in commands]):
         probability, (y, x) = 1.0 / len(free), start
         for command, scan, choice in zip(commands, scans, choices, strict=True):
-            outcome = landings(*command)[choice]
+            outcome = possible_landings(*command)[choice]
             target = (y + outcome.dy, x + outcome.dx)
             y, x = target if world.is_free(target) else (y, x)
             densities = np.exp(-((scan - world.scans[y, x]) ** 2) / (2 * sigma**2)) / (sigma * math.sqrt(2 * math.pi))
@@ -146,7 +146,7 @@ def test_theorem_1_the_recursion_is_bayes_rule_on_whole_paths() -> None:
     rng, sigma = np.random.default_rng(1), 0.8
     free = np.ones((3, 4), dtype=bool)
     free[1, 1] = False
-    world = GridWorld.of(free, 6.0)
+    world = GridWorld.from_free_cells(free, 6.0)
     commands = [COMMANDS[1], COMMANDS[3], COMMANDS[1], COMMANDS[4]]
     scans = [world.scans[2, 2] + rng.normal(0.0, sigma, 4) for _ in commands]
     robot = GridFilter(world, sigma)
@@ -161,7 +161,7 @@ def test_theorem_1_the_recursion_is_bayes_rule_on_whole_paths() -> None:
 
 def test_moments_of_a_grid_belief_are_those_of_its_cells() -> None:
     rng = np.random.default_rng(2)
-    world = GridWorld.of(np.ones((4, 6)), 6.0)
+    world = GridWorld.from_free_cells(np.ones((4, 6)), 6.0)
     robot = GridFilter(world, 0.5)
     robot.belief = rng.dirichlet(np.ones(24)).reshape(4, 6)
     y, x = np.indices((4, 6)) + 0.5

@@ -16,14 +16,14 @@ from reference.calibration import (
     calibrate_wheels,
     umbmark,
 )
-from reference.odometry import DifferentialDrive, integrate
+from reference.odometry import DifferentialDrive, integrate_poses
 from reference.se2 import relative, wrap_angle
 
 
 def journey(scales: tuple[float, float], track: float, seed: int, n: int = 40) -> tuple[np.ndarray, np.ndarray]:
     """Counts (n, 2) of the wheels, and the motions (n, 3) that they make."""
     counts = np.random.default_rng(seed).uniform(-0.2, 0.5, (n, 2))
-    poses = integrate(DifferentialDrive(track), counts * scales)
+    poses = integrate_poses(DifferentialDrive(track), counts * scales)
     return counts, relative(poses[:-1], poses[1:])
 
 
@@ -33,7 +33,7 @@ def test_the_constants_that_made_a_journey_are_found_again(left: float, right: f
     found = calibrate_wheels(counts, motions)
     assert (found.left_scale, found.right_scale) == pytest.approx((left, right), rel=1e-9)
     assert found.heading_residual < 1e-12
-    again = integrate(found.drive, found.paths(counts))
+    again = integrate_poses(found.to_drive, found.wheel_paths(counts))
     np.testing.assert_allclose(relative(again[:-1], again[1:]), motions, atol=1e-9)
 
 
@@ -76,7 +76,7 @@ def square(scales: tuple[float, float], track: float, believed: float, side: flo
     """Where a robot is at the end of a square that its odometry believes to close, (2,), in the frame of the start."""
     ahead, turn = [[side / 40] * 2] * 40, np.pi / 2 / 20 * believed / 2 * way
     counts = np.array((ahead + [[-turn, turn]] * 20) * 4)
-    return integrate(DifferentialDrive(track), counts * scales)[-1, :2]
+    return integrate_poses(DifferentialDrive(track), counts * scales)[-1, :2]
 
 
 @pytest.mark.parametrize("faults", [(0.004, 0.0), (0.0, 0.02), (-0.003, 0.015), (0.002, -0.01)])

@@ -102,7 +102,7 @@ def test_codes_of_faults_are_no_measurements() -> None:
     """8183 says that nothing was seen up to there, 8187 and 8191 that the lidar was dazzled or does not know."""
     scan = parse_flaser("FLASER 5 81.83 81.87 81.91 81.92 2 0 0 0 0 0 0 1 pippo 1", 50.0).scans[0]
     assert scan.measured.tolist() == [True, False, False, True, True]
-    assert scan.hits.tolist() == [False, False, False, False, True]
+    assert scan.hit_mask.tolist() == [False, False, False, False, True]
 
 
 def test_the_odometry_of_the_intel_log(dataset: Callable[[str], bytes]) -> None:

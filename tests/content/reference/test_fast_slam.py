@@ -9,7 +9,7 @@ import pytest
 
 from reference.ekf_slam import EkfSlam, SlamNoise
 from reference.errors import InvalidArgumentError
-from reference.fast_slam import FastSlam, Version, moved
+from reference.fast_slam import FastSlam, Version, move_poses
 from reference.filters.resampling import effective_sample_size
 from reference.se2 import wrap_angle
 
@@ -30,7 +30,7 @@ def test_where_the_robot_is_known_each_landmark_has_the_filter_of_ekf_slam(versi
     evidence = fast_evidence = 0.0
     pose = np.zeros(3)
     for turn in (0.3, -0.2, 0.5, 0.1):
-        pose = moved(pose[None], np.array([[0.4, turn]]))[0]
+        pose = move_poses(pose[None], np.array([[0.4, turn]]))[0]
         seen = {k: seen_from(pose, mark) + rng.normal(0, [0.1, 0.05]) for k, mark in enumerate(LANDMARKS)}
         ekf.predict([0.4, turn])
         evidence += sum(ekf.observe(k, z) for k, z in seen.items())
@@ -93,8 +93,8 @@ def test_a_loop_is_mapped_better_than_by_odometry(version: Version) -> None:
     truth, believed = np.zeros(3), np.zeros(3)
     for _ in range(80):
         control = np.array([0.16, 0.08])
-        truth = moved(truth[None], (control + rng.normal(0, [0.03, 0.04]))[None])[0]
-        believed = moved(believed[None], control[None])[0]
+        truth = move_poses(truth[None], (control + rng.normal(0, [0.03, 0.04]))[None])[0]
+        believed = move_poses(believed[None], control[None])[0]
         seen = {k: seen_from(truth, mark) for k, mark in enumerate(marks) if np.hypot(*(mark - truth[:2])) < 2.5}
         fast.step(control, {k: z + rng.normal(0, [0.05, 0.03]) for k, z in seen.items()})
     assert np.hypot(*(fast.pose - truth)[:2]) < 0.25 < np.hypot(*(believed - truth)[:2])

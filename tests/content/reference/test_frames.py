@@ -61,7 +61,7 @@ def test_interpolation_is_that_of_scipy(seed: int, share: float) -> None:
 
 
 def test_both_signs_of_a_quaternion_are_one_rotation() -> None:
-    a, b = Transform.planar([0, 0, 3.0]), Transform.planar([2, 0, -3.0])
+    a, b = Transform.from_planar([0, 0, 3.0]), Transform.from_planar([2, 0, -3.0])
     for sign in (1.0, -1.0):
         middle = interpolate(a, Transform(b.translation, sign * b.rotation), 0.5).to_planar()
         np.testing.assert_allclose(np.abs(middle), [1.0, 0.0, np.pi], atol=1e-12)
@@ -84,9 +84,9 @@ def test_any_two_frames_of_a_tree_are_joined(seed: int, names: list[str]) -> Non
 def a_robot() -> FrameBuffer:
     """It turns a quarter to the left in a second while it advances by a metre, and its lidar looks backwards."""
     buffer = FrameBuffer()
-    buffer.add("base_link", "laser", Transform.planar([0.2, 0.0, np.pi]), static=True)
+    buffer.add("base_link", "laser", Transform.from_planar([0.2, 0.0, np.pi]), static=True)
     for k in range(3):
-        buffer.add("odom", "base_link", Transform.planar([k, 0.0, k * np.pi / 2]), START + k * NANOSECONDS)
+        buffer.add("odom", "base_link", Transform.from_planar([k, 0.0, k * np.pi / 2]), START + k * NANOSECONDS)
     return buffer
 
 
@@ -94,9 +94,9 @@ def test_a_scan_is_placed_at_its_own_date() -> None:
     buffer = a_robot()
     found = buffer.lookup("odom", "laser", START + NANOSECONDS // 4).to_planar()
     np.testing.assert_allclose(found, compose([0.25, 0.0, np.pi / 8], [0.2, 0.0, np.pi]), atol=1e-12)
-    assert buffer.latest_common("odom", "laser") == START + 2 * NANOSECONDS
-    assert buffer.latest_common("laser", "base_link") == 0
-    assert buffer.latest_common("odom", "odom") == 0
+    assert buffer.latest_common_stamp("odom", "laser") == START + 2 * NANOSECONDS
+    assert buffer.latest_common_stamp("laser", "base_link") == 0
+    assert buffer.latest_common_stamp("odom", "odom") == 0
     first, last = buffer.lookup("odom", "laser", START), buffer.lookup("odom", "laser", START + 5)
     moved = buffer.lookup_between("laser", START, "laser", START + 5, "odom").to_planar()
     np.testing.assert_allclose(moved, relative(first.to_planar(), last.to_planar()), atol=1e-15)
@@ -106,29 +106,29 @@ def test_a_scan_is_placed_at_its_own_date() -> None:
 def test_transforms_may_arrive_out_of_order_and_twice() -> None:
     buffer = FrameBuffer()
     for k in (4, 1, 3, 0, 2, 3):
-        buffer.add("odom", "base", Transform.planar([k, 0, 0]), START + k)
+        buffer.add("odom", "base", Transform.from_planar([k, 0, 0]), START + k)
     for before, after in pairwise(range(5)):
         for date in (before, after):
             assert buffer.lookup("odom", "base", START + date).to_planar()[0] == date
-    buffer.add("odom", "base", Transform.planar([9, 0, 0]), START + 2)
+    buffer.add("odom", "base", Transform.from_planar([9, 0, 0]), START + 2)
     assert buffer.lookup("base", "/odom", START + 2).to_planar() == pytest.approx(inverse([9, 0, 0]))
 
 
 def test_what_is_older_than_the_cache_is_forgotten() -> None:
     buffer = FrameBuffer(cache_ns=100)
     for date in (0, 60, 120):
-        buffer.add("odom", "base", Transform.planar([date, 0, 0]), START + date)
+        buffer.add("odom", "base", Transform.from_planar([date, 0, 0]), START + date)
     assert buffer.lookup("odom", "base", START + 60).to_planar()[0] == 60
     with pytest.raises(PastDateError, match="before the first odom -> base"):
         buffer.lookup("odom", "base", START + 40)
     with pytest.raises(TooOldError, match="late"):
-        buffer.add("odom", "base", Transform.planar([0, 0, 0]), START + 19)
+        buffer.add("odom", "base", Transform.from_planar([0, 0, 0]), START + 19)
 
 
 def test_a_child_that_changes_parents_begins_anew() -> None:
     buffer = a_robot()
-    buffer.add("map", "odom", Transform.planar([0, 0, 0]), START)
-    buffer.add("dock", "base_link", Transform.planar([5, 5, 0]), START)
+    buffer.add("map", "odom", Transform.from_planar([0, 0, 0]), START)
+    buffer.add("dock", "base_link", Transform.from_planar([5, 5, 0]), START)
     assert buffer.lookup("dock", "laser", START).to_planar()[:2] == pytest.approx([5.2, 5])
     with pytest.raises(UnconnectedFramesError, match="'dock'"):
         buffer.lookup("odom", "base_link", START)
@@ -141,10 +141,10 @@ def test_a_child_that_changes_parents_begins_anew() -> None:
         (PastDateError, "stamp_ns", lambda b: b.lookup("odom", "laser", START - 1)),
         (UnknownFrameError, "target", lambda b: b.lookup("map", "laser", START)),
         (UnknownFrameError, "source", lambda b: b.lookup("odom", "lazer", START)),
-        (UnknownFrameError, "source", lambda b: b.latest_common("odom", "x")),
-        (FrameLoopError, "parent", lambda b: b.add("laser", "odom", Transform.planar([0, 0, 0]), START)),
-        (FrameLoopError, "parent", lambda b: b.add("laser", "laser", Transform.planar([0, 0, 0]), START)),
-        (FrameError, "child", lambda b: b.add("odom", "/", Transform.planar([0, 0, 0]), START)),
+        (UnknownFrameError, "source", lambda b: b.latest_common_stamp("odom", "x")),
+        (FrameLoopError, "parent", lambda b: b.add("laser", "odom", Transform.from_planar([0, 0, 0]), START)),
+        (FrameLoopError, "parent", lambda b: b.add("laser", "laser", Transform.from_planar([0, 0, 0]), START)),
+        (FrameError, "child", lambda b: b.add("odom", "/", Transform.from_planar([0, 0, 0]), START)),
         (FrameError, "cache_ns", lambda b: FrameBuffer(0)),
         (FrameError, "rotation", lambda b: Transform(np.zeros(3), np.zeros(4))),
         (FrameError, "rotation", lambda b: Transform(np.zeros(3), np.array([0.0, 0.0, 0.0, 2.0]))),
@@ -155,7 +155,11 @@ def test_a_child_that_changes_parents_begins_anew() -> None:
             "rotation",
             lambda b: Transform(np.zeros(3), np.array([0.1, 0.0, 0.0, np.sqrt(0.99)])).to_planar(),
         ),
-        (FrameError, "share", lambda b: interpolate(Transform.planar([0, 0, 0]), Transform.planar([0, 0, 0]), 1.1)),
+        (
+            FrameError,
+            "share",
+            lambda b: interpolate(Transform.from_planar([0, 0, 0]), Transform.from_planar([0, 0, 0]), 1.1),
+        ),
     ],
 )
 def test_each_fault_has_its_name(error: type[FrameError], argument: str, call: Any) -> None:

@@ -20,14 +20,14 @@ from reference.front_end.mapper import Mapper
 from reference.front_end.tracker import TrackedScan, Tracker
 from reference.metrics import absolute_trajectory_error
 from reference.occupancy import InverseSensorModel, build_map
-from reference.odometry import DifferentialDrive, integrate
+from reference.odometry import DifferentialDrive, integrate_poses
 from reference.registration import LineCloud, match_clouds
 from reference.se2 import compose, relative, wrap_angle
-from reference.world.distance_map import distance_to
+from reference.world.distance_map import distances_to_cells
 from reference.world.grid_map import GridMap
 from reference.world.scan import Scan
 from reference.world.scenes import random_ring
-from reference.world.simulation import SimulatedLidar, SimulatedRun, motions_through, simulate
+from reference.world.simulation import SimulatedLidar, SimulatedRun, motions_through_waypoints, simulate
 
 Floats = NDArray[np.float64]
 SEEDS = [0, *(pytest.param(seed, marks=pytest.mark.slow) for seed in (1, 2))]
@@ -41,7 +41,7 @@ def journey(seed: int) -> tuple[GridMap, SimulatedRun]:
     height, width = place.shape
     corners = place.to_world([(24, 24), (width - 24, 24), (width - 24, height - 24), (24, height - 24), (24, 24)])
     waypoints = np.vstack([corners[1:], corners[1:2]])
-    motions = motions_through([*corners[0], 0.0], waypoints, 0.15, 0.3)
+    motions = motions_through_waypoints([*corners[0], 0.0], waypoints, 0.15, 0.3)
     drive = DifferentialDrive(0.3, sigma_per_root_metre=0.015)
     return place, simulate(place, motions, [*corners[0], 0.0], drive, SimulatedLidar.full_turn(120, 5.0, 0.01), rng)
 
@@ -105,7 +105,7 @@ def likeness(place: GridMap, found: GridMap) -> float:
 
 def wall_error(place: GridMap, found: GridMap) -> float:
     """How far, in metres, nine in ten of the walls found are from a true one at most."""
-    distances = distance_to(np.pad(place.occupied, 40, constant_values=False)) * place.resolution
+    distances = distances_to_cells(np.pad(place.occupied, 40, constant_values=False)) * place.resolution
     y, x = np.nonzero(found.occupied)
     cells = np.floor(place.to_cells(found.to_world(np.column_stack([x, y]) + 0.5))).astype(int) + 40
     cells = np.clip(cells, 0, np.array(distances.shape)[::-1] - 1)
@@ -119,7 +119,7 @@ def test_half_a_turn_of_a_lidar_mounted_anywhere_is_enough(mount: Any) -> None:
     count = 140
     lidar = SimulatedLidar(np.deg2rad(np.arange(-90.0, 90.0, 2.0)), 5.0, 0.01)
     truth = run.truth[:count]
-    ranges = lidar.read(place, np.array([compose(pose, mount) for pose in truth]), np.random.default_rng(3))
+    ranges = lidar.measure_ranges(place, np.array([compose(pose, mount) for pose in truth]), np.random.default_rng(3))
     scans = [Scan(row, lidar.angles, lidar.max_range) for row in ranges]
     found = slam(scans, run.odometry[:count], T_robot_laser=mount, start=truth[0], resolution=0.1)
     before, after = (
@@ -133,7 +133,7 @@ def test_the_bias_of_the_wheels_is_learned_on_the_way() -> None:
     _, run = journey(0)
     drive = DifferentialDrive(0.3)
     wheels = run.wheels[:200] * np.array([1.0, 1.04])
-    odometry = integrate(drive, wheels, run.truth[0])
+    odometry = integrate_poses(drive, wheels, run.truth[0])
     found = slam(scans_of(run)[:201], odometry, start=run.truth[0], resolution=0.1)
     off = 0.02 / 0.15  # radians too many a metre
     assert found.bias[0, 2] == pytest.approx(-off, rel=0.3)
@@ -161,7 +161,7 @@ def test_loops_outvote_odometry_that_is_too_sure_of_itself() -> None:
     """One step errs by 40 times its deviation: odometry contradicts each true loop, but eighteen agree."""
     _, run = journey(0)
     keys = range(0, len(run), 3)
-    truth, clouds = run.truth[keys], [LineCloud.of_scan(run.scan(k), np.zeros(3)) for k in keys]
+    truth, clouds = run.truth[keys], [LineCloud.from_scan(run.scan(k), np.zeros(3)) for k in keys]
     steps = relative(truth[:-1], truth[1:])
     steps[20] += np.array([0.4, 0.1, 0.0])
     sure = np.diag(np.array([0.01, 0.01, 0.003]) ** -2.0)
@@ -200,7 +200,7 @@ def test_a_match_needs_the_more_points_the_farther_it_leads_from_odometry(
     gap: tuple[float, float, float], overlap: float, believed: bool, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     _, run = journey(0)
-    cloud = LineCloud.of_scan(run.scan(0), np.zeros(3))
+    cloud = LineCloud.from_scan(run.scan(0), np.zeros(3))
     right = match_clouds(cloud, cloud, np.zeros(3))
     tracker = Tracker(FrontEndSettings())
     tracker.set_submap([np.zeros(3)], [cloud])

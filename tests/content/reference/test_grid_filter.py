@@ -14,8 +14,8 @@ from reference.localisation.grid_filter import (
     GridFilterError,
     GridWorld,
     correct,
-    landings,
-    most_likely,
+    most_likely_cell,
+    possible_landings,
     predict,
     sample_move,
 )
@@ -28,7 +28,7 @@ def world_of(seed: int, shape: tuple[int, int] = (5, 6)) -> tuple[GridWorld, np.
     rng = np.random.default_rng(seed)
     free = rng.random(shape) > 0.3
     free[rng.integers(shape[0]), rng.integers(shape[1])] = True
-    return GridWorld.of(free, RANGE), rng
+    return GridWorld.from_free_cells(free, RANGE), rng
 
 
 def belief_on(world: GridWorld, rng: np.random.Generator) -> np.ndarray:
@@ -68,7 +68,7 @@ def test_prediction_is_a_belief_and_linear(seed: int, command: tuple[int, int]) 
 
 
 def test_in_the_open_the_robot_lands_on_three_cells() -> None:
-    world = GridWorld.of(np.ones((5, 5)), RANGE)
+    world = GridWorld.from_free_cells(np.ones((5, 5)), RANGE)
     belief = np.zeros((5, 5))
     belief[2, 2] = 1.0
     moved = predict(world, belief, 1, 0)
@@ -87,7 +87,7 @@ def test_no_command_moves_nothing() -> None:
 
 @pytest.mark.parametrize("command", COMMANDS)
 def test_probabilities_of_landing_sum_to_one(command: tuple[int, int]) -> None:
-    outcomes = landings(*command)
+    outcomes = possible_landings(*command)
     assert math.isclose(sum(outcome.probability for outcome in outcomes), 1.0)
     assert max(abs(outcome.dx - command[0]) for outcome in outcomes) == abs(command[1])
 
@@ -95,7 +95,7 @@ def test_probabilities_of_landing_sum_to_one(command: tuple[int, int]) -> None:
 def test_simulated_robots_spread_as_predicted() -> None:
     """Each frequency over 20,000 robots stays within 6 standard deviations (false alarm < 1e-7 for 30 cells)."""
     world, rng = world_of(11)
-    start = most_likely(belief_on(world, rng))
+    start = most_likely_cell(belief_on(world, rng))
     belief = np.zeros(world.free.shape)
     belief[start] = 1.0
     count = 20_000
@@ -111,7 +111,7 @@ def test_simulated_robots_spread_as_predicted() -> None:
 def test_correction_is_bayes_rule_with_gaussian_densities(seed: int, sigma: float) -> None:
     world, rng = world_of(seed, (3, 4))
     belief = belief_on(world, rng)
-    scan = world.scans[most_likely(belief)] + rng.normal(0.0, 0.1, 4)
+    scan = world.scans[most_likely_cell(belief)] + rng.normal(0.0, 0.1, 4)
     densities = np.array(
         [multivariate_normal.pdf(scan, mean, sigma**2 * np.eye(4)) for mean in world.scans.reshape(-1, 4)]
     )
@@ -120,13 +120,13 @@ def test_correction_is_bayes_rule_with_gaussian_densities(seed: int, sigma: floa
 
 
 def test_a_scan_unlike_any_other_still_tells_cells_apart() -> None:
-    world = GridWorld.of(np.ones((1, 3)), RANGE)
-    corrected = correct(world, world.uniform(), [500.0, 0.5, 0.0, 0.5], 0.01)
+    world = GridWorld.from_free_cells(np.ones((1, 3)), RANGE)
+    corrected = correct(world, world.uniform_belief(), [500.0, 0.5, 0.0, 0.5], 0.01)
     assert np.array_equal(corrected, [[1.0, 0.0, 0.0]])
 
 
 def test_an_impossible_cell_stays_impossible_however_like_the_scan() -> None:
-    world = GridWorld.of(np.ones((1, 4)), RANGE)
+    world = GridWorld.from_free_cells(np.ones((1, 4)), RANGE)
     corrected = correct(world, [[0.0, 0.5, 0.5, 0.0]], world.scans[0, 0], 0.01)
     assert corrected[0, 0] == 0.0
     assert corrected[0, 1] == pytest.approx(1.0)
@@ -135,19 +135,19 @@ def test_an_impossible_cell_stays_impossible_however_like_the_scan() -> None:
 def test_a_lost_robot_is_found() -> None:
     free = np.ones((6, 9), dtype=bool)
     free[2, 3:7], free[4, 1], free[0, 5] = False, False, False
-    world, rng = GridWorld.of(free, RANGE), np.random.default_rng(3)
-    cell, belief = (3, 4), world.uniform()
+    world, rng = GridWorld.from_free_cells(free, RANGE), np.random.default_rng(3)
+    cell, belief = (3, 4), world.uniform_belief()
     for du, dv in [(1, 0), (1, 0), (0, 1), (1, 0), (0, -1), (-1, 0), (0, -1), (0, -1)]:
         cell = sample_move(world, cell, du, dv, rng)
         belief = correct(world, predict(world, belief, du, dv), world.scans[cell], 0.5)
-    assert most_likely(belief) == cell
+    assert most_likely_cell(belief) == cell
 
 
 def test_degenerate_input_is_named() -> None:
-    world = GridWorld.of(np.ones((2, 3)), RANGE)
-    uniform, scan = world.uniform(), world.scans[0, 0]
+    world = GridWorld.from_free_cells(np.ones((2, 3)), RANGE)
+    uniform, scan = world.uniform_belief(), world.scans[0, 0]
     for argument, call in (
-        ("free", lambda: GridWorld.of(np.zeros((2, 2)), RANGE)),
+        ("free", lambda: GridWorld.from_free_cells(np.zeros((2, 2)), RANGE)),
         ("du, dv", lambda: predict(world, uniform, 1, 1)),
         ("belief", lambda: predict(world, uniform.T, 1, 0)),
         ("belief", lambda: predict(world, -uniform, 1, 0)),

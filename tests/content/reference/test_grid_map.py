@@ -9,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from reference.se2 import compose, rotation
-from reference.world.distance_map import DistanceMapError, chessboard_distance_to, distance_to
+from reference.world.distance_map import DistanceMapError, chessboard_distances_to_cells, distances_to_cells
 from reference.world.grid_map import GridMap, GridMapError
 
 coordinate = st.floats(-50, 50)
@@ -40,18 +40,18 @@ def test_free_points_are_those_on_free_cells() -> None:
     assert grid_map.is_free(points).tolist() == [True, False, False, False, False]
     assert grid_map.contains(points).tolist() == [True, True, True, False, False]
     assert grid_map.unknown.tolist() == [[False, False, True]]
-    assert grid_map.distance_to_wall.tolist() == [[0.5, 0.0, 0.5]]
+    assert grid_map.distances_to_wall.tolist() == [[0.5, 0.0, 0.5]]
     assert grid_map.is_free([1.2, 2.2])
 
 
 @given(grids)
 def test_distances_are_those_of_brute_force(cells: np.ndarray) -> None:
     if not cells.any():
-        assert np.all(np.isinf(distance_to(cells)))
+        assert np.all(np.isinf(distances_to_cells(cells)))
         return
     gaps = np.abs(np.argwhere(np.ones_like(cells))[:, None] - np.argwhere(cells)[None])
-    np.testing.assert_allclose(distance_to(cells).ravel(), np.hypot(*gaps.T).min(axis=0), atol=1e-12)
-    assert chessboard_distance_to(cells).ravel().tolist() == gaps.max(axis=2).min(axis=1).tolist()
+    np.testing.assert_allclose(distances_to_cells(cells).ravel(), np.hypot(*gaps.T).min(axis=0), atol=1e-12)
+    assert chessboard_distances_to_cells(cells).ravel().tolist() == gaps.max(axis=2).min(axis=1).tolist()
 
 
 @given(grids, grids)
@@ -97,8 +97,8 @@ ONES = np.ones((2, 2))
         ("text", lambda: GridMap.from_text("")),
         ("text", lambda: GridMap.from_text("..\n.")),
         ("text", lambda: GridMap.from_text(".x")),
-        ("cells", lambda: distance_to(np.ones(3))),
-        ("cells", lambda: chessboard_distance_to(np.zeros((2, 2)))),
+        ("cells", lambda: distances_to_cells(np.ones(3))),
+        ("cells", lambda: chessboard_distances_to_cells(np.zeros((2, 2)))),
     ],
 )
 def test_what_is_no_map_is_named(argument: str, call: Any) -> None:

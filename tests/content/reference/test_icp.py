@@ -200,9 +200,10 @@ def test_the_closed_form_is_kabsch_with_weights(seed: int, n: int) -> None:
     wanted = kabsch(np.repeat(P, copies, axis=0), np.repeat(Q, copies, axis=0))
     p, q = P @ [1, 1j], Q @ [1, 1j]
     assert_is(
-        wanted, fit_weighted_pairs(WeightedPoints.of(p, copies.astype(float)), q, copies.astype(float), np.zeros(3))
+        wanted,
+        fit_weighted_pairs(WeightedPoints.from_points(p, copies.astype(float)), q, copies.astype(float), np.zeros(3)),
     )
-    assert_is(kabsch(P, Q), fit_weighted_pairs(WeightedPoints.of(p), q, None, np.zeros(3)))
+    assert_is(kabsch(P, Q), fit_weighted_pairs(WeightedPoints.from_points(p), q, None, np.zeros(3)))
 
 
 def assert_is(wanted: RigidAlignment, T: Floats) -> None:
@@ -269,7 +270,7 @@ def test_a_corridor_holds_everything_but_the_way_along_it() -> None:
     corridor = np.vstack([np.column_stack([x, 0 * x]), np.column_stack([x, 0 * x + 2])]) @ rotation(0.4).T
     normals = normals_by_neighbours(corridor)
     seen = observability(corridor, np.zeros(2), normals, np.ones(len(corridor)))
-    assert seen.degenerate
+    assert seen.is_degenerate
     np.testing.assert_allclose(np.abs(seen.directions[0]), [np.cos(0.4), np.sin(0.4), 0], atol=1e-6)
     assert seen.strengths[1] > 0.1
     pushed = icp_to_lines(corridor + np.array([0.3, 0.1]), corridor, normals)
@@ -282,7 +283,7 @@ def test_a_round_room_does_not_tell_the_heading_and_another_tells_all() -> None:
     turn = np.linspace(0, 2 * np.pi, 180, endpoint=False)
     for cloud, degenerate in ((np.column_stack([3 * np.cos(turn), 3 * np.sin(turn)]), True), (room(), False)):
         seen = observability(cloud, np.zeros(2), normals_by_neighbours(cloud), np.ones(len(cloud)))
-        assert seen.degenerate is degenerate
+        assert seen.is_degenerate is degenerate
         assert np.all(np.diff(seen.strengths) >= 0)
         assert seen.strengths.sum() <= 2 + 1e-12
 

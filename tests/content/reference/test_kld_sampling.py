@@ -33,7 +33,7 @@ def loop_of_fox(kld: KldSampling, poses: np.ndarray) -> int:
     """One draw at a time, as published."""
     filled: set[tuple[int, ...]] = set()
     for m, pose in enumerate(poses, start=1):
-        filled.add(tuple(kld.bins(pose[None, :])[0].tolist()))
+        filled.add(tuple(kld.bin_indices(pose[None, :])[0].tolist()))
         if m >= kld.particles_needed(len(filled)):
             return m
     return len(poses)
@@ -43,12 +43,12 @@ def loop_of_fox(kld: KldSampling, poses: np.ndarray) -> int:
 def test_counting_all_at_once_is_counting_one_by_one(seed: int, spread: float) -> None:
     kld = KldSampling(epsilon=0.3, delta=0.1, least=5, most=400)
     poses = np.random.default_rng(seed).normal(0.0, spread, (150, 3))
-    assert kld.count_enough(poses) == loop_of_fox(kld, poses)
+    assert kld.count_needed_poses(poses) == loop_of_fox(kld, poses)
 
 
 def test_a_gathered_belief_needs_fewer_particles_than_a_scattered_one() -> None:
     rng, kld = np.random.default_rng(1), KldSampling()
-    counts = [kld.count_enough(rng.normal([0.25, 0.25, 0.09], spread, (5000, 3))) for spread in (0.01, 0.3, 3.0)]
+    counts = [kld.count_needed_poses(rng.normal([0.25, 0.25, 0.09], spread, (5000, 3))) for spread in (0.01, 0.3, 3.0)]
     assert counts[0] == kld.least
     assert counts[0] < counts[1] < counts[2]
 
@@ -67,7 +67,7 @@ def test_the_promise_is_kept() -> None:
 
 def test_headings_across_the_cut_share_their_bin_with_themselves() -> None:
     kld = KldSampling()
-    assert np.array_equal(kld.bins([[0.1, 0.1, 3.0]]), kld.bins([[0.1, 0.1, 3.0 - 2 * np.pi]]))
+    assert np.array_equal(kld.bin_indices([[0.1, 0.1, 3.0]]), kld.bin_indices([[0.1, 0.1, 3.0 - 2 * np.pi]]))
 
 
 @pytest.mark.parametrize(
@@ -79,9 +79,9 @@ def test_headings_across_the_cut_share_their_bin_with_themselves() -> None:
         ("delta", lambda: KldSampling(delta=1.0)),
         ("least", lambda: KldSampling(least=0)),
         ("least", lambda: KldSampling(least=20, most=10)),
-        ("poses", lambda: KldSampling().count_enough(np.empty((0, 3)))),
-        ("poses", lambda: KldSampling().count_enough([[0.0, math.nan, 0.0]])),
-        ("poses", lambda: KldSampling().bins([0.0, 0.0, 0.0])),
+        ("poses", lambda: KldSampling().count_needed_poses(np.empty((0, 3)))),
+        ("poses", lambda: KldSampling().count_needed_poses([[0.0, math.nan, 0.0]])),
+        ("poses", lambda: KldSampling().bin_indices([0.0, 0.0, 0.0])),
     ],
 )
 def test_input_without_meaning_is_named(argument: str, call: object) -> None:

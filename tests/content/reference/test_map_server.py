@@ -134,7 +134,7 @@ def test_every_value_comes_back(mode: Any) -> None:
 @given(trinary)
 def test_grid_maps_there_and_back(values: np.ndarray) -> None:
     grid_map = GridMap(values == 0, values == 100, 0.1, np.array([1.0, 2.0, 0.5]))
-    files = write_map(OccupancyGrid.of(grid_map))
+    files = write_map(OccupancyGrid.from_grid_map(grid_map))
     again = read_map(files.yaml, files.pgm).to_grid_map()
     assert np.array_equal(again.free, grid_map.free)
     assert np.array_equal(again.occupied, grid_map.occupied)

@@ -21,13 +21,13 @@ from reference.localisation.mcl import (
     uniform_poses,
 )
 from reference.localisation.odometry_motion import OdometryNoise
-from reference.localisation.pose_clusters import clusters
+from reference.localisation.pose_clusters import find_clusters
 from reference.odometry import DifferentialDrive
 from reference.se2 import relative, wrap_angle
 from reference.sensors.beam import BeamModel, BeamSensor
 from reference.sensors.likelihood_field import LikelihoodField
 from reference.world.grid_map import GridMap
-from reference.world.scan import Scan, turn_angles
+from reference.world.scan import Scan, full_turn_angles
 from reference.world.scenes import random_building
 from reference.world.simulation import SimulatedLidar, SimulatedRun, SimulationError, random_walk, simulate
 
@@ -108,7 +108,10 @@ def test_a_kidnapped_robot_is_found_again_only_when_poses_are_drawn_anew() -> No
 def test_500_particles_find_a_robot_on_the_map_of_the_turtlebot(dataset: Callable[[str], bytes]) -> None:
     """Nine equal pillars in a hexagon, 20 square metres at 5 cm a cell, a lidar of 3.5 m: six seeds, 40 steps."""
     grid_map = read_map(dataset("mcl/turtlebot3_map.yaml").decode(), dataset("mcl/turtlebot3_map.pgm")).to_grid_map()
-    drive, lidar = DifferentialDrive(0.16, 0.002, 0.02), SimulatedLidar(turn_angles(36), 3.5, 0.02, 0.02, 0.02, 0.02)
+    drive, lidar = (
+        DifferentialDrive(0.16, 0.002, 0.02),
+        SimulatedLidar(full_turn_angles(36), 3.5, 0.02, 0.02, 0.02, 0.02),
+    )
     field = LikelihoodField(grid_map, sigma=0.1, max_range=3.5, power=0.3)
     errors = []
     for seed in range(6):
@@ -138,7 +141,7 @@ def test_a_symmetrical_hall_leaves_two_clouds() -> None:
     grid_map, rng = hall(), np.random.default_rng(1)
     truth = np.array([2.2, 1.2, 0.3])
     lidar = SimulatedLidar.full_turn(36, 12.0)
-    scan = Scan(lidar.read(grid_map, truth[None, :], rng)[0], lidar.angles, 12.0)
+    scan = Scan(lidar.measure_ranges(grid_map, truth[None, :], rng)[0], lidar.angles, 12.0)
     field = LikelihoodField(grid_map, sigma=0.15, max_range=12.0, power=0.5)
     robot = MonteCarloLocalization(grid_map, field, likely_poses(grid_map, field, scan, 1000, rng), rng)
     for _ in range(2):
@@ -214,7 +217,7 @@ def test_clouds_share_the_particles_by_brute_force(seed: int, n: int) -> None:
     linked = np.all(apart <= 1, axis=2)
     for _ in range(n):
         linked = linked @ linked
-    found = clusters(poses, weights)
+    found = find_clusters(poses, weights)
     assert sorted(np.concatenate([cloud.members for cloud in found]).tolist()) == list(range(n))
     assert sum(cloud.weight for cloud in found) == pytest.approx(1.0)
     for cloud in found:
@@ -244,10 +247,10 @@ def test_input_without_meaning_is_named() -> None:
         ("slow", lambda: InjectionRule(slow=0.6, fast=0.5)),
         ("always", lambda: InjectionRule(always=1.0)),
         ("tries", lambda: InjectionRule(tries=0)),
-        ("poses", lambda: clusters(np.empty((0, 3)), [])),
-        ("weights", lambda: clusters(np.zeros((2, 3)), [0.0, 0.0])),
-        ("cell", lambda: clusters(np.zeros((2, 3)), [0.5, 0.5], cell=0.0)),
-        ("sectors", lambda: clusters(np.zeros((2, 3)), [0.5, 0.5], sectors=0)),
+        ("poses", lambda: find_clusters(np.empty((0, 3)), [])),
+        ("weights", lambda: find_clusters(np.zeros((2, 3)), [0.0, 0.0])),
+        ("cell", lambda: find_clusters(np.zeros((2, 3)), [0.5, 0.5], cell=0.0)),
+        ("sectors", lambda: find_clusters(np.zeros((2, 3)), [0.5, 0.5], sectors=0)),
     ):
         with pytest.raises(InvalidArgumentError) as refusal:
             call()

@@ -240,7 +240,7 @@ def test_errors_by_relations_are_those_of_the_definition(seed: int, n: int, m: i
 def test_relations_are_paired_with_the_scans_of_their_times(stamps: Any, told: Any) -> None:
     text = "".join(f"{a / 8} {b / 8} 1 2 0 0 0 {k / 10}\n" for k, (a, b) in enumerate(told))
     relations = parse_relations("# relations\n\n" + text)
-    pairs, T = relations.between([stamp / 8 for stamp in stamps])
+    pairs, T = relations.select_between_times([stamp / 8 for stamp in stamps])
     wanted = [(stamps.index(a), stamps.index(b), k / 10) for k, (a, b) in enumerate(told) if {a, b} <= set(stamps)]
     assert len(relations) == len(told)
     assert [(i, j, theta) for (i, j), theta in zip(pairs.tolist(), T[:, 2].tolist(), strict=True)] == wanted

@@ -23,11 +23,11 @@ from reference.occupancy import (
     log_odds,
     probability,
 )
-from reference.world.distance_map import distance_to
+from reference.world.distance_map import distances_to_cells
 from reference.world.grid_map import GridMap
 from reference.world.ray_cells import crossed_cells
 from reference.world.raycast import cast_rays
-from reference.world.scan import Scan, turn_angles
+from reference.world.scan import Scan, full_turn_angles
 
 SEVENTY = math.log(7 / 3)
 seeds = st.integers(0, 2**32 - 1)
@@ -214,7 +214,7 @@ def test_an_absurd_resolution_makes_no_giant_map_and_blames_no_pose(resolution: 
 
 def test_a_map_of_scans_with_gaps_is_that_of_their_measured_beams() -> None:
     rng = np.random.default_rng(5)
-    angles, poses = turn_angles(60), rng.uniform(-1, 1, (4, 3))
+    angles, poses = full_turn_angles(60), rng.uniform(-1, 1, (4, 3))
     readings = np.where(rng.random((4, 60)) < 0.3, math.nan, rng.uniform(0.5, 7, (4, 60)))
     scans = [Scan.from_sensor(row, angles, 6.0) for row in readings]
     alone = [Scan.from_sensor(row[~np.isnan(row)], angles[~np.isnan(row)], 6.0) for row in readings]
@@ -249,7 +249,7 @@ def test_many_scans_show_the_room() -> None:
     free[1:-1, 1:-1] = True
     free[10:20, 15:18] = False
     grid = OccupancyGrid(np.zeros(free.shape))
-    angles = turn_angles(180)
+    angles = full_turn_angles(180)
     for _ in range(40):
         pose = np.array([rng.uniform(3, 12), rng.uniform(3, 37), rng.uniform(-3, 3)])
         ranges = cast_rays(free, np.tile(pose[:2], (180, 1)), angles + pose[2], 60.0)
@@ -304,11 +304,11 @@ def test_the_intel_log_becomes_a_sharp_map(dataset: Callable[[str], bytes]) -> N
     assert found.free.sum() > 5 * found.occupied.sum()
     ends = [crossing for k in steps for crossing in _ends(log.scans[k], log.T_world_laser[k])]
     cells = np.floor(found.to_cells(np.array(ends))).astype(int)
-    assert np.mean(distance_to(grid.log_odds > 0)[cells[:, 1], cells[:, 0]] < 2) > 0.8
+    assert np.mean(distances_to_cells(grid.log_odds > 0)[cells[:, 1], cells[:, 0]] < 2) > 0.8
 
 
 def _ends(scan: Scan, pose: Any) -> Any:
-    near = scan.hits & (scan.ranges < 15.0)
+    near = scan.hit_mask & (scan.ranges < 15.0)
     angles = scan.angles[near] + pose[2]
     return pose[:2] + (scan.ranges[near] + 1e-6)[:, None] * np.column_stack([np.cos(angles), np.sin(angles)])
 

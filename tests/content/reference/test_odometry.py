@@ -14,7 +14,7 @@ from reference.odometry import (
     Motion,
     OdometryError,
     dead_reckoning,
-    integrate,
+    integrate_poses,
 )
 from reference.se2 import PoseError, wrap_angle
 
@@ -47,7 +47,7 @@ def test_robots_that_drive_straight_drift_as_predicted() -> None:
     rng, steps, journeys = np.random.default_rng(8), 100, 8_000
     robot = DifferentialDrive(track=0.3, sigma=1e-4)
     wheels = 0.1 + robot.sigma * rng.normal(size=(journeys, steps, 2))
-    ends = integrate(robot, wheels)[:, -1]
+    ends = integrate_poses(robot, wheels)[:, -1]
     drift = LateralDrift(steps, 0.1 * steps, robot.turn_deviation(0.1, 0.1))
     allowed = 6.0 / math.sqrt(2 * journeys)
     assert np.std(ends[:, 2]) == pytest.approx(drift.heading_deviation, rel=allowed)
@@ -82,8 +82,8 @@ def test_covariances_along_a_curve_are_those_of_simulated_robots() -> None:
     rng, steps, journeys = np.random.default_rng(21), 100, 8_000
     truth = np.tile([LEFT, RIGHT], (steps, 1))
     predicted = dead_reckoning(ROBOT, truth).covariances[-1]
-    ends = integrate(ROBOT, truth + ROBOT.sigma * rng.normal(size=(journeys, steps, 2)))[:, -1]
-    gaps = ends - integrate(ROBOT, truth)[-1]
+    ends = integrate_poses(ROBOT, truth + ROBOT.sigma * rng.normal(size=(journeys, steps, 2)))[:, -1]
+    gaps = ends - integrate_poses(ROBOT, truth)[-1]
     gaps[:, 2] = wrap_angle(gaps[:, 2])
     allowed = 6 * np.sqrt((predicted**2 + np.outer(np.diag(predicted), np.diag(predicted))) / journeys)
     assert np.all(np.abs(gaps.T @ gaps / journeys - predicted) < allowed + 0.02 * np.abs(predicted).max())
@@ -93,7 +93,7 @@ def test_covariances_along_a_curve_are_those_of_simulated_robots() -> None:
 def test_the_covariance_of_a_step_is_that_of_finite_differences(theta: float, left: float, right: float) -> None:
     h = 1e-6
     columns = [
-        (ROBOT.increment(left + a, right + b) - ROBOT.increment(left - a, right - b)) / (2 * h)
+        (ROBOT.pose_increment(left + a, right + b) - ROBOT.pose_increment(left - a, right - b)) / (2 * h)
         for a, b in ((h, 0.0), (0.0, h))
     ]
     G = np.column_stack(columns)
@@ -106,7 +106,7 @@ def test_all_steps_at_once_are_the_steps_one_by_one(wheels: Any, start: Any) -> 
     pose = np.array(start)
     for left, right in wheels:
         pose = ROBOT.step(pose, left, right)
-    for reached in (integrate(ROBOT, wheels, start)[-1], dead_reckoning(ROBOT, wheels, start).poses[-1]):
+    for reached in (integrate_poses(ROBOT, wheels, start)[-1], dead_reckoning(ROBOT, wheels, start).poses[-1]):
         np.testing.assert_allclose(reached[:2], pose[:2], atol=1e-12)
         assert abs(math.remainder(reached[2] - pose[2], math.tau)) < 1e-12
 
@@ -114,14 +114,14 @@ def test_all_steps_at_once_are_the_steps_one_by_one(wheels: Any, start: Any) -> 
 @given(wheel, wheel)
 def test_the_chord_is_the_arc_but_for_the_square_of_the_turn(left: float, right: float) -> None:
     motion = ROBOT.motion(left, right)
-    gap = np.linalg.norm(ROBOT.arc([0, 0, 0], left, right)[:2] - ROBOT.step([0, 0, 0], left, right)[:2])
+    gap = np.linalg.norm(ROBOT.step_along_arc([0, 0, 0], left, right)[:2] - ROBOT.step([0, 0, 0], left, right)[:2])
     assert gap <= abs(motion.distance) * motion.turn**2 / 24 + 1e-15
-    np.testing.assert_allclose(ROBOT.wheels(motion), [left, right], atol=1e-15)
+    np.testing.assert_allclose(ROBOT.wheel_paths(motion), [left, right], atol=1e-15)
 
 
 def test_many_short_chords_are_the_arc() -> None:
     wheels = np.tile([0.2 / 1000, 0.5 / 1000], (1000, 1))
-    np.testing.assert_allclose(integrate(ROBOT, wheels)[-1], ROBOT.arc([0, 0, 0], 0.2, 0.5), atol=1e-7)
+    np.testing.assert_allclose(integrate_poses(ROBOT, wheels)[-1], ROBOT.step_along_arc([0, 0, 0], 0.2, 0.5), atol=1e-7)
 
 
 def test_slip_adds_up_with_the_distance_however_it_is_cut() -> None:
@@ -138,7 +138,7 @@ def test_a_robot_that_stands_still_knows_where_it_is() -> None:
     assert np.array_equal(found.poses, np.tile([1.0, 2.0, 3.0], (6, 1)))
     assert not found.covariances.any()
     assert dead_reckoning(robot, np.zeros((0, 2))).poses.shape == (1, 3)
-    assert integrate(robot, np.zeros((0, 2))).tolist() == [[0.0, 0.0, 0.0]]
+    assert integrate_poses(robot, np.zeros((0, 2))).tolist() == [[0.0, 0.0, 0.0]]
 
 
 @pytest.mark.parametrize(
@@ -148,8 +148,8 @@ def test_a_robot_that_stands_still_knows_where_it_is() -> None:
         ("sigma", lambda: DifferentialDrive(0.3, -1.0)),
         ("sigma_per_root_metre", lambda: DifferentialDrive(0.3, 0.0, math.nan)),
         ("wheels", lambda: ROBOT.motion(0.1, math.nan)),
-        ("wheels", lambda: integrate(ROBOT, [0.1, 0.2])),
-        ("wheels", lambda: integrate(ROBOT, [[0.1, math.inf]])),
+        ("wheels", lambda: integrate_poses(ROBOT, [0.1, 0.2])),
+        ("wheels", lambda: integrate_poses(ROBOT, [[0.1, math.inf]])),
         ("wheels", lambda: dead_reckoning(ROBOT, np.zeros((2, 2, 2)))),
         ("wheels", lambda: dead_reckoning(ROBOT, np.zeros((2, 3)))),
         ("T_a_b", lambda: dead_reckoning(ROBOT, [[0.1, 0.1]], start=(0.0, math.nan, 0.0))),
@@ -166,4 +166,4 @@ def test_what_cannot_be_driven_is_named(argument: str, call: Any) -> None:
 
 
 def test_a_motion_is_two_numbers() -> None:
-    assert ROBOT.wheels(Motion(0.115, 0.1)) == pytest.approx([LEFT, RIGHT])
+    assert ROBOT.wheel_paths(Motion(0.115, 0.1)) == pytest.approx([LEFT, RIGHT])

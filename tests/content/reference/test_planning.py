@@ -28,7 +28,7 @@ from reference.planning import (
     parse_map,
     parse_scenarios,
 )
-from reference.planning.dynamic_window import arc, predict_drive
+from reference.planning.dynamic_window import move_along_arcs, predict_drive
 from reference.world.grid_map import GridMap
 from tests.support.quick import one_in, some
 
@@ -195,12 +195,12 @@ def test_the_robot_arrives_and_touches_nothing(seed: int) -> None:
     world, limits = scene(seed), RobotLimits()
     start, goal = world.poses_to_world([7.0, 7.0, np.pi]), world.to_world([93.0, 73.0])
     found = navigate(world, start, goal, limits)
-    assert found.reached
+    assert found.has_reached_goal
     assert found.clearance > 0
     assert np.hypot(*(found.poses[-1, :2] - goal)) <= 0.15
     rim = np.linspace(0, 2 * np.pi, 48)
     for pose, speed in zip(found.poses, found.speeds, strict=False):
-        passed = np.concatenate([arc(pose[None], speed[None], t) for t in np.linspace(0, limits.period, 6)])
+        passed = np.concatenate([move_along_arcs(pose[None], speed[None], t) for t in np.linspace(0, limits.period, 6)])
         ring = passed[:, None, :2] + limits.radius * np.column_stack([np.cos(rim), np.sin(rim)])
         assert world.is_free(ring).all()
     steps = np.abs(np.diff(np.vstack([np.zeros((1, 2)), found.speeds]), axis=0))
@@ -220,7 +220,7 @@ def test_a_goal_right_behind_is_reached(heading: int) -> None:
     goal = [3.0 + 2.0 * np.cos(back), 3.0 + 2.0 * np.sin(back)]
     for off in (0.0, 5.0, -10.0):
         found = navigate(world, [3.0, 3.0, np.radians(heading + off)], goal, max_time=20.0)
-        assert found.reached
+        assert found.has_reached_goal
         assert found.clearance > 0
 
 
@@ -231,7 +231,7 @@ def test_from_any_heading_a_goal_at_any_bearing_is_reached(bearing: int, distanc
     world, towards = GridMap.from_free(np.pad(np.ones((118, 118), bool), 1), 0.1), np.radians(bearing)
     goal = [6.0 + distance * np.cos(towards), 6.0 + distance * np.sin(towards)]
     for heading in range(0, 360, 15):
-        assert navigate(world, [6.0, 6.0, np.radians(heading)], goal, max_time=30.0).reached
+        assert navigate(world, [6.0, 6.0, np.radians(heading)], goal, max_time=30.0).has_reached_goal
 
 
 def some_journey(seed: int) -> tuple[GridMap, np.ndarray, np.ndarray]:
@@ -241,7 +241,7 @@ def some_journey(seed: int) -> tuple[GridMap, np.ndarray, np.ndarray]:
     while True:
         (ay, ax), (by, bx) = rng.choice(cells, 2, replace=False)
         goal = np.asarray(world.to_world([bx + rng.random(), by + rng.random()]))
-        if np.isfinite(DynamicWindow.towards(world, goal, RobotLimits()).ways[ay, ax]):
+        if np.isfinite(DynamicWindow.from_goal(world, goal, RobotLimits()).ways[ay, ax]):
             start = world.poses_to_world([ax + rng.random(), ay + rng.random(), rng.uniform(-3.14, 3.14)])
             return world, np.asarray(start), goal
 
@@ -252,7 +252,7 @@ def test_among_obstacles_a_goal_to_which_a_way_leads_is_reached(seed: int, patie
     """By the window and its rule against stalls; and by that rule alone, all the way."""
     world, start, goal = some_journey(seed)
     found = navigate(world, start, goal, RobotLimits(patience=patience), max_time=400.0)
-    assert found.reached
+    assert found.has_reached_goal
     assert found.clearance > 0
     assert np.all(found.speeds[:, 0] >= 0)
     steps = np.abs(np.diff(np.vstack([np.zeros((1, 2)), found.speeds]), axis=0))
@@ -267,11 +267,11 @@ def test_from_rest_no_wish_leads_into_a_wall(seed: int) -> None:
     """The safe choices stay safe when something else than the score picks among them: here, at random."""
     rng = np.random.default_rng(seed)
     world, limits = scene(seed % 1000), RobotLimits(max_v=1.5, max_dv=0.5)
-    window = DynamicWindow.towards(world, world.to_world([93.0, 73.0]), limits)
+    window = DynamicWindow.from_goal(world, world.to_world([93.0, 73.0]), limits)
     object.__setattr__(window, "remaining", rng.uniform(0, 9, window.remaining.shape))
     pose, speed = np.array(world.poses_to_world([7.0, 7.0, 0.0])), np.zeros(2)
     for _ in range(40):
-        speed = window.choose(pose, speed)
+        speed = window.choose_speed(pose, speed)
         passed = predict_drive(pose, speed[None], limits, brake=False, duration=limits.period)[0]
         assert window.clearance(passed).min() > limits.radius
         pose = passed[-1]
@@ -283,7 +283,7 @@ def test_an_arc_is_the_integral_of_the_speeds(v: float, w: float, heading: float
     peer = solve_ivp(
         lambda _, s: [v * np.cos(s[2]), v * np.sin(s[2]), w], (0, 0.7), [1.0, 2.0, heading], rtol=1e-10, atol=1e-12
     )
-    found = arc(np.array([[1.0, 2.0, heading]]), np.array([[v, w]]), 0.7)[0]
+    found = move_along_arcs(np.array([[1.0, 2.0, heading]]), np.array([[v, w]]), 0.7)[0]
     np.testing.assert_allclose(found[:2], peer.y[:2, -1], atol=1e-8)
     assert np.cos(found[2] - peer.y[2, -1]) == pytest.approx(1.0)
 
@@ -292,7 +292,7 @@ def test_a_goal_behind_a_closed_wall_is_not_reached() -> None:
     free = np.ones((40, 40), bool)
     free[:, 20] = False
     found = navigate(GridMap.from_free(free, 0.1), [1.0, 2.0, 0.0], [3.2, 2.0], max_time=5.0)
-    assert not found.reached
+    assert not found.has_reached_goal
     assert found.clearance > 0
 
 

@@ -11,9 +11,9 @@ from scipy.stats import chi2, multivariate_normal
 from reference.errors import InvalidArgumentError
 from reference.filters.bayes import BayesFilter
 from reference.filters.extended import ExtendedKalmanFilter
-from reference.filters.gaussian import gain, joseph
+from reference.filters.gaussian import compute_gain, joseph_update
 from reference.filters.models import log_normal
-from reference.filters.moments import difference, weighted_covariance, weighted_mean
+from reference.filters.moments import subtract_vectors, weighted_covariance, weighted_mean
 from reference.filters.particles import ParticleFilter
 from reference.filters.range_bearing import RangeBearingModel
 from reference.filters.unscented import SigmaPoints, UnscentedKalmanFilter, UnscentedParameters
@@ -64,7 +64,7 @@ def particles(seed: int, count: int = 3000) -> ParticleFilter[np.ndarray]:
 def slopes(function: object, at: np.ndarray, angles: np.ndarray, step: float = 1e-6) -> np.ndarray:
     """The derivative (m, d) by central differences."""
     columns = [
-        difference(function(at + step * axis), function(at - step * axis), angles) / (2 * step)  # type: ignore[operator]
+        subtract_vectors(function(at + step * axis), function(at - step * axis), angles) / (2 * step)  # type: ignore[operator]
         for axis in np.eye(at.size)
     ]
     return np.column_stack(columns)
@@ -104,7 +104,7 @@ def test_the_three_filters_agree(seed: int) -> None:
     reference = run(particles(100 + seed), seed)
     sigma = np.array([0.06, 0.06, 0.03])
     for robot in (extended(), unscented()):
-        assert np.all(np.abs(difference(run(robot, seed), reference, MODEL.state_angles)) < 3.0 * sigma)
+        assert np.all(np.abs(subtract_vectors(run(robot, seed), reference, MODEL.state_angles)) < 3.0 * sigma)
 
 
 @pytest.mark.parametrize("make", [extended, unscented])
@@ -124,11 +124,11 @@ def test_the_unscented_transform_is_exact_for_quadratics() -> None:
     """Mean of x^T A x is mu^T A mu + trace(A P), which linearisation misses."""
     rng = np.random.default_rng(0)
     mean, root, A = rng.normal(size=4), rng.normal(size=(4, 4)), rng.normal(size=(4, 4))
-    sigma = SigmaPoints.of(mean, root @ root.T, UnscentedParameters(alpha=0.7, kappa=0.5))
+    sigma = SigmaPoints.from_gaussian(mean, root @ root.T, UnscentedParameters(alpha=0.7, kappa=0.5))
     values = np.einsum("ni,ij,nj->n", sigma.points, A, sigma.points)
-    assert sigma.for_mean @ values == pytest.approx(mean @ A @ mean + np.trace(A @ root @ root.T))
+    assert sigma.mean_weights @ values == pytest.approx(mean @ A @ mean + np.trace(A @ root @ root.T))
     away = sigma.points - mean
-    assert np.allclose((sigma.for_covariance[:, None] * away).T @ away, root @ root.T)
+    assert np.allclose((sigma.covariance_weights[:, None] * away).T @ away, root @ root.T)
 
 
 @given(st.integers(0, 2**32 - 1))
@@ -136,20 +136,20 @@ def test_the_form_of_joseph_is_the_short_form_for_the_best_gain_and_positive_for
     rng = np.random.default_rng(seed)
     root, H, noise = rng.normal(size=(4, 4)), rng.normal(size=(2, 4)), rng.normal(size=(2, 2))
     P, R = root @ root.T, noise @ noise.T + 0.1 * np.eye(2)
-    K = gain(P @ H.T, H @ P @ H.T + R)
-    assert np.allclose(joseph(P, K, H, R), (np.eye(4) - K @ H) @ P, atol=1e-9 * np.abs(P).max())
-    other = joseph(P, K + rng.normal(size=K.shape), H, R)
+    K = compute_gain(P @ H.T, H @ P @ H.T + R)
+    assert np.allclose(joseph_update(P, K, H, R), (np.eye(4) - K @ H) @ P, atol=1e-9 * np.abs(P).max())
+    other = joseph_update(P, K + rng.normal(size=K.shape), H, R)
     assert np.linalg.eigvalsh(other)[0] > -1e-10 * np.abs(other).max()
-    assert np.trace(other) >= np.trace(joseph(P, K, H, R)) - 1e-9
+    assert np.trace(other) >= np.trace(joseph_update(P, K, H, R)) - 1e-9
 
 
 def test_the_form_of_joseph_survives_rounding_where_the_short_one_does_not() -> None:
     """A very sure measurement of a very unsure x + y leaves it the variance r, and (x + y) / sqrt 2 half of that."""
     c, r = np.array([1.0, 0.9, 0.3]), 1e-10
     P, H, R = 1e6 * np.outer(c, c) + 1e-2 * np.eye(3), np.array([[1.0, 1.0, 0.0]]), np.array([[r]])
-    K = gain(P @ H.T, H @ P @ H.T + R)
+    K = compute_gain(P @ H.T, H @ P @ H.T + R)
     short = (np.eye(3) - K @ H) @ P
-    assert np.linalg.eigvalsh(joseph(P, K, H, R))[0] == pytest.approx(r / 2, rel=1e-3)
+    assert np.linalg.eigvalsh(joseph_update(P, K, H, R))[0] == pytest.approx(r / 2, rel=1e-3)
     assert np.linalg.eigvalsh(0.5 * (short + short.T))[0] < 0.1 * r
 
 
@@ -181,7 +181,7 @@ def test_input_without_meaning_is_named() -> None:
         ("range_sigma", lambda: RangeBearingModel(LANDMARKS, **{**sigmas, "range_sigma": 0.0})),
         ("state", lambda: MODEL.observe_jacobian(np.array([*LANDMARKS[0], 0.0]))),
         ("measurement_noise", lambda: ExtendedKalmanFilter(singular, START, np.zeros((3, 3))).correct(np.ones(6))),
-        ("kappa", lambda: SigmaPoints.of(np.zeros(2), np.eye(2), UnscentedParameters(kappa=-2.0))),
+        ("kappa", lambda: SigmaPoints.from_gaussian(np.zeros(2), np.eye(2), UnscentedParameters(kappa=-2.0))),
         ("covariance", lambda: log_normal(np.zeros(2), np.zeros((2, 2)))),
     ):
         with pytest.raises(InvalidArgumentError) as refusal:

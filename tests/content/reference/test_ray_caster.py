@@ -59,7 +59,7 @@ def test_distances_are_those_of_the_walks(seed: int, walls: float, max_range: fl
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(ray_caster, "LAST_PLACES", last)
         patch.setattr(ray_caster, "BLOCK", 25 if last else 16384)
-        found = RayCaster.of(free).cast(origins, angles, max_range)
+        found = RayCaster.from_free_cells(free).cast(origins, angles, max_range)
     np.testing.assert_allclose(found, cast_rays(free, origins, angles, max_range), atol=1e-9)
     walked = [naive(free, x, y, angle, max_range) for (x, y), angle in zip(origins, angles, strict=True)]
     np.testing.assert_allclose(found, walked, atol=1e-9)
@@ -72,7 +72,7 @@ def test_fifteen_thousand_rays_in_rooms_of_two_hundred_cells() -> None:
     free[np.arange(200) % 25 > 18] = True
     free[:, np.arange(200) % 25 > 18] = True
     poses = np.column_stack([rng.uniform(0, 200, (500, 2)), rng.uniform(-4, 4, 500)])
-    found = RayCaster.of(free).scans(poses, 2 * np.pi * np.arange(30) / 30, 300.0)
+    found = RayCaster.from_free_cells(free).cast_scans(poses, 2 * np.pi * np.arange(30) / 30, 300.0)
     np.testing.assert_allclose(found, cast_scans(free, poses, 30, 300.0), atol=1e-9)
 
 
@@ -83,7 +83,7 @@ def test_scans_are_the_same_in_however_many_blocks(block: int, monkeypatch: pyte
     free = rng.random((20, 30)) > 0.2
     poses = rng.uniform([0.0, 0.0, -np.pi], [30.0, 20.0, np.pi], (7, 3))
     monkeypatch.setattr(ray_caster, "BLOCK", block)
-    found = RayCaster.of(free).scans(poses, 2 * np.pi * np.arange(10) / 10, 50.0)
+    found = RayCaster.from_free_cells(free).cast_scans(poses, 2 * np.pi * np.arange(10) / 10, 50.0)
     np.testing.assert_allclose(found, cast_scans(free, poses, 10, 50.0), atol=1e-9)
 
 
@@ -99,13 +99,15 @@ def test_along_the_axes_even_from_the_lines_themselves(
     origins = np.stack(np.meshgrid(np.arange(0, 12, 0.5), np.arange(0, 9, 0.5)), axis=-1).reshape(-1, 2)
     angles = np.full(len(origins), angle)
     expected = cast_rays(free, origins, angles, 50.0)
-    np.testing.assert_allclose(RayCaster.of(free).cast(origins, angles, 50.0), expected, rtol=1e-14, atol=1e-300)
+    np.testing.assert_allclose(
+        RayCaster.from_free_cells(free).cast(origins, angles, 50.0), expected, rtol=1e-14, atol=1e-300
+    )
 
 
 def test_through_the_corners_of_cells_a_ray_enters_one_of_the_neighbours() -> None:
     """Diagonals from the centres of cells: rounding may choose the side, but no ray gets past a closed corner."""
     free = np.array([[1, 1, 0, 1], [1, 1, 1, 1], [1, 1, 1, 1]], dtype=bool)
-    caster = RayCaster.of(free)
+    caster = RayCaster.from_free_cells(free)
     for x, y, angle, possible in (
         (0.5, 1.5, -math.pi / 4, (1.5, 0.5)),
         (0.5, 0.5, math.pi / 4, (2.5,)),
@@ -121,7 +123,7 @@ def test_no_ray_slips_between_two_walls_that_touch_at_a_corner(quarter: int) -> 
     free = np.ones((30, 30), dtype=bool)
     free[np.arange(30), np.arange(29, -1, -1)] = False
     inside = np.argwhere(free & (np.add.outer(np.arange(30), np.arange(30)) < 29))
-    caster, origins = RayCaster.of(np.rot90(free, quarter)), inside[:, ::-1] + 0.5
+    caster, origins = RayCaster.from_free_cells(np.rot90(free, quarter)), inside[:, ::-1] + 0.5
     angle = math.pi / 4
     for _ in range(quarter):
         origins, angle = np.column_stack([origins[:, 1], 30.0 - origins[:, 0]]), angle - math.pi / 2
@@ -138,7 +140,7 @@ def test_a_ray_that_lands_where_it_starts_stays_there_while_others_fly(monkeypat
     free[3] = False
     origins = np.array([[5.5, 4.0]] + [[1.5, 20.5]] * 50)
     angles = np.append(-1e-17, np.linspace(0.01, 0.4, 50))
-    found = RayCaster.of(free).cast(origins, angles, 1e3)
+    found = RayCaster.from_free_cells(free).cast(origins, angles, 1e3)
     assert found[0] == 0.0
     np.testing.assert_allclose(found, cast_rays(free, origins, angles, 1e3), atol=1e-9)
 
@@ -148,13 +150,13 @@ def test_rays_nearly_along_an_axis_lose_no_digit() -> None:
     angles = np.array([1e-3, 3e-4, 1e-9, -1e-9, math.pi - 1e-9, math.pi + 5e-4])
     origins = np.column_stack([np.where(np.abs(angles) < 1, 1e-5, 2999.99999), np.full(6, 1.3)])
     expected = [naive(free, x, y, angle, 1e4) for (x, y), angle in zip(origins, angles, strict=True)]
-    np.testing.assert_allclose(RayCaster.of(free).cast(origins, angles, 1e4), expected, rtol=1e-14)
+    np.testing.assert_allclose(RayCaster.from_free_cells(free).cast(origins, angles, 1e4), expected, rtol=1e-14)
     # Just above a line that is crossed soon, with a wall further on in the one row and not in the other.
     hall = np.ones((9, 20), dtype=bool)
     hall[7, 12] = False
-    assert RayCaster.of(hall).cast([[3.5, 7.000000000000002]], [-1.2722218725854067e-14], 99.0)[0] == pytest.approx(
-        16.5
-    )
+    assert RayCaster.from_free_cells(hall).cast([[3.5, 7.000000000000002]], [-1.2722218725854067e-14], 99.0)[
+        0
+    ] == pytest.approx(16.5)
 
 
 @pytest.mark.parametrize("bits", [ray_caster.BITS, 50])
@@ -167,7 +169,7 @@ def test_diagonals_take_the_neighbours_of_their_exact_lines(bits: int, monkeypat
     angles = rng.choice([-3, -1, 1, 3, 5], 150) * math.pi / 4
     rays = zip(origins.tolist(), angles.tolist(), strict=True)
     expected = [exact(free, x, y, angle) for (x, y), angle in rays]
-    np.testing.assert_allclose(RayCaster.of(free).cast(origins, angles, 50.0), expected, atol=1e-12)
+    np.testing.assert_allclose(RayCaster.from_free_cells(free).cast(origins, angles, 50.0), expected, atol=1e-12)
 
 
 @settings(deadline=None)
@@ -181,7 +183,7 @@ def test_no_ray_leaves_the_cells_that_sides_join_to_its_own(seed: int, last: int
     angles = np.arctan2(aims[:, 1], aims[:, 0])
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(ray_caster, "LAST_PLACES", last)
-        found = RayCaster.of(free).cast(origins, angles, 99.0)
+        found = RayCaster.from_free_cells(free).cast(origins, angles, 99.0)
     assert np.array_equal(found > 0.0, cast_rays(free, origins, angles, 99.0) > 0.0)
     rooms, _ = label(free)
     directions = np.column_stack([np.cos(angles), np.sin(angles)])
@@ -203,7 +205,7 @@ def test_leaps_longer_than_a_count_holds_and_walls_one_cell_thick() -> None:
         origins = rng.uniform(0.0, free.shape[::-1], (300, 2))
         angles = rng.choice(4, 300) * math.pi / 2 + rng.normal(0.0, 0.02, 300)
         expected = [naive(free, x, y, angle, 1e4) for (x, y), angle in zip(origins, angles, strict=True)]
-        np.testing.assert_allclose(RayCaster.of(free).cast(origins, angles, 1e4), expected, rtol=1e-13)
+        np.testing.assert_allclose(RayCaster.from_free_cells(free).cast(origins, angles, 1e4), expected, rtol=1e-13)
 
 
 @given(seeds, st.integers(1, 4))
@@ -250,7 +252,7 @@ def test_counts_stop_where_a_byte_does() -> None:
 
 
 def test_what_stands_in_a_wall_or_off_the_map_reads_zero_without_a_sign() -> None:
-    caster = RayCaster.of([[True, False, True]])
+    caster = RayCaster.from_free_cells([[True, False, True]])
     origins = [(1.5, 0.5), (1.0, 0.0), (-0.1, 0.5), (9.0, -9.0), (0.5, 1.0)]
     for angle in (0.0, 1.0, np.pi, -2.0):
         read = caster.cast(origins, [angle] * len(origins), 5.0)
@@ -259,10 +261,10 @@ def test_what_stands_in_a_wall_or_off_the_map_reads_zero_without_a_sign() -> Non
 
 
 def test_no_ray_and_no_pose() -> None:
-    caster = RayCaster.of(np.ones((2, 3)))
+    caster = RayCaster.from_free_cells(np.ones((2, 3)))
     assert caster.cast(np.zeros((0, 2)), np.zeros(0), 5.0).shape == (0,)
-    assert caster.scans(np.zeros((0, 3)), np.zeros(4), 5.0).shape == (0, 4)
-    assert caster.scans(np.zeros((2, 3)), np.zeros(0), 5.0).shape == (2, 0)
+    assert caster.cast_scans(np.zeros((0, 3)), np.zeros(4), 5.0).shape == (0, 4)
+    assert caster.cast_scans(np.zeros((2, 3)), np.zeros(0), 5.0).shape == (2, 0)
     assert caster.cast([[-1.0, 0.5], [9.0, 9.0]], [0.0, 1.0], 5.0).tolist() == [0.0, 0.0]
 
 
@@ -272,30 +274,30 @@ def test_a_map_may_lie_in_memory_by_columns_or_backwards() -> None:
     origins, angles = rng.uniform(0, 20, (200, 2)), rng.uniform(-4, 4, 200)
     for layout in (np.asfortranarray(free), free[::-1].copy()[::-1], np.rot90(np.rot90(free, 3).copy())):
         expected = cast_rays(free, origins, angles, 50.0)
-        np.testing.assert_allclose(RayCaster.of(layout).cast(origins, angles, 50.0), expected, atol=1e-9)
+        np.testing.assert_allclose(RayCaster.from_free_cells(layout).cast(origins, angles, 50.0), expected, atol=1e-9)
 
 
 def test_the_map_is_a_copy() -> None:
     free = np.ones((3, 3), dtype=bool)
-    caster = RayCaster.of(free)
+    caster = RayCaster.from_free_cells(free)
     free[:] = False
     assert caster.cast([[0.5, 0.5]], [0.0], 9.0)[0] == pytest.approx(2.5)
 
 
-CASTER = RayCaster.of(np.ones((2, 2)))
+CASTER = RayCaster.from_free_cells(np.ones((2, 2)))
 
 
 @pytest.mark.parametrize(
     ("argument", "call"),
     [
-        ("free", lambda: RayCaster.of(np.ones(3))),
-        ("free", lambda: RayCaster.of(np.ones((0, 2)))),
-        ("free", lambda: RayCaster.of(np.ones((1, 2**15)))),
+        ("free", lambda: RayCaster.from_free_cells(np.ones(3))),
+        ("free", lambda: RayCaster.from_free_cells(np.ones((0, 2)))),
+        ("free", lambda: RayCaster.from_free_cells(np.ones((1, 2**15)))),
         ("origins", lambda: CASTER.cast([[0.5, math.nan]], [0.0], 5.0)),
         ("angles", lambda: CASTER.cast([[0.5, 0.5]], [math.nan], 5.0)),
         ("max_range", lambda: CASTER.cast([[0.5, 0.5]], [0.0], 0.0)),
-        ("poses", lambda: CASTER.scans([0.5, 0.5, 0.0], [0.0], 5.0)),
-        ("angles", lambda: CASTER.scans([[0.5, 0.5, 0.0]], 0.0, 5.0)),
+        ("poses", lambda: CASTER.cast_scans([0.5, 0.5, 0.0], [0.0], 5.0)),
+        ("angles", lambda: CASTER.cast_scans([[0.5, 0.5, 0.0]], 0.0, 5.0)),
     ],
 )
 def test_what_cannot_be_cast_is_named(argument: str, call: Any) -> None:

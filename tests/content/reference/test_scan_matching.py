@@ -15,13 +15,13 @@ from reference.registration import LineCloud, MatchingSettings, SearchWindow, co
 from reference.registration.correlation import build_lattice
 from reference.se2 import relative, wrap_angle
 from reference.world.grid_map import GridMap
-from reference.world.scan import Scan, turn_angles
+from reference.world.scan import Scan, full_turn_angles
 from reference.world.scenes import random_building
 
 Floats = NDArray[np.float64]
 seeds = st.integers(0, 2**32 - 1)
 WORLD = random_building(np.random.default_rng(3), (2, 2), room=50)
-ANGLES = turn_angles(180)
+ANGLES = full_turn_angles(180)
 
 
 def look(world: GridMap, pose: Any, rng: np.random.Generator, reach: float = 8.0) -> Scan:
@@ -32,7 +32,7 @@ def look(world: GridMap, pose: Any, rng: np.random.Generator, reach: float = 8.0
 
 def open_poses(world: GridMap, rng: np.random.Generator, apart: float) -> tuple[Floats, Floats]:
     """Two poses in one room, the second `apart` metres away at most, any heading."""
-    clear = np.argwhere(world.distance_to_wall > 0.5)
+    clear = np.argwhere(world.distances_to_wall > 0.5)
     while True:
         y, x = clear[rng.integers(len(clear))]
         first = np.append(world.to_world([x + 0.5, y + 0.5]), rng.uniform(-3, 3))
@@ -84,7 +84,7 @@ def test_the_motion_between_two_scans_is_found_from_a_guess(seed: int) -> None:
     assert np.abs(error[:2]).max() < 0.03
     assert abs(wrap_angle(float(error[2]))) < 0.015
     assert found.overlap > 0.6
-    assert not found.degenerate
+    assert not found.is_degenerate
     assert np.linalg.eigvalsh(found.information)[0] > 0
 
 
@@ -105,7 +105,7 @@ def test_a_corridor_is_reported() -> None:
     corridor = GridMap.from_free(free, 0.1)
     rng = np.random.default_rng(1)
     scans = [look(corridor, [x, 1.5, 0.0], rng, 5.0) for x in (30.0, 30.3)]
-    assert match_scans(*scans, [0.0, 0.0, 0.0]).degenerate
+    assert match_scans(*scans, [0.0, 0.0, 0.0]).is_degenerate
 
 
 def test_a_corridor_informs_of_the_other_directions_only() -> None:
@@ -114,7 +114,7 @@ def test_a_corridor_informs_of_the_other_directions_only() -> None:
     free[5:25] = True
     corridor = GridMap.from_free(free, 0.1)
     rng = np.random.default_rng(1)
-    a, b = (LineCloud.of_scan(look(corridor, [x, 1.5, 0.3], rng, 5.0)) for x in (30.0, 30.3))
+    a, b = (LineCloud.from_scan(look(corridor, [x, 1.5, 0.3], rng, 5.0)) for x in (30.0, 30.3))
     found = match_clouds(a, b, [0.2, 0.0, 0.0])
     values, vectors = np.linalg.eigh(found.information)
     assert abs(values[0]) < 1e-9 * values[2]
@@ -135,7 +135,7 @@ def test_a_few_strange_points_do_not_slide_a_corridor() -> None:
 
     match = match_clouds(cloud(5.0), cloud(5.3), (0.0, 0.05, 0.0))
     np.testing.assert_allclose(match.T_a_b, np.zeros(3), atol=1e-3)
-    assert match.degenerate
+    assert match.is_degenerate
     assert match.overlap > 0.99
 
 
@@ -145,7 +145,7 @@ def test_a_match_is_no_surer_than_it_errs() -> None:
     for seed in range(20):
         rng = np.random.default_rng(seed)
         first, second = open_poses(WORLD, rng, 0.5)
-        clouds = [LineCloud.of_scan(look(WORLD, pose, rng)) for pose in (first, second)]
+        clouds = [LineCloud.from_scan(look(WORLD, pose, rng)) for pose in (first, second)]
         truth = relative(first, second)
         found = match_clouds(*clouds, truth + rng.uniform(-1, 1, 3) * [0.1, 0.1, 0.05])
         gap = found.T_a_b - truth
@@ -162,8 +162,8 @@ def test_more_beams_on_the_same_walls_make_no_surer_match() -> None:
         pose, _ = open_poses(WORLD, rng, 0.1)
         traces = []
         for beams in (360, 1440):
-            ranges = WORLD.cast_scans([pose], turn_angles(beams), 8.0)[0]
-            cloud = LineCloud.of_scan(Scan.full_turn(ranges, 8.0))
+            ranges = WORLD.cast_scans([pose], full_turn_angles(beams), 8.0)[0]
+            cloud = LineCloud.from_scan(Scan.full_turn(ranges, 8.0))
             traces.append(np.trace(match_clouds(cloud, cloud, np.zeros(3)).information))
         assert 0.7 < traces[1] / traces[0] < 2.0
 
@@ -193,7 +193,7 @@ def test_two_places_that_differ_do_not_overlap() -> None:
     assert match_scans(*scans, np.zeros(3), window=SearchWindow(1.0)).overlap < 0.6
 
 
-SCAN = Scan(np.ones(60), turn_angles(60), 5.0)
+SCAN = Scan(np.ones(60), full_turn_angles(60), 5.0)
 
 
 @pytest.mark.parametrize(

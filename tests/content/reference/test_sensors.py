@@ -46,7 +46,7 @@ def test_the_total_probability_is_one(expected: float) -> None:
 
 def test_each_cause_has_the_density_of_scipy() -> None:
     z, expected = np.linspace(0.05, 7.9, 40), 5.0
-    hit, short, beyond, random = MODEL.densities(z, expected)
+    hit, short, beyond, random = MODEL.cause_densities(z, expected)
     assert np.allclose(hit, truncnorm.pdf(z, -5.0 / 0.3, np.inf, loc=5.0, scale=0.3))
     assert np.allclose(short, truncexpon.pdf(z, 5.0 * 0.7, scale=1 / 0.7))
     assert not beyond.any()
@@ -205,7 +205,7 @@ def test_beams_that_were_not_measured_weigh_no_pose() -> None:
     gaps = Scan.from_sensor(np.where(lost, math.nan, scan.ranges), scan.angles, scan.max_range)
     blind = Scan.from_sensor(np.full(31, math.nan), scan.angles, scan.max_range)
     for sensor in (LikelihoodField(grid_map), BeamSensor(grid_map, MODEL)):
-        alone = sensor.log_likelihood(poses, scan.take(~lost))
+        alone = sensor.log_likelihood(poses, scan.select_beams(~lost))
         np.testing.assert_array_equal(sensor.log_likelihood(poses, gaps), alone)
         assert not sensor.log_likelihood(poses, blind).any()
 

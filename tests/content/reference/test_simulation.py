@@ -12,9 +12,9 @@ from scipy.ndimage import label
 from reference.odometry import DifferentialDrive, Motion
 from reference.world.grid_map import GridMap
 from reference.world.raycast import cast_scans
-from reference.world.scan import turn_angles
+from reference.world.scan import full_turn_angles
 from reference.world.scenes import SceneError, random_building, random_clutter, random_ring
-from reference.world.simulation import SimulatedLidar, SimulationError, motions_through, random_walk, simulate
+from reference.world.simulation import SimulatedLidar, SimulationError, motions_through_waypoints, random_walk, simulate
 
 PERFECT = DifferentialDrive(0.3)
 ROBOT = DifferentialDrive(0.3, sigma=0.002)
@@ -45,7 +45,7 @@ def test_one_can_walk_all_around_a_ring_and_through_every_room() -> None:
     height, width = place.shape
     path = [(13, 13), (width - 14, 13), (width - 14, height - 14), (13, height - 14), (13, 13)]
     metres = place.to_world(path)
-    motions = motions_through([*metres[0], 0.0], metres[1:], 0.1, 0.2)
+    motions = motions_through_waypoints([*metres[0], 0.0], metres[1:], 0.1, 0.2)
     run = simulate(
         place, motions, [*metres[0], 0.0], PERFECT, SimulatedLidar.full_turn(8, 5.0), np.random.default_rng(0)
     )
@@ -80,7 +80,7 @@ def rotation(theta: float) -> np.ndarray:
 def test_a_wanderer_hits_nothing_and_gets_somewhere(name: str, seed: int) -> None:
     rng = np.random.default_rng(seed)
     place = PLACES[name](rng)
-    y, x = np.argwhere(place.distance_to_wall > 4 * place.resolution)[0]
+    y, x = np.argwhere(place.distances_to_wall > 4 * place.resolution)[0]
     start = place.poses_to_world([x + 0.5, y + 0.5, 1.0])
     motions = random_walk(place, start, 300, 0.05, 0.4, rng)
     run = simulate(place, motions, start, ROBOT, SimulatedLidar.full_turn(4, 5.0), rng)
@@ -94,7 +94,7 @@ def test_encoders_err_as_they_were_asked_to() -> None:
     motions = [Motion(0.02, 0.0)] * 80 + [Motion(0.0, 0.1)] * 40
     start = ROOM.to_world([20.0, 20.0])
     runs = [simulate(ROOM, motions, [*start, 0.0], ROBOT, SimulatedLidar.full_turn(1, 1.0), rng) for _ in range(60)]
-    errors = np.array([run.wheels - [ROBOT.wheels(motion) for motion in motions] for run in runs])
+    errors = np.array([run.wheels - [ROBOT.wheel_paths(motion) for motion in motions] for run in runs])
     assert np.std(errors) == pytest.approx(0.002, rel=6 / math.sqrt(2 * errors.size))
     assert np.abs(errors.mean()) < 6 * 0.002 / math.sqrt(errors.size)
     assert np.linalg.norm(runs[0].odometry[-1] - runs[0].truth[-1]) > 0.0
@@ -102,24 +102,24 @@ def test_encoders_err_as_they_were_asked_to() -> None:
 
 def test_each_kind_of_error_of_a_lidar_has_its_share() -> None:
     rng, n = np.random.default_rng(5), 100_000
-    lidar = SimulatedLidar(turn_angles(1), 10.0, sigma=0.1, short=0.2, miss=0.1, stray=0.05)
-    read = lidar.disturb(np.full(n, 6.0), rng)
+    lidar = SimulatedLidar(full_turn_angles(1), 10.0, sigma=0.1, short=0.2, miss=0.1, stray=0.05)
+    read = lidar.add_noise(np.full(n, 6.0), rng)
     tolerance = 6 * math.sqrt(0.25 / n)
     assert np.mean(read == 10.0) == pytest.approx(0.1, abs=tolerance)
     assert np.mean(read < 5.0) == pytest.approx(0.2 * 5 / 6 + 0.05 * 0.5, abs=tolerance)
     near = read[np.abs(read - 6.0) < 0.5]
     assert len(near) / n == pytest.approx(0.65 + 0.2 * 0.5 / 6 + 0.05 * 0.1, abs=tolerance)
     assert np.all((read >= 0.0) & (read <= 10.0))
-    assert np.all(SimulatedLidar.full_turn(1, 10.0, 0.5).disturb(np.full(100, 10.0), rng) == 10.0)
+    assert np.all(SimulatedLidar.full_turn(1, 10.0, 0.5).add_noise(np.full(100, 10.0), rng) == 10.0)
 
 
 def test_waypoints_are_reached_by_small_steps() -> None:
-    motions = motions_through([0.0, 0.0, 3.0], [[1.0, 0.0], [1.0, 0.0], [1.0, -0.25]], 0.1, 0.5)
+    motions = motions_through_waypoints([0.0, 0.0, 3.0], [[1.0, 0.0], [1.0, 0.0], [1.0, -0.25]], 0.1, 0.5)
     assert max(abs(motion.distance) for motion in motions) <= 0.1 + 1e-12
     assert max(abs(motion.turn) for motion in motions) <= 0.5 + 1e-12
     pose = np.array([0.0, 0.0, 3.0])
     for motion in motions:
-        pose = PERFECT.step(pose, *PERFECT.wheels(motion))
+        pose = PERFECT.step(pose, *PERFECT.wheel_paths(motion))
     np.testing.assert_allclose(pose, [1.0, -0.25, -math.pi / 2], atol=1e-12)
 
 
@@ -137,10 +137,10 @@ INSIDE = ROOM.poses_to_world([20.0, 20.0, 0.0])
         ("stray", lambda: SimulatedLidar(np.zeros(1), 1.0, short=0.5, miss=0.4, stray=0.3)),
         ("motions", lambda: simulate(ROOM, [Motion(9.0, 0.0)], INSIDE, ROBOT, SimulatedLidar.full_turn(1, 1.0), RNG)),
         ("period", lambda: simulate(ROOM, [], INSIDE, ROBOT, SimulatedLidar.full_turn(1, 1.0), RNG, period=0.0)),
-        ("start", lambda: motions_through([0.0, 0.0], [[1.0, 1.0]], 0.1, 0.1)),
-        ("waypoints", lambda: motions_through(INSIDE, [1.0, 1.0], 0.1, 0.1)),
-        ("step", lambda: motions_through(INSIDE, [[1.0, 1.0]], 0.0, 0.1)),
-        ("turn", lambda: motions_through(INSIDE, [[1.0, 1.0]], 0.1, math.nan)),
+        ("start", lambda: motions_through_waypoints([0.0, 0.0], [[1.0, 1.0]], 0.1, 0.1)),
+        ("waypoints", lambda: motions_through_waypoints(INSIDE, [1.0, 1.0], 0.1, 0.1)),
+        ("step", lambda: motions_through_waypoints(INSIDE, [[1.0, 1.0]], 0.0, 0.1)),
+        ("turn", lambda: motions_through_waypoints(INSIDE, [[1.0, 1.0]], 0.1, math.nan)),
         ("start", lambda: random_walk(ROOM, [50.0, 50.0, 0.0], 5, 0.1, 0.1, RNG)),
         ("rooms", lambda: random_building(RNG, (0, 2))),
         ("room", lambda: random_building(RNG, (2, 2), room=6)),

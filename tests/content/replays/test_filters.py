@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from reference.localisation.grid_filter import GridFilterError, GridWorld, landings, predict, sample_move
+from reference.localisation.grid_filter import GridFilterError, GridWorld, possible_landings, predict, sample_move
 from tests.support.quick import some
 from tests.support.replays import cells, layer, scene, unpacked
 
@@ -19,9 +19,9 @@ BYTE = 1 / 255
 @given(st.sampled_from([(1, 0), (-1, 0), (0, 1), (0, -1)]), st.floats(0.0, 0.5), st.integers(0, 2**32 - 1))
 def test_a_slip_of_any_size_leaves_a_belief(command: tuple[int, int], slip: float, seed: int) -> None:
     rng = np.random.default_rng(seed)
-    world = GridWorld.of(rng.random((5, 6)) > 0.3, 12.0)
-    belief = world.uniform()
-    assert np.isclose(sum(one.probability for one in landings(*command, slip)), 1.0)
+    world = GridWorld.from_free_cells(rng.random((5, 6)) > 0.3, 12.0)
+    belief = world.uniform_belief()
+    assert np.isclose(sum(one.probability for one in possible_landings(*command, slip)), 1.0)
     moved = predict(world, belief, *command, slip=slip)
     assert np.isclose(moved.sum(), 1.0)
     cell = tuple(np.argwhere(world.free)[0].tolist())
@@ -31,7 +31,7 @@ def test_a_slip_of_any_size_leaves_a_belief(command: tuple[int, int], slip: floa
 @pytest.mark.parametrize("slip", [-0.1, 0.6, np.nan])
 def test_a_slip_that_is_none_is_refused(slip: float) -> None:
     with pytest.raises(GridFilterError, match="slip"):
-        landings(1, 0, slip)
+        possible_landings(1, 0, slip)
 
 
 @pytest.mark.parametrize("settings", [{}, {"depart": "jumelles"}, {"sigma": 3}, {"glissement": 0.3, "portee": 2}])

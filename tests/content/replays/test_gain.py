@@ -7,7 +7,7 @@ from functools import cache
 import numpy as np
 import pytest
 
-from reference.filters.gaussian import joseph
+from reference.filters.gaussian import joseph_update
 from reference.filters.kalman import KalmanFilter
 from reference.filters.models import LinearGaussian
 from tests.content.replays.hand_scripts import FOLDER, Script, start
@@ -63,7 +63,7 @@ def test_a_path_and_its_typical_error_are_those_of_the_filter(fixed: float | Non
         filtered.correct([truth + noise * readings[k]])
         gain = np.array([[used[k]]])
         estimate += used[k] * (truth + noise * readings[k] - estimate)
-        variance = joseph(np.array([[variance]]), gain, np.eye(1), np.array([[noise**2]]))[0, 0]
+        variance = joseph_update(np.array([[variance]]), gain, np.eye(1), np.array([[noise**2]]))[0, 0]
         assert [typical[k] ** 2, errors[k]] == pytest.approx([variance, estimate - truth], rel=1e-9, abs=1e-12)
         if fixed is None:
             assert [estimate, variance] == pytest.approx([filtered.mean[0], filtered.covariance[0, 0]], rel=1e-9)

@@ -9,7 +9,7 @@ from graders.scene.hands import Cells, ReplayRequest, Start, cells_text
 from graders.scene.parameters import Dragged
 from graders.scene.replay import Choice, Draw, Key, Replay, Values, View
 from reference.localisation.mcl import uniform_poses
-from reference.odometry import DifferentialDrive, integrate
+from reference.odometry import DifferentialDrive, integrate_poses
 from reference.world.grid_map import GridMap
 from reference.world.simulation import random_walk
 
@@ -54,7 +54,7 @@ def compute(values: Values, rng: np.random.Generator) -> Start | Replay:
     start[:2] = nearest_free(grid, start[:2])
     motions = random_walk(grid, start, STEPS, STRIDE, TURN, rng)
     drive = DifferentialDrive(0.5)
-    path = integrate(drive, [drive.wheels(motion) for motion in motions], start)
+    path = integrate_poses(drive, [drive.wheel_paths(motion) for motion in motions], start)
     count = int(values.choice("particules"))
     begun = f"Au départ : {count} particules au hasard sur votre carte."
     return film(grid, path, uniform_poses(grid, count, rng), INJECTED, rng, begun)

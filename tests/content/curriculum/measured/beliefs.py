@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from scipy.special import ndtr
 
 from curriculum.l20.figures._plan import module_map
-from reference.world.scan import turn_angles
+from reference.world.scan import full_turn_angles
 from reference.world.simulation import SimulatedLidar
 from tests.content.curriculum.measured.tables import Cell
 
@@ -89,9 +89,9 @@ def log_bell(z: Floats, expected: Floats) -> float:
 
 def errors_of_x(seed: int = 0) -> Iterator[list[Cell]]:
     """The decimal logarithm of the likelihood of one scan, from where the robot is and farther along x."""
-    angles, places = turn_angles(360), [(10.5 + away, 7.5, 0.0) for away in (0.0, 0.1, 0.5, 1.0)]
+    angles, places = full_turn_angles(360), [(10.5 + away, 7.5, 0.0) for away in (0.0, 0.1, 0.5, 1.0)]
     expected = module_map().cast_scans(places, angles, RANGE)
-    scan = SimulatedLidar.full_turn(360, RANGE, SIGMA).disturb(expected[0], np.random.default_rng(seed))
+    scan = SimulatedLidar.full_turn(360, RANGE, SIGMA).add_noise(expected[0], np.random.default_rng(seed))
     for model, kept in ((log_bell, 1), (log_mixture, 1), (log_mixture, 12)):
         yield [model(scan[::kept], one[::kept]) / float(np.log(10.0)) for one in expected]
 

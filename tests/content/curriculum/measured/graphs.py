@@ -94,7 +94,7 @@ def solving() -> Iterator[list[Cell]]:
     for poses, marks, often, rounds in ((20, 8, 200, 5), (200, 80, 10, 5), (1000, 400, 2, 1)):
         made, _, odometry, _ = defis.beacons(closure=True, poses=poses, marks=marks)
         equations = NormalEquations(made)
-        upper = equations.upper(equations.state(odometry, first_guess(made, odometry)))
+        upper = equations.upper_triangle(equations.join_state(odometry, first_guess(made, odometry)))
         H = (upper + upper.T - diags(upper.diagonal())).tocsc()
         b, full = np.ones(H.shape[0]), H.toarray()
         share = 100.0 * np.count_nonzero(np.abs(full) > 0.0) / full.size
@@ -121,7 +121,7 @@ def false_closure() -> Iterator[list[Cell]]:
     """The error of the tour, the weight of the false edge, and the least and greatest of the four true closures."""
     _, odometry, truth = graph(scans=True)
     made = tour_with_a_false_closure()
-    true = made.closures.copy()
+    true = made.is_closure_mask.copy()
     true[-1] = False
     yield [rms(gauss_newton(made, odometry).poses, truth), 1.0, 1.0]
     for kernel in KERNELS:

@@ -15,7 +15,7 @@ from reference.pose_graph import PoseGraph, gauss_newton
 from reference.registration import icp
 from reference.registration.icp import PairingRule
 from reference.se2 import compose, relative, transform, wrap_angle
-from reference.world.scan import turn_angles
+from reference.world.scan import full_turn_angles
 from reference.world.simulation import SimulatedRun
 
 Floats = NDArray[np.float64]
@@ -38,7 +38,7 @@ class Match:
 
 @cache
 def points(scan: int) -> Floats:
-    ranges, angles = journey().ranges[scan], turn_angles(180)
+    ranges, angles = journey().ranges[scan], full_turn_angles(180)
     return np.column_stack([ranges * np.cos(angles), ranges * np.sin(angles)])[ranges < RANGE]
 
 
@@ -52,7 +52,7 @@ def truth() -> Floats:
 def odometry() -> Floats:
     poses = [np.zeros(3)]
     for left, right in journey().wheels:
-        poses.append(compose(poses[-1], journey().drive.increment(left, right)))
+        poses.append(compose(poses[-1], journey().drive.pose_increment(left, right)))
     return np.array(poses)
 
 

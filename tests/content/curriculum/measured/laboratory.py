@@ -21,7 +21,7 @@ import graders
 from curriculum.l20.fichiers import intel
 from reference.formats.trajectory_files import read_tum
 from reference.metrics import absolute_trajectory_error
-from reference.pose_graph import chordal_start, gauss_newton, loads_g2o
+from reference.pose_graph import chordal_initial_guess, gauss_newton, loads_g2o
 from reference.se2 import transform
 
 Floats = NDArray[np.float64]
@@ -120,7 +120,7 @@ def killian_court() -> tuple[int, float, int, float, float, tuple[float, ...]]:
         pytest.skip("the published graph is not there: set BALISE_DATA to the folder of the data sets")
     content = loads_g2o(packed.read_text(), convention="difference")
     stuck = gauss_newton(content.graph, content.poses, max_iterations=100)
-    start, _ = chordal_start(content.graph, content.poses)
+    start, _ = chordal_initial_guess(content.graph, content.poses)
     found = gauss_newton(content.graph, start)
     apart = absolute_trajectory_error(found.poses, stuck.poses).rmse
     return len(content.poses), stuck.chi2[-1], stuck.iterations, apart, found.chi2[0], found.chi2

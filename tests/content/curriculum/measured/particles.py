@@ -97,7 +97,7 @@ def tracked(threshold: float, seed: int) -> tuple[int, float, bool]:
         if k:
             robot.predict(relative(run.odometry[k - 1], run.odometry[k]))
         robot.weigh(run.scan(k))
-        if threshold == 1.0 or robot.degenerate:
+        if threshold == 1.0 or robot.is_degenerate:
             robot.resample()
             draws += 1
         away.append(float(np.hypot(*(robot.mean - run.truth[k])[:2])))
@@ -136,7 +136,7 @@ def ambiguous(scheme: Scheme, threshold: float, seed: int) -> tuple[int | None, 
     for k in range(1, len(run)):
         robot.predict(relative(run.odometry[k - 1], run.odometry[k]))
         robot.weigh(run.scan(k))
-        if threshold == 1.0 or robot.degenerate:
+        if threshold == 1.0 or robot.is_degenerate:
             robot.resample()
         turned = np.cos(robot.states[:, 2] - run.truth[k, 2]) < 0.0
         if turned.all() or not turned.any():

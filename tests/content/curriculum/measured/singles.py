@@ -81,7 +81,7 @@ def faster_by_field() -> float:
     fine = GridMap.from_free(np.kron(module_map().free, np.ones((10, 10), dtype=bool)), 0.1)
     rng, lidar = np.random.default_rng(0), SimulatedLidar.full_turn(30, RANGE, 0.1)
     cloud, robot = uniform_poses(fine, 500, rng), uniform_poses(fine, 1, rng)
-    scan = Scan(lidar.read(fine, robot, rng)[0], lidar.angles, RANGE)
+    scan = Scan(lidar.measure_ranges(fine, robot, rng)[0], lidar.angles, RANGE)
     field, beams = LikelihoodField(fine, max_range=RANGE), BeamSensor(fine, BeamModel(RANGE))
     slow, quick = (best(repeated(lambda one=one: one.log_likelihood(cloud, scan), 20), 5) for one in (beams, field))
     return slow / quick

@@ -37,7 +37,7 @@ def null_space(poses: Floats, edges: list[graphs.Edge]) -> int:
         joined = [piece for piece in pieces if i in piece or j in piece]
         pieces = [piece for piece in pieces if piece not in joined] + [set().union(*joined)]
     model = PoseGraph.from_edges(len(poses), edges, fixed=tuple(min(piece) for piece in pieces))
-    upper = NormalEquations(model, free_gauge=True).upper(poses.ravel()).toarray()
+    upper = NormalEquations(model, free_gauge=True).upper_triangle(poses.ravel()).toarray()
     singular = np.linalg.svd(upper + np.triu(upper, 1).T, compute_uv=False)
     return int(np.sum(singular < 1e-10 * singular[0]))
 
@@ -87,14 +87,14 @@ WRONG = {
 
 def reweighted(one: graphs.Robust, weigh: Callable[[Floats], Floats], *, chords: bool) -> tuple[Floats, Floats]:
     """Thirty steps of Gauss-Newton, the weights renewed at each."""
-    sure = ~one.model.closures if chords else np.zeros(len(one.edges), dtype=bool)
+    sure = ~one.model.is_closure_mask if chords else np.zeros(len(one.edges), dtype=bool)
     equations = NormalEquations(one.model)
     state = one.poses.ravel()
     for _ in range(one.n_iter):
         system = equations.assemble(state, lambda u: np.where(sure, 1.0, weigh(np.sqrt(u))))
-        upper = equations.pattern.upper(system.data).toarray()
+        upper = equations.pattern.upper_triangle(system.data).toarray()
         H = upper + np.triu(upper, 1).T
-        state = equations.moved(state, -np.linalg.lstsq(H, system.b, rcond=None)[0])
+        state = equations.apply_step(state, -np.linalg.lstsq(H, system.b, rcond=None)[0])
     poses = state.reshape(-1, 3)
     return poses, np.where(sure, 1.0, weigh(one.whitened(poses)))
 
@@ -109,7 +109,7 @@ def fine(one: graphs.Robust, answer: tuple[Floats, Floats]) -> bool:
 )
 def test_every_kernel_passes_and_no_mistake_does(false: int, seed: int) -> None:
     one = graphs.robust_graph(seed, false)
-    assert (len(one.poses), int(one.model.closures.sum()), int(one.false.sum())) == (24, 12 + false, false)
+    assert (len(one.poses), int(one.model.is_closure_mask.sum()), int(one.false.sum())) == (24, 12 + false, false)
     assert one.ratio(one.without_false) < 0.25
     assert one.ratio(one.poses) > 0.3
     for chords in (False, True):
@@ -120,7 +120,7 @@ def test_every_kernel_passes_and_no_mistake_does(false: int, seed: int) -> None:
     everything = np.ones(len(one.edges))
     assert not fine(one, (one.without_false, everything))
     assert not fine(one, (one.plain, np.where(one.false, 0.0, 1.0)))
-    assert not fine(one, (one.poses, np.where(one.model.closures, 0.0, 1.0)))
+    assert not fine(one, (one.poses, np.where(one.model.is_closure_mask, 0.0, 1.0)))
 
 
 def test_what_comes_back_in_other_forms_is_read_and_nonsense_is_refused() -> None:

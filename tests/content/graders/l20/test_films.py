@@ -108,7 +108,7 @@ def test_a_filter_that_forgets_its_belief_is_caught_where_it_first_matters() -> 
 @pytest.mark.parametrize("count", [0, 1, 7, 16])
 def test_a_walk_is_shown_as_far_as_the_program_went(count: int) -> None:
     grid, episode = module_world(), episodes(WALKS)[0]
-    belief, beliefs = grid.uniform(), []
+    belief, beliefs = grid.uniform_belief(), []
     for command, cell in zip(episode.commands, episode.cells, strict=True):
         belief = predict(grid, belief, *command)
         beliefs.append(belief)

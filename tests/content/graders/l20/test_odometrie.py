@@ -15,7 +15,7 @@ from graders.l20.odometrie import cases
 from graders.l20.odometrie.grader import right_spread, right_step
 from graders.l20.odometrie.journey import START, TRACK, round_trip
 from graders.plotting import counterexample
-from reference.odometry import DifferentialDrive, integrate
+from reference.odometry import DifferentialDrive, integrate_poses
 from server.base.files import ROOT as PROJECT
 from tests.support.quick import THEMES, some
 from tests.support.shipped import CODE
@@ -71,7 +71,7 @@ def test_the_steps_keep_what_the_statement_promises(seed: int) -> None:
 
 def test_the_journey_passes_the_back_both_ways() -> None:
     """An angle that is mended on one side alone is wrong on it, at every seed."""
-    headings = integrate(DifferentialDrive(TRACK), round_trip(), START)[:, 2]
+    headings = integrate_poses(DifferentialDrive(TRACK), round_trip(), START)[:, 2]
     jumps = np.diff(headings)[np.abs(np.diff(headings)) > math.pi]
     assert jumps.min() < 0.0 < jumps.max()
 

@@ -15,7 +15,7 @@ from graders.l20.predire2d import cases, trials
 from graders.l20.predire2d.beliefs import SameBelief, SameLikeliest, in_words, instead, one_hot
 from graders.l20.predire2d.checks import tells_something
 from graders.plotting import counterexample
-from reference.localisation.grid_filter import most_likely
+from reference.localisation.grid_filter import most_likely_cell
 from tests.support.quick import THEMES, one_in, some
 from tests.support.shipped import CODE
 from tests.support.verdicts import checked, checked_verdict_of, verdict_of
@@ -180,7 +180,7 @@ def test_every_walk_is_followed_with_a_margin_and_not_by_standing_still() -> Non
     grid = cases.module_world()
     for seed in range(6):
         for episode in some(trials.episodes(seed)):
-            assert trials.gap(most_likely(episode.belief), episode.end) <= 1
+            assert trials.gap(most_likely_cell(episode.belief), episode.end) <= 1
             assert len(episode.cells) == len(episode.commands) == trials.STEPS
             assert all(grid.free[cell] for cell in (episode.start, *episode.cells))
 

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from scipy.io import loadmat
 
-from reference.pose_graph import G2oGraph, PoseGraph, Sightings, as_g2o, factor, loads_g2o
+from reference.pose_graph import G2oGraph, PoseGraph, Sightings, factor, loads_g2o, to_g2o
 
 Dataset = Callable[[str], bytes]
 
@@ -51,4 +51,4 @@ def lsslam(content: bytes, convention: str) -> G2oGraph:
     )
     poses = np.array([g.x[at - 1 : at + 2] for at in pose_of])
     landmarks = np.array([g.x[at - 1 : at + 1] for at in landmark_of]).reshape(-1, 2)
-    return as_g2o(graph, poses, landmarks)
+    return to_g2o(graph, poses, landmarks)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from reference.pose_graph import G2oGraph, PoseGraph, Sightings, as_g2o
+from reference.pose_graph import G2oGraph, PoseGraph, Sightings, to_g2o
 from reference.se2 import compose, relative, wrap_angle
 
 EYE = np.eye(3)
@@ -33,7 +33,7 @@ def loop(seed: int, n: int = 8, noise: float = 0.08, n_landmarks: int = 0, **set
             root = rng.normal(size=(2, 2)) + 3 * np.eye(2)
             seen.append((i, k, relative(truth[i], [*point, 0])[:2] + rng.normal(0, noise, 2), root @ root.T))
     graph = PoseGraph.from_edges(n, edges, sightings=Sightings.from_edges(n_landmarks, seen), **settings)
-    return as_g2o(graph, np.array(start), points)
+    return to_g2o(graph, np.array(start), points)
 
 
 def odometry(graph: PoseGraph, first: np.ndarray) -> np.ndarray:

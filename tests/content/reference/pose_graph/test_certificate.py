@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from reference.pose_graph import ParameterError, PoseGraph, certify, chi2, chordal_start, gauss_newton
+from reference.pose_graph import ParameterError, PoseGraph, certify, chi2, chordal_initial_guess, gauss_newton
 from reference.pose_graph.certificate import _edge_terms, _hermitian, _sighting_terms
 
 from .loops import EYE, loop
@@ -55,7 +55,7 @@ def test_a_ring_wound_once_too_often_is_a_local_minimum_that_is_rejected(solver)
     wound[:, 2] = 2 * turn * np.arange(n)
     steps = np.column_stack([np.cos(wound[:, 2]), np.sin(wound[:, 2])])
     wound[1:, :2] = np.cumsum(steps, axis=0)[:-1]
-    local, best = gauss_newton(graph, wound), gauss_newton(graph, chordal_start(graph)[0])
+    local, best = gauss_newton(graph, wound), gauss_newton(graph, chordal_initial_guess(graph)[0])
     assert local.converged
     assert local.chi2[-1] > 1
     assert best.chi2[-1] < 1e-9

@@ -24,7 +24,7 @@ from .loops import loop
 def dense_covariance(graph: PoseGraph, poses: np.ndarray, landmarks: np.ndarray) -> np.ndarray:
     """The inverse of H, with zeros for the fixed poses."""
     equations = NormalEquations(graph)
-    upper = equations.upper(equations.state(poses, landmarks)).toarray()
+    upper = equations.upper_triangle(equations.join_state(poses, landmarks)).toarray()
     whole = np.zeros((3 * graph.n_poses + 2 * graph.n_landmarks,) * 2)
     whole[np.ix_(equations.free, equations.free)] = np.linalg.inv(upper + np.triu(upper, 1).T)
     return whole

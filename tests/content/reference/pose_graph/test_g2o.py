@@ -13,11 +13,11 @@ from reference.pose_graph import (
     DisconnectedGraphError,
     G2oFormatError,
     G2oGraph,
-    as_g2o,
     certify,
     dumps_g2o,
     gauss_newton,
     loads_g2o,
+    to_g2o,
 )
 
 from .loops import loop
@@ -87,7 +87,7 @@ def test_the_convention_is_the_callers_to_choose() -> None:
 def test_an_optimised_graph_can_be_written() -> None:
     content = loop(1)
     found = gauss_newton(content.graph, content.poses)
-    written = loads_g2o(dumps_g2o(as_g2o(content.graph, found.poses, found.landmarks)), convention="difference")
+    written = loads_g2o(dumps_g2o(to_g2o(content.graph, found.poses, found.landmarks)), convention="difference")
     assert gauss_newton(written.graph, written.poses).iterations <= 1
 
 

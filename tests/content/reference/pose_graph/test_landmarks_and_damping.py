@@ -17,7 +17,7 @@ from reference.pose_graph import (
     SingularSystemError,
     StopReason,
     chi2,
-    chordal_start,
+    chordal_initial_guess,
     edge_residuals,
     gauge_null_vectors,
     gauss_newton,
@@ -75,8 +75,8 @@ def test_the_normal_equations_are_those_of_the_dense_jacobian(convention: str, n
     graph, poses, landmarks = content.graph, content.poses, content.landmarks
     J, e = dense_jacobian(graph, poses, landmarks), whitened(graph, poses, landmarks)
     equations = NormalEquations(graph, free_gauge=True)
-    system = equations.assemble(equations.state(poses, landmarks))
-    np.testing.assert_allclose(equations.pattern.upper(system.data).toarray(), np.triu(J.T @ J), atol=2e-6)
+    system = equations.assemble(equations.join_state(poses, landmarks))
+    np.testing.assert_allclose(equations.pattern.upper_triangle(system.data).toarray(), np.triu(J.T @ J), atol=2e-6)
     np.testing.assert_allclose(system.b, J.T @ e, atol=2e-6)
     assert system.chi2 == pytest.approx(e @ e) == pytest.approx(chi2(graph, poses, landmarks))
 
@@ -95,9 +95,9 @@ def test_any_graph_has_its_entries_where_they_belong(seed: int) -> None:
     whole, held = NormalEquations(graph, free_gauge=True), NormalEquations(graph)
     J, e = dense_jacobian(graph, poses, landmarks), whitened(graph, poses, landmarks)
     for equations, kept in ((whole, slice(None)), (held, held.free)):
-        system = equations.assemble(equations.state(poses, landmarks))
+        system = equations.assemble(equations.join_state(poses, landmarks))
         H = (J.T @ J)[kept][:, kept]
-        np.testing.assert_allclose(equations.pattern.upper(system.data).toarray(), np.triu(H), atol=5e-6)
+        np.testing.assert_allclose(equations.pattern.upper_triangle(system.data).toarray(), np.triu(H), atol=5e-6)
         np.testing.assert_allclose(system.b, (J.T @ e)[kept], atol=5e-6)
 
 
@@ -111,7 +111,7 @@ def test_without_a_fixed_pose_three_directions_are_free_and_no_other(n_landmarks
     """Course, challenge 3: H has a null space of dimension 3, spanned by two translations and a rotation."""
     content = loop(5, n_landmarks=n_landmarks)
     equations = NormalEquations(content.graph, free_gauge=True)
-    upper = equations.upper(equations.state(content.poses, content.landmarks)).toarray()
+    upper = equations.upper_triangle(equations.join_state(content.poses, content.landmarks)).toarray()
     H = upper + np.triu(upper, 1).T
     V = gauge_null_vectors(content.poses, content.landmarks)
     np.testing.assert_allclose(H @ V, 0, atol=1e-10)
@@ -172,7 +172,7 @@ def test_damped_steps_never_increase_chi2_where_plain_ones_do() -> None:
 @pytest.mark.parametrize("seed", range(3))
 def test_the_chordal_start_is_exact_without_noise(solver, seed: int) -> None:
     content = loop(seed, noise=0.0, n_landmarks=3)
-    poses, landmarks = chordal_start(content.graph, content.poses)
+    poses, landmarks = chordal_initial_guess(content.graph, content.poses)
     difference = poses - content.poses
     np.testing.assert_allclose(np.column_stack([difference[:, :2], wrap_angle(difference[:, 2])]), 0, atol=1e-9)
     np.testing.assert_allclose(landmarks, content.landmarks, atol=1e-9)
@@ -181,7 +181,7 @@ def test_the_chordal_start_is_exact_without_noise(solver, seed: int) -> None:
 def test_the_chordal_start_solves_its_least_squares() -> None:
     content = loop(6, noise=0.3)
     graph = content.graph
-    poses, _ = chordal_start(graph, content.poses)
+    poses, _ = chordal_initial_guess(graph, content.poses)
     rows, right = [], []
     for i, j, z, omega in zip(graph.i, graph.j, graph.z_i_j, graph.information, strict=True):
         row = np.zeros(8, dtype=complex)
@@ -196,14 +196,14 @@ def test_the_chordal_start_solves_its_least_squares() -> None:
 def test_the_two_solvers_agree(monkeypatch) -> None:
     content = loop(2, n=30, n_landmarks=5)
     equations = NormalEquations(content.graph)
-    system = equations.assemble(equations.state(content.poses, content.landmarks))
+    system = equations.assemble(equations.join_state(content.poses, content.landmarks))
     found = {}
     for name in ("as installed", "without qdldl"):
-        factor = factorise(equations.pattern.upper(system.data))
+        factor = factorise(equations.pattern.upper_triangle(system.data))
         factor.update(2 * system.data)
         lower = factor.lower()
         L, D = lower.L.toarray(), np.diag(lower.pivots)
-        upper = equations.pattern.upper(2 * system.data).toarray()
+        upper = equations.pattern.upper_triangle(2 * system.data).toarray()
         H = upper + np.triu(upper, 1).T
         np.testing.assert_allclose(L @ D @ L.T, H[np.ix_(lower.p, lower.p)], atol=1e-9)
         found[name] = factor.solve(system.b)
@@ -231,8 +231,8 @@ def line(seen: list, n_landmarks: int = 1, **settings) -> PoseGraph:
         (lambda: gauss_newton(line([(0, 0, [1, 1], np.eye(2))]), np.zeros((2, 3))), ShapeError, "landmarks"),
         (lambda: gauss_newton(line([], 0), np.zeros((2, 3)), max_iterations=-1), ParameterError, "max_iterations"),
         (lambda: gauss_newton(line([], 0), np.zeros((2, 3)), tolerance=np.nan), ParameterError, "tolerance"),
-        (lambda: chordal_start(line([], 0, fixed=(0, 1))), ParameterError, "poses"),
-        (lambda: line([], 0).keep(np.array([False])), DisconnectedGraphError, "edges"),
+        (lambda: chordal_initial_guess(line([], 0, fixed=(0, 1))), ParameterError, "poses"),
+        (lambda: line([], 0).keep_edges(np.array([False])), DisconnectedGraphError, "edges"),
     ],
 )
 def test_what_does_not_fit_is_refused_by_name(make, error, argument) -> None:
@@ -247,10 +247,10 @@ def test_a_pose_that_one_landmark_alone_ties_is_not_determined(solver) -> None:
     with pytest.raises(SingularSystemError):
         gauss_newton(graph, [[0, 0, 0], [1, -1, 0]], [[1, 0]])
     with pytest.raises(DisconnectedGraphError):
-        chordal_start(graph)
+        chordal_initial_guess(graph)
 
 
 def test_measurements_that_cancel_out_leave_no_orientation() -> None:
     graph = PoseGraph.from_edges(2, [(0, 1, [1, 0, 0], EYE), (0, 1, [1, 0, np.pi], EYE)])
     with pytest.raises(ParameterError, match="orientation"):
-        chordal_start(graph)
+        chordal_initial_guess(graph)

@@ -21,7 +21,7 @@ from reference.pose_graph import (
     SingularSystemError,
     certify,
     chi2,
-    chordal_start,
+    chordal_initial_guess,
     edge_residuals,
     gauss_newton,
     graduated_non_convexity,
@@ -98,7 +98,7 @@ def test_what_no_edge_tells_is_refused_and_not_invented(solver: str) -> None:
         lambda: gauss_newton(graph, np.zeros((3, 3))),
         lambda: graduated_non_convexity(graph, np.zeros((3, 3))),
         lambda: marginal_covariances(graph, np.zeros((3, 3))),
-        lambda: chordal_start(graph),
+        lambda: chordal_initial_guess(graph),
     ):
         with pytest.raises(SingularSystemError):
             solve()
@@ -107,14 +107,14 @@ def test_what_no_edge_tells_is_refused_and_not_invented(solver: str) -> None:
 def test_orientations_that_no_edge_tells_have_no_chordal_start() -> None:
     graph = PoseGraph.from_edges(2, [(0, 1, (1, 0, 0), np.diag([1.0, 1.0, 0.0]))])
     with pytest.raises(DisconnectedGraphError, match="orientation"):
-        chordal_start(graph)
+        chordal_initial_guess(graph)
 
 
 def test_two_halves_make_a_whole(solver: str) -> None:
     """Two partial edges that complete each other determine what each alone leaves free, from the chordal start too."""
     z = np.array([1.0, 0.5, 0.3])
     graph = PoseGraph.from_edges(2, [(0, 1, z, ALONG_X), (0, 1, z, np.diag([0.0, 2.0, 0.0]))])
-    start, _ = chordal_start(graph)
+    start, _ = chordal_initial_guess(graph)
     for poses in (start, np.zeros((2, 3))):
         np.testing.assert_allclose(gauss_newton(graph, poses).poses[1], z, atol=1e-8)
     covariances, _ = marginal_covariances(graph, start)

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from reference.metrics import absolute_trajectory_error
-from reference.pose_graph import StopReason, certify, chi2, chordal_start, gauss_newton, levenberg_marquardt
+from reference.pose_graph import StopReason, certify, chi2, chordal_initial_guess, gauss_newton, levenberg_marquardt
 from reference.pose_graph.residuals import edge_chi2
 
 from .loops import odometry
@@ -33,7 +33,7 @@ def test_the_chordal_start_leads_to_the_published_optimum_which_is_certified(
     published, name, convention, optimum
 ) -> None:
     content = published(name, convention)
-    start, _ = chordal_start(content.graph, content.poses)
+    start, _ = chordal_initial_guess(content.graph, content.poses)
     found = gauss_newton(content.graph, start)
     assert found.converged
     assert found.chi2[-1] == pytest.approx(optimum, rel=1e-6)
@@ -83,7 +83,7 @@ def test_gauss_newton_from_odometry_stops_in_a_local_minimum_which_no_certificat
 
 def test_levenberg_marquardt_reaches_the_optimum_from_the_chordal_start(published) -> None:
     content = published("MITb")
-    start, _ = chordal_start(content.graph, content.poses)
+    start, _ = chordal_initial_guess(content.graph, content.poses)
     found = levenberg_marquardt(content.graph, start)
     assert found.converged
     assert found.chi2[-1] == pytest.approx(41.163269, rel=1e-6)
@@ -103,7 +103,7 @@ def test_the_ring_has_its_published_cost_with_unit_information(published) -> Non
     """Half of chi2 with omega = I: 0.0222."""
     content = published("ring")
     graph = replace(content.graph, information=np.tile(np.eye(3), (459, 1, 1)))
-    found = gauss_newton(graph, chordal_start(graph)[0])
+    found = gauss_newton(graph, chordal_initial_guess(graph)[0])
     assert found.chi2[-1] / 2 == pytest.approx(0.0222, abs=5e-5)
 
 
