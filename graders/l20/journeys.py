@@ -8,7 +8,7 @@ from functools import cache
 
 import numpy as np
 
-from graders.core.contract.local import kit_names
+from graders.core.contract.local import initial_globals
 from graders.core.contract.values import Floats
 from graders.l20 import world
 from reference.se2 import compose, relative
@@ -46,7 +46,7 @@ class Journey:
 @cache
 def module_map() -> GridMap:
     """The map that the kit holds."""
-    return GridMap.from_free(kit_names(world.STILL)["libres"])
+    return GridMap.from_free(initial_globals(world.STILL)["libres"])
 
 
 def wander(grid: GridMap, steps: int, rng: np.random.Generator, start: Floats | None = None) -> Journey:

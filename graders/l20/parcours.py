@@ -6,7 +6,7 @@ from functools import cache
 
 import numpy as np
 
-from graders.core.contract.local import kit_names
+from graders.core.contract.local import initial_globals
 from graders.l20 import world
 from reference.odometry import DifferentialDrive
 from reference.world.grid_map import GridMap
@@ -28,7 +28,7 @@ ROUND = (
 
 def place() -> GridMap:
     """The module's map, in metres."""
-    return GridMap.from_free(kit_names(world.STILL)["libres"], CELL)
+    return GridMap.from_free(initial_globals(world.STILL)["libres"], CELL)
 
 
 @cache

@@ -18,8 +18,8 @@ from graders.core.compare.comparison import (
     RowComparator,
     are_close,
     row_errors,
+    shape_mismatch,
     unreadable,
-    wrong_shape,
 )
 from graders.core.compare.shrinking import shrink_number
 from graders.core.compare.told_apart import angle_instead_of_expected_text
@@ -48,7 +48,7 @@ class SamePose(RowComparator):
         except UnreadableError as error:
             return unreadable(error)
         if pose.shape != (3,):
-            return wrong_shape(wanted, pose)
+            return shape_mismatch(wanted, pose)
         *where, theta = pose.tolist()  # of three numbers, Python makes shorter work than arrays
         *there, angle = wanted.tolist()
         if self.heading_only:

@@ -158,7 +158,7 @@ def _trace_scenario(sandbox: Sandbox, request: ScenarioTraceRequest) -> TraceOut
         _TracedProgram(
             request.source,
             FILENAME,
-            scenario.function,
+            scenario.called_program_name,
             scenario.driver_arguments(),
             {},
             kit,

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Any, Literal
 
 from graders.core.compare.python_values import MORE, is_numeric, is_python_text, python_text, restore_numbers
-from graders.core.compare.told_apart import NOISE, are_near, number_text_pair
+from graders.core.compare.told_apart import NOISE, are_within_tolerance, number_text_pair
 from graders.core.compare.words import number
 
 MAX_ROWS, MAX_COLUMNS, MAX_LIST = 24, 40, 24  # a map of the course is 16 × 24, a scan has 36 rays
@@ -129,7 +129,7 @@ def _format_beside(value: Any, beside: Any) -> str:
     """A scalar, with the digits that tell it from the one that it is shown beside, if both are numbers."""
     if any(isinstance(it, bool) or not isinstance(it, int | float) for it in (value, beside)):
         return format_scalar(value)
-    if are_near(value, beside, NOISE):
+    if are_within_tolerance(value, beside, NOISE):
         return format_scalar(value)
     return number_text_pair(value, beside)[0]
 
@@ -216,7 +216,7 @@ def _differs(got: Any, wanted: Any, tolerance: float) -> bool:
     left, right = (float(it) if isinstance(it, str) else it for it in (got, wanted))
     if "nan" in (str(left), str(right)):
         return str(left) != str(right)
-    return not are_near(left, right, tolerance)
+    return not are_within_tolerance(left, right, tolerance)
 
 
 def _plan(rows: list[list[bool]]) -> ValueView:

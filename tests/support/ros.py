@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
-from graders.core.contract.local import kit_names
+from graders.core.contract.local import initial_globals
 from graders.core.contract.program import KitSettings
 
 SETTINGS = KitSettings("ros")
@@ -45,4 +45,4 @@ class Ros:
 
 
 def ros() -> Ros:
-    return Ros(kit_names(SETTINGS))
+    return Ros(initial_globals(SETTINGS))

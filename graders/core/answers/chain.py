@@ -10,7 +10,7 @@ import numpy as np
 Predecessors = Mapping[str, AbstractSet[str]]
 
 
-def transitive_predecessors(after: Mapping[str, Sequence[str]]) -> Predecessors:
+def find_transitive_predecessors(after: Mapping[str, Sequence[str]]) -> Predecessors:
     """Return the transitive predecessors of each name; `after` lists direct ones, in a topological order."""
     before: dict[str, frozenset[str]] = {}
     for name, direct in after.items():

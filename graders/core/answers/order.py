@@ -8,7 +8,7 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-from graders.core.answers.chain import Predecessors, longest_chain, transitive_predecessors
+from graders.core.answers.chain import Predecessors, find_transitive_predecessors, longest_chain
 from graders.core.answers.judging import AnswerCheck, Answers, AnswersGrader
 from graders.core.answers.letters import MAX_LETTERS, Letters, rename_items
 from graders.core.answers.mistakes import check_same_mistakes, read_mistakes
@@ -142,7 +142,7 @@ class OrderGrader(AnswersGrader):
 
         The message gives the kind of fault only: with the step or its position, one could solve by trial.
         """
-        before = transitive_predecessors({step.id: step.after for step in self.sheet.steps})
+        before = find_transitive_predecessors({step.id: step.after for step in self.sheet.steps})
         true = [name for name in names if name in before]
         wanted, length = len(before), longest_chain(true, before)
         if length == wanted:

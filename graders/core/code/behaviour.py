@@ -151,7 +151,7 @@ class BehaviourObserver:
                 if set(missing) & set(check.functions) and not isinstance(check, Untouched):
                     with suppress(Rejection, StudentFault):
                         check.run(Bench(check.id, runner, stream(self._seed, check.id), self._kit_settings))
-        for kit, function, calls in recorder.calls_by_kit():
+        for kit, function, calls in recorder.iter_calls_by_kit():
             yield CallSeries(function, calls, self._kit_settings if kit == self._kit_settings else kit)
 
     def _iter_unmodified_argument_series(self, kit: KitSettings) -> Iterator[CallSeries]:

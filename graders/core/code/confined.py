@@ -64,7 +64,7 @@ class HelperProcessError(Exception):
     """A handler raised an exception in the helper; the message is its traceback."""
 
 
-class ConfinedWork:
+class HelperProcessWork:
     """Answers about items, one an item, which a handler makes in a helper process.
 
     It should be made before the first question, else a new helper is forked for it. Items, context and answers are
@@ -121,7 +121,7 @@ class _HelperMessage(NamedTuple):
 
 
 _NUMBERS = itertools.count()
-_WORKS: weakref.WeakValueDictionary[int, ConfinedWork] = weakref.WeakValueDictionary()
+_WORKS: weakref.WeakValueDictionary[int, HelperProcessWork] = weakref.WeakValueDictionary()
 _IDLE: list[_HelperProcess] = []
 _LOCK = threading.Lock()
 
@@ -253,7 +253,7 @@ def _read_proc_stat(pid: int) -> list[str]:
         return file.read().rpartition(")")[2].split()
 
 
-def _serve_questions(channel: Connection, works: dict[int, ConfinedWork], shared: mmap.mmap) -> NoReturn:
+def _serve_questions(channel: Connection, works: dict[int, HelperProcessWork], shared: mmap.mmap) -> NoReturn:
     """Answer questions in the forked process until its owner closes the channel."""
     try:
         _release_owner_resources(channel.fileno())

@@ -10,7 +10,7 @@ from collections.abc import Callable, Iterator, Sequence
 import numpy as np
 
 from graders.core.code.checks import Check
-from graders.core.code.confined import ConfinedWork, UnfinishedAnswer
+from graders.core.code.confined import HelperProcessWork, UnfinishedAnswer
 from graders.core.code.diagnosis import Explanation, explain_observations, have_same_wrong_results
 from graders.core.code.folder import Misconception
 from graders.core.code.probes import Probes, same_probe_answer
@@ -33,8 +33,8 @@ class MistakeExplainer:
     ) -> None:
         self._misconceptions, self._checks, self._kit, self._reenactor = misconceptions, checks, kit, reenactor
         self._unfinished: set[int] = set()
-        self._work = ConfinedWork(self._score_each)
-        self._comparing = ConfinedWork(self._agree_with_each)
+        self._work = HelperProcessWork(self._score_each)
+        self._comparing = HelperProcessWork(self._agree_with_each)
 
     def reenactable_indices(self) -> list[int]:
         """Return those that are re-enacted: programs that are no edit of the model, nor known by a rule alone."""

@@ -22,7 +22,7 @@ from graders.core.code.folder import Misconception, read_model
 from graders.core.code.grading import CodeGrader
 from graders.core.code.student_form import rewrite_as_student_form
 from graders.core.compare.comparison import compare
-from graders.core.compare.forms import ArrayForm, IndicesForm, NumberForm, ValueForm, WholeForm, shape_text
+from graders.core.compare.forms import ArrayForm, IndicesForm, NumberForm, ValueForm, WholeNumberForm, shape_text
 from graders.core.compare.shrinking import iter_simpler_arguments
 from graders.core.contract.program import Answer, KitSettings, Program, Programs, StudentFault
 from graders.core.contract.streams import stream
@@ -152,7 +152,7 @@ def _read_typed_value(name: str, form: ValueForm, value: Value, sizes: dict[str,
     if isinstance(form, NumberForm):
         if array.shape != ():
             raise InputFault(name, f"{wanted}, et vous donnez {_typed_shape_text(array)}.")
-        if isinstance(form, WholeForm):
+        if isinstance(form, WholeNumberForm):
             if array != np.round(array):
                 raise InputFault(name, f"{wanted} : {float(array):g} n’en est pas un.")
             return int(array)

@@ -21,7 +21,7 @@ MAX_TOTAL_SECONDS = 240.0
 
 
 @dataclass
-class Run:
+class ClosedLoopRun:
     """One run: its number from 0, the bench of its own process, its current step, and the maker of its film so far."""
 
     number: int
@@ -40,14 +40,14 @@ class Run:
 
 
 #: Plays one run: returns when it succeeds; raises Rejection or StudentFault when it does not.
-Play = Callable[[Run], None]
+Play = Callable[[ClosedLoopRun], None]
 
 
 @dataclass(frozen=True)
 class FailedRun:
     """A failed run and the reason."""
 
-    run: Run
+    run: ClosedLoopRun
     reason: Rejection | StudentFault
 
 
@@ -107,7 +107,7 @@ class ClosedLoop(Check):
             if clock() > deadline:
                 tally.stopped = True
                 break
-            run = Run(number, bench)
+            run = ClosedLoopRun(number, bench)
             why = self._failure_reason(run)
             if run.make_film is not None and not tally.failures:
                 tally.make_film = run.make_film
@@ -121,7 +121,7 @@ class ClosedLoop(Check):
                 break
         return tally
 
-    def _failure_reason(self, run: Run) -> Rejection | StudentFault | None:
+    def _failure_reason(self, run: ClosedLoopRun) -> Rejection | StudentFault | None:
         """Play a run in a process of its own, and return the reason of its failure, if any."""
         try:
             with run.bench.run_with_kit(self.kit(run.bench, run.number)) as own:

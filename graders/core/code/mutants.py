@@ -18,7 +18,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from graders.core.code.answer_arrays import AnswerColumn, AnswerSequence
-from graders.core.code.confined import ConfinedWork, UnfinishedAnswer
+from graders.core.code.confined import HelperProcessWork, UnfinishedAnswer
 from graders.core.code.evidence import shows_mistake
 from graders.core.code.mutations import Edit, Model, Mutant
 from graders.core.code.probes import Facet, ProbeAnswer, ProbeFault, ProbeResults, Probes, same_probe_answer
@@ -26,7 +26,7 @@ from graders.core.code.reachability import PIECE_SEPARATOR, CodePiece, all_piece
 from graders.core.code.reporting import report_call
 from graders.core.compare.slips import SLIPS
 from graders.core.contract.copies import copy_value
-from graders.core.contract.local import call_function, kit_names
+from graders.core.contract.local import call_function, initial_globals
 
 #: Mistakes that are combined in one mutant; one more where a facet already matches two of them.
 MAX_COMBINED_MISTAKES = 2
@@ -78,7 +78,7 @@ class MutantAnswerCache:
         self._kits: dict[int, dict[str, Any]] = {}
         self._answers_by_text: dict[tuple[int, bytes], MutantAnswers] = {}
         self._begun: dict[int, tuple[Iterator[ProbeAnswer], int]] = {}
-        self._work = ConfinedWork(self._answer_mutants)
+        self._work = HelperProcessWork(self._answer_mutants)
 
     def count_agreements(self, index: int, row: MutantRow, sequence: AnswerSequence) -> int:
         """Return how many probes a mutant answers alike."""
@@ -302,7 +302,7 @@ class MutantAnswerCache:
         """Return the global names of a mutant: the kit's, built once unless the function draws at random."""
         probes = self.probes[index]
         if probes.random or index not in self._kits:
-            self._kits[index] = {"__name__": "mutant", **kit_names(probes.kit), **probes.given}
+            self._kits[index] = {"__name__": "mutant", **initial_globals(probes.kit), **probes.given}
         return dict(self._kits[index])
 
 

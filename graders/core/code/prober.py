@@ -38,7 +38,7 @@ from graders.core.code.refuting import NameRefuter
 from graders.core.code.runner import Runner
 from graders.core.code.shared_results import SHARED
 from graders.core.code.stateless import is_stateless, may_keep_state
-from graders.core.contract.local import kit_names
+from graders.core.contract.local import initial_globals
 from graders.core.contract.program import KitSettings, PlannedCalls
 from graders.core.contract.rows import as_rows
 
@@ -71,7 +71,7 @@ class Prober:
     def _kit_names(self) -> Mapping[str, Any]:
         """The global names of a program that answers the probes."""
         kits = {id(probe.kit): probe.kit for probe in self.probes}
-        return {name: value for kit in kits.values() for name, value in kit_names(kit).items()}
+        return {name: value for kit in kits.values() for name, value in initial_globals(kit).items()}
 
     def planned_calls(self, functions: Collection[str], alone: Collection[str]) -> Sequence[PlannedCalls]:
         """Return the calls that `recognise` makes of a program that is stateless and deterministic."""

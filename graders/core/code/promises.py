@@ -33,7 +33,7 @@ def recorded_calls(grader: CodeGrader, seed: int) -> Calls:
     recorder = CallRecorder(grader.functions, MAX_CALLS)
     grader.first_failed_check(grader.solution.encode(), recorder, seed=seed)
     found: dict[str, dict[bytes, Arguments]] = {name: {} for name in grader.functions}
-    for _, function, calls in recorder.calls_by_kit():
+    for _, function, calls in recorder.iter_calls_by_kit():
         found[function].update((_arguments_key(args), args) for args in calls)
     return found
 

@@ -37,7 +37,7 @@ class CallRecorder:
             if len(calls) < self._limit:
                 calls.append(args)
 
-    def calls_by_kit(self) -> Iterator[tuple[KitSettings, str, tuple[Arguments, ...]]]:
+    def iter_calls_by_kit(self) -> Iterator[tuple[KitSettings, str, tuple[Arguments, ...]]]:
         for (_, function), (kit, calls) in self._calls.items():
             yield kit, function, tuple(calls)
 

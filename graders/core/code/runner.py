@@ -129,7 +129,7 @@ class Runner:
         self._store_piggybacked(queued)
         return answers
 
-    def piggyback(self, batches: Sequence[PlannedCalls]) -> None:
+    def queue_piggyback_calls(self, batches: Sequence[PlannedCalls]) -> None:
         """Queue these batches for the next exchange: see `PiggybackCalls`."""
         self._piggybacked.queue(batches)
 

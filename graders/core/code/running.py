@@ -54,7 +54,7 @@ def run_checks(
                     runner.announce_launches(launches_if_failed())
                 runner.failed.add(check.id)
     if runner.failed:
-        runner.piggyback(calls_if_failed([check for check in checks if check.id in runner.failed]))
+        runner.queue_piggyback_calls(calls_if_failed([check for check in checks if check.id in runner.failed]))
     if failed := [result for result in results if isinstance(result, PendingShrink)]:
         runner.freeze_stdout()
         shrink_all(runner, failed, runner.answer_batches)

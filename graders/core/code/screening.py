@@ -123,7 +123,7 @@ class ProbeScreen:
                     run_check(check, Bench(check.id, runner, stream(self._seed, check.id), kit))
         finally:
             runner.close()
-        for side_kit, _, calls in recorder.calls_by_kit():
+        for side_kit, _, calls in recorder.iter_calls_by_kit():
             asked = Probes(function=function, calls=calls, kit=side_kit)
             right = self._solution_answers(asked)
             marks = self._mark_right_numbers(

@@ -112,7 +112,7 @@ class CloseTo(RowComparator):
         if not wanted.ndim and is_single_number_array(got):
             array = array.reshape(())
         if array.shape != wanted.shape:
-            return wrong_shape(wanted, array)
+            return shape_mismatch(wanted, array)
         if are_close(wanted, array, self.tolerance):
             return None
         return Mismatch(lambda: worst_difference(wanted, array), value_slip(wanted, array))
@@ -170,7 +170,7 @@ def _singular_or_plural_be(items: Sequence[int]) -> str:
     return "est" if len(items) == 1 else "sont"
 
 
-def wrong_shape(expected: Floats, got: Floats) -> Mismatch:
+def shape_mismatch(expected: Floats, got: Floats) -> Mismatch:
     """A mismatch of shapes, with the slip that explains it."""
     wanted, obtained = render.shape_text(expected.shape), render.shape_text(got.shape)
     return Mismatch(f"La forme du résultat est {obtained} au lieu de {wanted}.", shape_slip(expected, got))

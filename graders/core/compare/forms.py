@@ -146,7 +146,7 @@ class NumberForm(ValueForm):
 
 
 @dataclass(frozen=True, kw_only=True)
-class WholeForm(NumberForm):
+class WholeNumberForm(NumberForm):
     """A whole number, of either type where it is returned."""
 
     called: str = "un entier"
@@ -293,7 +293,7 @@ def join_with_and(items: Sequence[str]) -> str:
 
 
 NUMBER = NumberForm()
-WHOLE = WholeForm()
+WHOLE = WholeNumberForm()
 POSE = ArrayForm(shape=(3,), called="une pose", angle=2)
 GRID = ArrayForm(shape=("H", "W"), dtype="bool")
 

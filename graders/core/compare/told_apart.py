@@ -101,7 +101,7 @@ def angle_instead_of_expected_text(expected: float, got: float) -> str:
     return f"{obtained} au lieu de {wanted}{f' ({gap})' if gap else ''}"
 
 
-def are_near(value: complex, other: complex, tolerance: float) -> bool:
+def are_within_tolerance(value: complex, other: complex, tolerance: float) -> bool:
     """Whether two numbers are equal within a relative or absolute tolerance; however large, and never for NaN."""
     try:
         return bool(value == other or abs(value - other) <= tolerance * max(1.0, abs(value)))
@@ -158,7 +158,7 @@ def _is_number(value: Value) -> bool:
 def _pair_values(value: Any, other: Any, digits: int, noise: float) -> tuple[Any, Any]:
     """Return both values with the texts of those numbers that need digits of their own in the place of these."""
     if _is_number(value) and _is_number(other):
-        if are_near(value, other, noise):
+        if are_within_tolerance(value, other, noise):
             return value, other
         first, second = number_text_pair(value, other, digits)
         return NumberText(first), NumberText(second)

@@ -108,7 +108,7 @@ def _make_import_function(modules: Mapping[str, types.ModuleType]) -> Callable[.
     return find
 
 
-def kit_names(kit: KitSettings) -> dict[str, Any]:
+def initial_globals(kit: KitSettings) -> dict[str, Any]:
     """Return the initial global names of a program, with an `__import__` that finds the modules of its kit."""
     modules = _import_kit_modules(kit.module)
     names = dict(modules[kit.module].configurer(**kit.parameters))
@@ -131,7 +131,7 @@ class LocalProgram:
 
     def __init__(self, source: bytes | types.CodeType, kit: KitSettings) -> None:
         self._last_value: Any = None
-        self._names: dict[str, Any] = {"__name__": "solution", **kit_names(kit)}
+        self._names: dict[str, Any] = {"__name__": "solution", **initial_globals(kit)}
         before = set(self._names)
         exec(_compile_source(source, "<trusted>") if isinstance(source, bytes) else source, self._names)
         self.functions = frozenset(n for n in self._names if n not in before and callable(self._names[n]))

@@ -34,7 +34,7 @@ def measure_progress(before: Verdict, now: Verdict) -> Progress | None:
     passed = {check.id for check in before.checks if check.passed}
     check_ids = {check.id for check in before.checks}
     checks = tuple(c.title for c in now.checks if c.passed and c.id in check_ids - passed)
-    lost = tuple(c.title for c in now.checks if not c.passed and c.id in passed and _compared_answers(c, now))
+    lost = tuple(c.title for c in now.checks if not c.passed and c.id in passed and _has_compared_answers(c, now))
     failed = {check.id for check in now.checks if not check.passed}
     named = now.diagnosis.titles if now.diagnosis else ()
     failed_before = check_ids - passed
@@ -50,7 +50,7 @@ def measure_progress(before: Verdict, now: Verdict) -> Progress | None:
     return Progress(gone, checks, lost, left)
 
 
-def _compared_answers(check: CheckResult, now: Verdict) -> bool:
+def _has_compared_answers(check: CheckResult, now: Verdict) -> bool:
     """Whether a failed check compared answers: not where it waits for others, nor where the file does not run."""
     if check.neutral or check.cause in NOT_CALLED:
         return False

@@ -52,12 +52,12 @@ def play_steps(steps: Any, lines: Any = (), files: Any = ()) -> tuple[list[Any],
     value; any other one passes.
     """
     names: dict[str, object] = {}
-    desk, world = _Desk(lines or (), dict(files)), sys.modules["solution"].__dict__
+    desk, world = _InputsAndFiles(lines or (), dict(files)), sys.modules["solution"].__dict__
     values = []
     reads = lines is not None or files or any(kind in ("type", "file", "argv", "program") for kind, *_ in steps)
     with contextlib.ExitStack() as stack:
         if reads:
-            stack.enter_context(desk.replaces_input())
+            stack.enter_context(desk.replace_input_and_open())
         stack.enter_context(contextlib.redirect_stdout(desk.screen))
         for kind, *parts in steps:
             try:
@@ -69,10 +69,10 @@ def play_steps(steps: Any, lines: Any = (), files: Any = ()) -> tuple[list[Any],
                 break
             values.append(_encode(value))
     printed, shown = desk.screen.texts()
-    return values, printed, "" if shown == printed else shown, desk.written()
+    return values, printed, "" if shown == printed else shown, desk.written_files()
 
 
-class _Screen(io.TextIOBase):
+class _RecordedOutput(io.TextIOBase):
     """Writes what is printed to the student's output too; what `input` shows and reads is not printed."""
 
     def __init__(self, shown: Any) -> None:
@@ -94,11 +94,11 @@ class _Screen(io.TextIOBase):
         return self._printed.getvalue()[:MAX_PRINTED], self._whole.getvalue()[:MAX_PRINTED]
 
 
-class _Desk:
+class _InputsAndFiles:
     """What `input` and `open` give a program, and what it writes."""
 
     def __init__(self, lines: Any, files: Any) -> None:
-        self.screen, self._files, self._open = _Screen(sys.stdout), files, list[Any]()
+        self.screen, self._files, self._open = _RecordedOutput(sys.stdout), files, list[Any]()
         self._stdin, self._new = io.StringIO(), dict[str, str]()
         self.type_lines(lines)
 
@@ -111,14 +111,14 @@ class _Desk:
     def put_file(self, name: str, text: str) -> None:
         self._files[name] = text
 
-    def written(self) -> list[Any]:
+    def written_files(self) -> list[Any]:
         """Return names and texts of the files that were written, also of those that were not closed."""
         for file in self._open:
             file.close()
         return [(name, text[:MAX_PRINTED]) for name, text in list(self._new.items())[:MAX_FILES]]
 
     @contextlib.contextmanager
-    def replaces_input(self) -> Any:
+    def replace_input_and_open(self) -> Any:
         """Have `input` read the lines, and `open` the files."""
         before, arguments = (builtins.input, builtins.open, io.open, sys.stdin), sys.argv[1:]
         vars(builtins).update(input=self._read_line, open=self._open_file)
@@ -248,7 +248,7 @@ def _decode(value: Any, names: Any, world: Any) -> Any:
         "n": lambda: content,
         "a": lambda: np.frombuffer(content[2], content[0]).reshape(content[1]).copy(),
         "f": lambda: _make_function(content, names, world),
-        "r": lambda: _find(content, names, world),
+        "r": lambda: _look_up(content, names, world),
         "c": lambda: _call_nested(content, names, world),
     }
     return makers[tag]()
@@ -256,16 +256,16 @@ def _decode(value: Any, names: Any, world: Any) -> Any:
 
 def _make_function(content: Any, names: Any, world: Any) -> Any:
     source, imports, own = content if isinstance(content, list) else (content, (), ())
-    known = {"np": np, "math": math} | {name: _imported(*where) for name, *where in imports}
+    known = {"np": np, "math": math} | {name: _import_attribute(*where) for name, *where in imports}
     return eval(source, known | {name: _resolve(name, names, world) for name in own})
 
 
-def _find(path: Any, names: Any, world: Any) -> Any:
+def _look_up(path: Any, names: Any, world: Any) -> Any:
     """Return what an author's notation names: a name of the case or of the program, or what a module holds."""
-    return _imported(*path) if isinstance(path, list) else _resolve(path, names, world)
+    return _import_attribute(*path) if isinstance(path, list) else _resolve(path, names, world)
 
 
-def _imported(module: Any, attribute: Any) -> Any:
+def _import_attribute(module: Any, attribute: Any) -> Any:
     value = importlib.import_module(module)
     for name in attribute.split(".") if attribute else ():
         value = getattr(value, name)
@@ -275,7 +275,7 @@ def _imported(module: Any, attribute: Any) -> Any:
 def _call_nested(content: Any, names: Any, world: Any) -> Any:
     callee, args, named, base = content
     inside = {"": _decode(base[0], names, world)} if base else names
-    return _find(f".{callee}" if base else callee, inside, world)(
+    return _look_up(f".{callee}" if base else callee, inside, world)(
         *(_decode(argument, names, world) for argument in args),
         **{name: _decode(argument, names, world) for name, argument in named},
     )

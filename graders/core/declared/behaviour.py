@@ -44,7 +44,7 @@ class DeclaredObserver:
             answers.append(stored if same_answer(stored, _to_stored_played(repeated)) else UNSTABLE)
             failure = self._judge_probe(k, played) if answers[k] != UNSTABLE else None
             failures |= {} if failure is None else {k: failure}
-        functions = dict.fromkeys(failure.case.scenario.function for failure in failures.values())
+        functions = dict.fromkeys(failure.case.scenario.called_program_name for failure in failures.values())
         return Behaviour(
             truncate_answers(answers),
             tuple(failures),
@@ -71,7 +71,7 @@ class DeclaredObserver:
         shown = self._grader.describe_failure(check, failure).result.counterexample
         if shown is None:
             return None
-        return Example(failure.case.scenario.function, shown.inputs, shown.expected, shown.got)
+        return Example(failure.case.scenario.called_program_name, shown.inputs, shown.expected, shown.got)
 
 
 def _text_length(scenario: Scenario) -> int:

@@ -45,7 +45,7 @@ def parse_scenario(
         statements = tuple(reader.statement(node) for node in tree.body)
     except RecursionError as error:
         raise MalformedDeclaration("ce cas est trop imbriqué") from error
-    if not any(statement.function for statement in statements):
+    if not any(statement.called_program_name for statement in statements):
         if tuple(functions) == (PROGRAM,):
             raise MalformedDeclaration(f"« {text.strip()[:80]} » : {AS_A_PROGRAM}")
         raise MalformedDeclaration(

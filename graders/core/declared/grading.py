@@ -224,7 +224,7 @@ class DeclaredGrader:
             got=got,
             cause=failure.mismatch.cause,
             slip=failure.mismatch.slip,
-            figure=describe_figure(statement.callee or scenario.function, expected, got),
+            figure=describe_figure(statement.callee or scenario.called_program_name, expected, got),
             case=scenario,
         )
 

@@ -119,11 +119,15 @@ def list_hunts(grader: DeclaredGrader) -> Iterator[DeclaredHunt]:
     for mistake in grader.declaration.mistakes:
         for check in grader.declaration.checks:
             cases = [case for case in grader.cases(check, PROBE_SEED)[:MAX_CASES] if _is_one_call(case.scenario)]
-            functions = dict.fromkeys(case.scenario.function for case in cases)
+            functions = dict.fromkeys(case.scenario.called_program_name for case in cases)
             if check.watched != "value":
                 continue
             for function in functions:
-                calls = [case.scenario.statements[0].arguments for case in cases if case.scenario.function == function]
+                calls = [
+                    case.scenario.statements[0].arguments
+                    for case in cases
+                    if case.scenario.called_program_name == function
+                ]
                 names = grader.parameters.get(function, ())
                 calls = [call for call in calls if 0 < len(call) == len(names)]
                 if calls:
@@ -179,7 +183,7 @@ class DeclaredHuntPrograms:
         return next((each for each in texts if sum(map(len, each)) <= MAX_WITNESS), None)
 
     def _calls_hunted_function(self, case: Case) -> bool:
-        return _is_one_call(case.scenario) and case.scenario.function == self._hunt.function
+        return _is_one_call(case.scenario) and case.scenario.called_program_name == self._hunt.function
 
     def _find_simplest(self, failure: FailedCase) -> FailedCase:
         hunt, until = self._hunt, time.monotonic() + SIMPLER_SECONDS

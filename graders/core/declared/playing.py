@@ -140,7 +140,7 @@ class Player:
 def _batch_scenarios(scenarios: Sequence[Scenario]) -> list[PlannedCalls]:
     return [
         PlannedCalls(function, [scenario.driver_arguments() for scenario in group], faults=MAX_FAULTS)
-        for function, group in itertools.groupby(scenarios, key=lambda scenario: scenario.function)
+        for function, group in itertools.groupby(scenarios, key=lambda scenario: scenario.called_program_name)
     ]
 
 

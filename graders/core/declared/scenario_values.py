@@ -47,12 +47,19 @@ class NestedCall:
     imported: tuple[str, str] | None = None
 
     @property
-    def function(self) -> str:
+    def called_program_name(self) -> str:
         """The first name of the program that is called; empty where none is."""
         if self.imported is not None:
             inside = (*self.arguments, *(value for _, value in self.named))
-            return next((value.function for value in inside if isinstance(value, NestedCall) and value.function), "")
-        return self.base.function if isinstance(self.base, NestedCall) else self.callee.partition(".")[0]
+            return next(
+                (
+                    value.called_program_name
+                    for value in inside
+                    if isinstance(value, NestedCall) and value.called_program_name
+                ),
+                "",
+            )
+        return self.base.called_program_name if isinstance(self.base, NestedCall) else self.callee.partition(".")[0]
 
 
 def call_text(

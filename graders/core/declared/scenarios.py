@@ -52,12 +52,19 @@ class Statement:
         return not self.into and self.kind not in PREPARATIONS.values()
 
     @property
-    def function(self) -> str:
+    def called_program_name(self) -> str:
         """The name of the program that is called first; empty where none is."""
         if self.kind in RUNS and self.callee != PRINT:
             return self.callee.partition(".")[0]
         inside = (self.value, *self.arguments)
-        return next((value.function for value in inside if isinstance(value, NestedCall) and value.function), "")
+        return next(
+            (
+                value.called_program_name
+                for value in inside
+                if isinstance(value, NestedCall) and value.called_program_name
+            ),
+            "",
+        )
 
     @property
     def called_name(self) -> str:
@@ -105,9 +112,9 @@ class Scenario:
     expected: tuple[Value, ...] = ()
 
     @property
-    def function(self) -> str:
+    def called_program_name(self) -> str:
         """The first name of the program that is called."""
-        return next(filter(None, (step.function for step in self.statements)))
+        return next(filter(None, (step.called_program_name for step in self.statements)))
 
     @property
     def typed_lines(self) -> tuple[str, ...] | None:

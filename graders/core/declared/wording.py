@@ -57,7 +57,7 @@ def failure_message(check: DeclaredCheck, failure: FailedCase, statement: Statem
         return f"{describe_case(scenario)}, on attend {what}{expected}, et {verb} {obtained}."
     if len(scenario.statements) == 1:
         verb = "lève" if failure.got.raised else "renvoie"
-        name = statement.called_name or scenario.function
+        name = statement.called_name or scenario.called_program_name
         return f"Pour {scenario.text()}, on attend {expected} et {name} {verb} {obtained}."
     if failure.right.raised:  # a fault does not say which of the statements raised it
         returned = statement.is_shown and not failure.got.raised

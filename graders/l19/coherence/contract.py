@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from graders.core.code.contracts import Boundary, FunctionContract
 from graders.core.compare.compound_forms import TupleForm
-from graders.core.compare.forms import NUMBER, WHOLE, NumberForm, WholeForm, array
+from graders.core.compare.forms import NUMBER, WHOLE, NumberForm, WholeNumberForm, array
 
 CONTRACTS = (
     FunctionContract(
@@ -25,7 +25,7 @@ CONTRACTS = (
     FunctionContract(
         "coherence",
         {"vraies": array("N", "n"), "estimees": array("N", "n"), "covariances": array("N", "n", "n")},
-        TupleForm(parts={"NEES moyen": NumberForm(), "avis": WholeForm(called="un entier : 1, 0 ou −1")}),
+        TupleForm(parts={"NEES moyen": NumberForm(), "avis": WholeNumberForm(called="un entier : 1, 0 ou −1")}),
         (
             Boundary("un état d’un seul nombre", lambda vraies, estimees, covariances: vraies.shape[1] == 1),
             Boundary("une moyenne au bout de la bande", free="elle en reste à plus de 1 %"),

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from graders.core.compare.comparison import Mismatch, are_close, unreadable, wrong_shape
+from graders.core.compare.comparison import Mismatch, are_close, shape_mismatch, unreadable
 from graders.core.compare.told_apart import got_instead_of_expected_text
 from graders.core.contract.values import UnreadableError, Value, read_array
 
@@ -25,7 +25,7 @@ class SameConstants:
             return unreadable(error)
         wanted = read_array(expected)
         if found.shape != wanted.shape:
-            return wrong_shape(wanted, found)
+            return shape_mismatch(wanted, found)
         right = [are_close(a, b, TOLERANCE) for a, b in zip(wanted, found, strict=True)]
         if all(right):
             return None

@@ -15,7 +15,7 @@ from graders.core.code.bench import Bench
 from graders.core.code.checks import Check, Rejection, fault_rejection
 from graders.core.code.simplifying import fails_alike, shrink_and_reject
 from graders.core.compare import words as render
-from graders.core.compare.comparison import TOLERANCE, Mismatch, unreadable, wrong_shape
+from graders.core.compare.comparison import TOLERANCE, Mismatch, shape_mismatch, unreadable
 from graders.core.compare.told_apart import number_text_pair, value_text_pair
 from graders.core.contract.findings import FigureData
 from graders.core.contract.outcomes import Outcome
@@ -59,7 +59,7 @@ def read_map(one: Map, got: Value) -> Found | Mismatch:
         return unreadable(error)
     for name, array, given in (("Poses", poses, one.poses), ("Amers", landmarks, one.landmarks)):
         if array.shape != given.shape:
-            wrong = wrong_shape(given, array)
+            wrong = shape_mismatch(given, array)
             return Mismatch(f"{name} : {wrong.message}", wrong.slip, wrong.cause)
         if not np.all(np.isfinite(array)):
             return Mismatch("Le résultat contient « nan » ou l'infini.", "nan")

@@ -14,7 +14,7 @@ import numpy as np
 from graders.core.code.bench import Bench
 from graders.core.code.checks import MAX_FAULTS, Check, Rejection, fault_rejection
 from graders.core.code.simplifying import fails_alike, shrink_and_reject
-from graders.core.compare.comparison import Mismatch, unreadable, wrong_shape
+from graders.core.compare.comparison import Mismatch, shape_mismatch, unreadable
 from graders.core.compare.told_apart import value_text_pair
 from graders.core.contract.findings import FigureData
 from graders.core.contract.outcomes import Outcome
@@ -52,9 +52,9 @@ def read_system(one: Map, got: Value) -> Answered | Mismatch:
     except UnreadableError as error:
         return unreadable(error)
     if matrix.shape != H.shape:
-        return _named("H", wrong_shape(H, matrix))
+        return _named("H", shape_mismatch(H, matrix))
     if side.shape not in (b.shape, (len(b), 1), (1, len(b))):
-        return _named("b", wrong_shape(b, side))
+        return _named("b", shape_mismatch(b, side))
     if not (np.all(np.isfinite(matrix)) and np.all(np.isfinite(side))):
         return Mismatch("Le résultat contient « nan » ou l'infini.", "nan")
     side = side.ravel()

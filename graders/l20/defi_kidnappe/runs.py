@@ -8,7 +8,7 @@ import numpy as np
 
 from graders.core.code.bench import Bench
 from graders.core.code.checks import Rejection
-from graders.core.code.loops import Run
+from graders.core.code.loops import ClosedLoopRun
 from graders.core.contract.program import KitSettings
 from graders.core.contract.values import Floats
 from graders.l20 import journeys, world
@@ -51,7 +51,7 @@ def kit(bench: Bench, number: int) -> KitSettings:
     return world.kit(bench.rng, carried_away(number).map.free)
 
 
-def play(run: Run) -> None:
+def play(run: ClosedLoopRun) -> None:
     """Found: three steps in a row near the robot, among the last thirty. Raises Rejection."""
     journey = carried_away(run.number)
     follow = Following(run, journey, jump=BEFORE + 1, kind="kidnappe", filmed=FILMED, every=EVERY)

@@ -14,7 +14,7 @@ import numpy as np
 from graders.core.code.bench import Bench
 from graders.core.code.checks import Check, Rejection, fault_rejection
 from graders.core.compare import words as render
-from graders.core.compare.comparison import TOLERANCE, Mismatch, unreadable, wrong_shape
+from graders.core.compare.comparison import TOLERANCE, Mismatch, shape_mismatch, unreadable
 from graders.core.compare.told_apart import number_text_pair
 from graders.core.contract.findings import FigureData
 from graders.core.contract.outcomes import Outcome
@@ -56,7 +56,7 @@ def read_answer(one: Robust, got: Value) -> Found | Mismatch:
         weights = weights.ravel()
     for name, array, like in (("Poses", poses, one.poses), ("Poids", weights, np.zeros(count))):
         if array.shape != like.shape:
-            wrong = wrong_shape(like, array)
+            wrong = shape_mismatch(like, array)
             return Mismatch(f"{name} : {wrong.message}", wrong.slip, wrong.cause)
         if not np.all(np.isfinite(array)):
             return Mismatch(f"{name} : le résultat contient « nan » ou l'infini.", "nan")

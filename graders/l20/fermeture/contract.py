@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from graders.core.code.contracts import Boundary, FunctionContract
 from graders.core.compare.compound_forms import TupleForm
-from graders.core.compare.forms import NUMBER, POSE, WHOLE, NumberForm, WholeForm, array
+from graders.core.compare.forms import NUMBER, POSE, WHOLE, NumberForm, WholeNumberForm, array
 
 CONTRACTS = (
     FunctionContract(
@@ -35,7 +35,7 @@ CONTRACTS = (
     FunctionContract(
         "juger_fermeture",
         {"xi": POSE, "xj": POSE, "z": POSE, "sigma": array(6, 6), "omega": array(3, 3), "niveau": NUMBER},
-        TupleForm(parts={"d²": NumberForm(), "accepte": WholeForm(called="vrai ou faux")}),
+        TupleForm(parts={"d²": NumberForm(), "accepte": WholeNumberForm(called="vrai ou faux")}),
         (
             Boundary("deux poses connues exactement", lambda xi, xj, z, sigma, omega, *niveau: not sigma.any()),
             Boundary("niveau omis", lambda *args: len(args) == 5),

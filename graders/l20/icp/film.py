@@ -8,7 +8,7 @@ from functools import lru_cache
 import numpy as np
 
 from graders.core.code.bench import Bench
-from graders.core.contract.local import kit_names
+from graders.core.contract.local import initial_globals
 from graders.core.contract.program import StudentFault
 from graders.core.contract.values import Floats
 from graders.l20 import world
@@ -28,7 +28,7 @@ SHOWN = 1e3
 @lru_cache(maxsize=1)
 def scans() -> tuple[Floats, Floats]:
     """The points of the second scan, which move, and those of the first, to three decimals."""
-    lidar = kit_names(world.STILL)["lidar"]
+    lidar = initial_globals(world.STILL)["lidar"]
     second, first = (_points(np.asarray(lidar(pose, RAYS))) for pose in (SECOND, FIRST))
     return second, first
 

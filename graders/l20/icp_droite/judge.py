@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from graders.core.compare import words as render
-from graders.core.compare.comparison import Mismatch, are_close, unreadable, wrong_shape
+from graders.core.compare.comparison import Mismatch, are_close, shape_mismatch, unreadable
 from graders.core.contract.values import Floats, UnreadableError, Value, read_array
 
 LOOSE = 1e-6
@@ -26,7 +26,7 @@ class SameNormals:
         except UnreadableError as error:
             return unreadable(error)
         if found.shape != wanted.shape:
-            return wrong_shape(wanted, found)
+            return shape_mismatch(wanted, found)
         if not np.all(np.isfinite(found)):
             return Mismatch("Une des coordonnées n'est pas un nombre fini.", "nan")
         gaps = np.minimum(np.abs(found - wanted).max(axis=1), np.abs(found + wanted).max(axis=1))
@@ -52,7 +52,7 @@ class SameSpan:
         except UnreadableError as error:
             return unreadable(error)
         if found.ndim != 2 or found.shape[1] != 3:
-            return wrong_shape(wanted, found)
+            return shape_mismatch(wanted, found)
         if len(found) != len(wanted):
             return Mismatch(f"{_counted(len(found))}, au lieu de {len(wanted)}.")
         if not np.all(np.isfinite(found)):

@@ -14,7 +14,7 @@ import numpy as np
 
 from graders.core.code.bench import Bench
 from graders.core.code.checks import Rejection
-from graders.core.code.loops import Run
+from graders.core.code.loops import ClosedLoopRun
 from graders.core.contract.findings import FigureData
 from graders.core.contract.program import KitSettings
 from graders.core.contract.values import Floats
@@ -62,16 +62,16 @@ def kit_from_nowhere(bench: Bench, number: int) -> KitSettings:
     return world.kit(bench.rng, from_nowhere(number).map.free)
 
 
-def play_tracking(run: Run) -> None:
+def play_tracking(run: ClosedLoopRun) -> None:
     journey, cloud = tracking(run.number)
     _play(run, journey, cloud)
 
 
-def play_from_nowhere(run: Run) -> None:
+def play_from_nowhere(run: ClosedLoopRun) -> None:
     _play(run, from_nowhere(run.number), seeded(run.bench, PARTICLES))
 
 
-def _play(run: Run, journey: Journey, cloud: Floats) -> None:
+def _play(run: ClosedLoopRun, journey: Journey, cloud: Floats) -> None:
     """The filter follows a journey to its end, where its estimate must be near the robot. Raises Rejection."""
     follow = Following(run, journey)
     for particles, weights in follow.steps(cloud, np.full(len(cloud), 1.0 / len(cloud))):
@@ -87,7 +87,7 @@ def _play(run: Run, journey: Journey, cloud: Floats) -> None:
 class Following:
     """A filter on a journey: its estimates, and what is kept of its clouds for a film."""
 
-    run: Run
+    run: ClosedLoopRun
     journey: Journey
     jump: int | None = None
     estimates: list[Floats] = field(default_factory=list)

@@ -8,7 +8,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from graders.core.contract.local import kit_names
+from graders.core.contract.local import initial_globals
 from graders.core.contract.program import KitSettings
 from graders.core.contract.values import Floats
 from graders.l20 import world
@@ -144,7 +144,7 @@ def over_the_edge(rng: Rng) -> Iterator[Integration]:
 
 @lru_cache(maxsize=1)
 def _lidar() -> Callable[[Floats, int], Floats]:
-    lidar: Callable[[Floats, int], Floats] = kit_names(ROOM_KIT)["lidar"]
+    lidar: Callable[[Floats, int], Floats] = initial_globals(ROOM_KIT)["lidar"]
     return lidar
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from graders.core.code.bench import Bench
-from graders.core.contract.local import kit_names
+from graders.core.contract.local import initial_globals
 from graders.core.contract.program import StudentFault
 from graders.core.contract.values import Floats, read_array
 from graders.l20 import world
@@ -22,14 +22,14 @@ PATH = np.array(
         (11.6, 12.3, -1.3), (5.4, 11.7, -2.4),
     ]
 )  # fmt: skip
-SHAPE = kit_names(world.STILL)["libres"].shape
+SHAPE = initial_globals(world.STILL)["libres"].shape
 #: What a film shows of a value out of all bounds.
 SHOWN = 99.0
 
 
 def scans() -> Floats:
     """What the lidar reads along the path, without noise, on the module's map: (n, RAYS)."""
-    lidar = kit_names(world.STILL)["lidar"]
+    lidar = initial_globals(world.STILL)["lidar"]
     return np.array([lidar(pose, RAYS) for pose in PATH])
 
 

@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from graders.core.compare import words as render
-from graders.core.compare.comparison import Mismatch, unreadable, wrong_shape
+from graders.core.compare.comparison import Mismatch, shape_mismatch, unreadable
 from graders.core.compare.told_apart import number_text_pair
 from graders.core.contract.values import Floats, UnreadableError, Value, read_array
 from graders.l20.occupation.cells import Mask, Told, told
@@ -57,7 +57,7 @@ def judge(case: Integration, value: Value) -> Wrong | None:
     except UnreadableError as error:
         return Wrong(unreadable(error))
     if grid.shape != case.l.shape:
-        return Wrong(wrong_shape(case.l, grid))
+        return Wrong(shape_mismatch(case.l, grid))
     if not np.all(np.isfinite(grid)):
         return Wrong(Mismatch("Le résultat contient « nan » ou l’infini.", "nan"))
     return exactly(case, grid) if len(case.scan) == 1 else by_signs(case, grid)

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from graders.core.contract.local import kit_names
+from graders.core.contract.local import initial_globals
 from graders.core.contract.values import Floats
 from graders.l20 import world
 from graders.l20.occupation.judge import Integration, wrong_cells
@@ -55,7 +55,7 @@ def _drawn(poses: Floats, scans: Floats, once_a_scan: bool) -> list[Floats]:
 
 @cache
 def _free() -> Any:
-    return np.asarray(kit_names(world.STILL)["libres"])
+    return np.asarray(initial_globals(world.STILL)["libres"])
 
 
 def growing_map(data: dict[str, Any]) -> Replay:

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from graders.core.compare import words as render
-from graders.core.compare.comparison import TOLERANCE, Mismatch, are_close, unreadable, wrong_shape
+from graders.core.compare.comparison import TOLERANCE, Mismatch, are_close, shape_mismatch, unreadable
 from graders.core.compare.told_apart import number_text_pair
 from graders.core.contract.values import Floats, UnreadableError, Value, read_array
 from reference.localisation.grid_filter import Cell, Grid
@@ -33,7 +33,7 @@ class SameBelief:
         except UnreadableError as error:
             return unreadable(error)
         if belief.shape != wanted.shape:
-            return wrong_shape(wanted, belief)
+            return shape_mismatch(wanted, belief)
         if not np.all(np.isfinite(belief)):
             return Mismatch("Le résultat contient « nan » ou l'infini, qui ne sont pas des probabilités.", "nan")
         return None if are_close(wanted, belief) else self._difference(wanted, belief)

@@ -17,7 +17,7 @@ from graders.core.code.probes import (
     to_finite_array,
     undo_rule,
 )
-from graders.core.contract.local import kit_names
+from graders.core.contract.local import initial_globals
 from graders.core.contract.program import KitSettings
 from graders.core.contract.values import Arguments, Floats, UnreadableError, Value, read_array
 from graders.l20 import world
@@ -36,7 +36,7 @@ PLAN = (
 FREE = np.array([[cell == "." for cell in row] for row in PLAN])
 SHAPE = FREE.shape
 KIT = KitSettings(world.MODULE, {"libres": FREE, "portee_max": world.RANGE, "seed": 0})
-NAMES = kit_names(KIT)
+NAMES = initial_globals(KIT)
 
 
 @lru_cache(maxsize=4096)

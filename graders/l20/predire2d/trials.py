@@ -13,7 +13,7 @@ from graders.core.code.batch_judging import answer_value
 from graders.core.code.bench import Bench
 from graders.core.code.checks import Rejection
 from graders.core.code.drawable import to_drawable_array
-from graders.core.compare.comparison import Mismatch, unreadable, wrong_shape
+from graders.core.compare.comparison import Mismatch, shape_mismatch, unreadable
 from graders.core.contract.findings import FigureData
 from graders.core.contract.outcomes import Outcome
 from graders.core.contract.program import StudentFault
@@ -187,7 +187,7 @@ def _called(bench: Bench, grid: GridWorld, function: str, *args: Value) -> Float
     except UnreadableError as error:
         raise _not_a_belief(bench, function, args, value, unreadable(error)) from error
     if belief.shape != grid.free.shape:
-        raise _not_a_belief(bench, function, args, value, wrong_shape(grid.free.astype(float), belief))
+        raise _not_a_belief(bench, function, args, value, shape_mismatch(grid.free.astype(float), belief))
     if not np.all(np.isfinite(belief)):
         raise _not_a_belief(bench, function, args, value, Mismatch("Elle contient « nan » ou l'infini.", "nan"))
     return belief

@@ -17,7 +17,7 @@ from graders.core.code.checks import Check, Rejection, fault_rejection, planned_
 from graders.core.code.drawable import to_drawable_array
 from graders.core.code.simplifying import fails_alike, shrink_and_reject
 from graders.core.compare import words as render
-from graders.core.compare.comparison import TOLERANCE, Mismatch, unreadable, wrong_shape
+from graders.core.compare.comparison import TOLERANCE, Mismatch, shape_mismatch, unreadable
 from graders.core.compare.told_apart import number_text_pair, value_text_pair
 from graders.core.contract.findings import FigureData
 from graders.core.contract.outcomes import Outcome
@@ -57,7 +57,7 @@ def judge(graph: Graph, got: Value) -> Mismatch | None:
     except UnreadableError as error:
         return unreadable(error)
     if poses.shape != graph.poses.shape:
-        return wrong_shape(graph.poses, poses)
+        return shape_mismatch(graph.poses, poses)
     if not np.all(np.isfinite(poses)):
         return Mismatch("Le résultat contient « nan » ou l'infini.", "nan")
     return _first_pose(graph, poses) or _minimum(graph, poses) or _angles(poses)

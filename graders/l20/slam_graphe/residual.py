@@ -12,7 +12,7 @@ import numpy as np
 from graders.core.code.bench import Bench
 from graders.core.code.checks import MAX_FAULTS, Cases, Trial
 from graders.core.compare import words as render
-from graders.core.compare.comparison import TOLERANCE, Mismatch, are_close, unreadable, wrong_shape
+from graders.core.compare.comparison import TOLERANCE, Mismatch, are_close, shape_mismatch, unreadable
 from graders.core.compare.told_apart import angle_instead_of_expected_text
 from graders.core.contract.findings import FigureData
 from graders.core.contract.program import PlannedCalls, StudentFault
@@ -58,7 +58,7 @@ class SameError:
         except UnreadableError as problem:
             return unreadable(problem)
         if error.shape != (3,):
-            return wrong_shape(wanted, error)
+            return shape_mismatch(wanted, error)
         if not np.all(np.isfinite(error)):
             return Mismatch("Une des composantes n'est pas un nombre fini.", "nan")
         if not self.angle_only and not are_close(wanted[:2], error[:2]):

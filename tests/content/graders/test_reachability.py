@@ -10,7 +10,7 @@ import pytest
 from graders.core.code.mutants import MutantAnswerCache
 from graders.core.code.probes import ProbeAnswer, ProbeFault, Probes
 from graders.core.code.reachability import PIECE_SEPARATOR, reachable_code_pieces
-from graders.core.contract.local import call_function, kit_names
+from graders.core.contract.local import call_function, initial_globals
 from tests.support.quick import only
 from tests.support.shipped import CODE
 
@@ -42,7 +42,7 @@ def test_what_is_made_twice_is_kept_twice_in_its_order() -> None:
 
 
 def _by_the_whole_text(text: str, probes: Probes) -> ProbeAnswer:
-    names: dict[str, Any] = {"__name__": "mutant", **kit_names(probes.kit), **probes.given}
+    names: dict[str, Any] = {"__name__": "mutant", **initial_globals(probes.kit), **probes.given}
     exec(compile(text, "<whole>", "exec", dont_inherit=True), names)
     args = probes.calls[0]
     try:

@@ -11,7 +11,7 @@ import pytest
 
 from graders.core.code.bench import Bench
 from graders.core.code.checks import Rejection
-from graders.core.code.loops import ClosedLoop, Run
+from graders.core.code.loops import ClosedLoop, ClosedLoopRun
 from graders.core.code.runner import Runner
 from graders.core.contract.local import LocalProgram
 from graders.core.contract.outcomes import Outcome
@@ -31,7 +31,7 @@ class Programs:
         return LocalProgram(source, kit)
 
 
-def play(run: Run) -> None:
+def play(run: ClosedLoopRun) -> None:
     """The program says, from the number of the run, whether it succeeds."""
     run.make_film = lambda: {"kind": "essai", "number": run.number}
     run.step = 2

@@ -11,7 +11,7 @@ import pytest
 
 from graders.core.code import confined
 from graders.core.code.checks import Cases
-from graders.core.code.confined import ConfinedWork, HelperProcessError, UnfinishedAnswer
+from graders.core.code.confined import HelperProcessError, HelperProcessWork, UnfinishedAnswer
 from graders.core.code.folder import Misconception
 from graders.core.code.grading import CodeGrader
 from graders.core.code.mutations import Edit, Model
@@ -87,9 +87,9 @@ def test_warming_up_finds_it_before_the_first_submission(monkeypatch: pytest.Mon
     code = grader(mistake("sans_fin", NAIVE), mistake("un_de_moins", OFF_BY_ONE))
     code.warm_up()
     asked: list[Any] = []
-    real = ConfinedWork.answer_each
+    real = HelperProcessWork.answer_each
     monkeypatch.setattr(
-        ConfinedWork, "answer_each", lambda self, items, *a, **k: asked.append(items) or real(self, items, *a, **k)
+        HelperProcessWork, "answer_each", lambda self, items, *a, **k: asked.append(items) or real(self, items, *a, **k)
     )
     assert grade(code, OFF_BY_ONE).diagnosis.id == "un_de_moins"
     assert asked == [[1]], "the endless one is not run again"
@@ -134,7 +134,7 @@ def test_answers_made_before_a_fault_are_given_and_those_after_it() -> None:
             yield item, context, os.getpid() == owner
 
     owner = os.getpid()
-    work = ConfinedWork(handle)
+    work = HelperProcessWork(handle)
     items = [1, "mort", 2, 3, "mort", "mort", 4]
     answers = list(work.answer_each(items, "c"))
     assert [answer if isinstance(answer, UnfinishedAnswer) else answer[0] for answer in answers[::2]] == [
@@ -152,11 +152,11 @@ def test_an_error_of_the_handler_is_ours() -> None:
         yield 1 / 0
 
     with pytest.raises(HelperProcessError, match="ZeroDivisionError"):
-        list(ConfinedWork(handle).answer_each([1]))
+        list(HelperProcessWork(handle).answer_each([1]))
 
 
 def test_a_helper_ends_with_the_one_who_has_it() -> None:
-    work = ConfinedWork(lambda items, context: iter([os.getpid()]))
+    work = HelperProcessWork(lambda items, context: iter([os.getpid()]))
     (pid,) = work.answer_each([1])
     (helper,) = confined._IDLE
     helper._channel.close()
@@ -166,7 +166,7 @@ def test_a_helper_ends_with_the_one_who_has_it() -> None:
 
 def test_a_sleeping_program_is_not_waited_for(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(confined, "ASLEEP_SECONDS", 0.3)
-    work = ConfinedWork(lambda items, context: iter(lambda: time.sleep(1000), 0))
+    work = HelperProcessWork(lambda items, context: iter(lambda: time.sleep(1000), 0))
     ((answer),) = work.answer_each([1])
     assert answer.reason == "attend sans rien calculer"
 
@@ -179,8 +179,8 @@ def test_a_work_may_vanish_while_a_helper_is_forked() -> None:
             works.clear()
             return int(self)
 
-    works: list[ConfinedWork] = []
-    first, second = ConfinedWork(_no_answer), ConfinedWork(_no_answer)
+    works: list[HelperProcessWork] = []
+    first, second = HelperProcessWork(_no_answer), HelperProcessWork(_no_answer)
     number = second.number + 10**9
     confined._WORKS[Number(number)] = first
     confined._WORKS[number + 1] = confined._WORKS.pop(second.number)

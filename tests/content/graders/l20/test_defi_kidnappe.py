@@ -11,7 +11,7 @@ import pytest
 
 from graders.core.code.bench import Bench
 from graders.core.code.checks import Rejection
-from graders.core.code.loops import ClosedLoop, Run
+from graders.core.code.loops import ClosedLoop, ClosedLoopRun
 from graders.core.code.runner import Runner
 from graders.core.code.running import run_checks
 from graders.core.contract.local import LOCAL
@@ -32,10 +32,10 @@ HONEST = sorted((GRADER.folder / "specimens/ok").glob("*.py"))
 STEPS = tuple(check for check in GRADER.checks if not isinstance(check, ClosedLoop))
 
 
-def played(source: bytes, number: int, seed: int) -> tuple[Run, Rejection | None]:
+def played(source: bytes, number: int, seed: int) -> tuple[ClosedLoopRun, Rejection | None]:
     """One run, and why it failed if it did."""
     bench = Bench(LOOP.id, Runner(LOCAL, source, world.STILL), np.random.default_rng(seed), world.STILL)
-    run = Run(number, bench)
+    run = ClosedLoopRun(number, bench)
     try:
         with bench.run_with_kit(LOOP.kit(bench, number)) as run.bench:
             LOOP.play(run)

@@ -13,10 +13,10 @@ from scipy import stats
 
 from graders.core.code.bench import Bench
 from graders.core.code.checks import Rejection
-from graders.core.code.loops import ClosedLoop, Run
+from graders.core.code.loops import ClosedLoop, ClosedLoopRun
 from graders.core.code.runner import Runner
 from graders.core.code.running import run_checks
-from graders.core.contract.local import LOCAL, kit_names
+from graders.core.contract.local import LOCAL, initial_globals
 from graders.core.contract.outcomes import Outcome
 from graders.core.contract.program import StudentFault
 from graders.core.contract.streams import stream
@@ -112,7 +112,7 @@ def outcome_of(check: ClosedLoop, source: bytes, number: int, seed: int) -> bool
     bench = Bench(check.id, Runner(LOCAL, source, world.STILL), np.random.default_rng(seed), world.STILL)
     try:
         with bench.run_with_kit(check.kit(bench, number)) as own:
-            check.play(Run(number, own))
+            check.play(ClosedLoopRun(number, own))
     except Rejection:
         return False
     return True
@@ -173,7 +173,7 @@ def test_a_lost_run_is_told_filmed_and_drawn(theme: str) -> None:
     blind = model("    w = peser(nouvelles, poids, scan)", "    w = poids")
     (check,) = (loop for loop in LOOPS if loop.id == "suivi")
     bench = Bench(check.id, Runner(LOCAL, blind.encode(), world.STILL), np.random.default_rng(0), world.STILL)
-    run = Run(0, bench)
+    run = ClosedLoopRun(0, bench)
     with bench.run_with_kit(check.kit(bench, 0)) as run.bench, pytest.raises(Rejection) as lost:
         check.play(run)
     assert "le robot est en" in lost.value.message
@@ -186,7 +186,7 @@ def test_a_lost_run_is_told_filmed_and_drawn(theme: str) -> None:
 
 @pytest.mark.parametrize("held", [[0.2, 0.1, 0.0, 0.0], [0.2, 0.0, 0.3, 0.0], [0.0, 0.0, 0.0], [0.1, 0.0, 0.2]])
 def test_the_step_that_lost_the_robot_is_after_the_last_that_held_it(held: list[float]) -> None:
-    following = runs.Following(Run(0, None), runs.tracking(0)[0], holding=held)  # type: ignore[arg-type]
+    following = runs.Following(ClosedLoopRun(0, None), runs.tracking(0)[0], holding=held)  # type: ignore[arg-type]
     lost = following.lost_at
     assert (lost is None) == (held[-1] >= runs.SOME)
     if lost is not None:
@@ -223,7 +223,7 @@ def test_journeys_stay_on_free_cells_and_are_what_the_statement_says() -> None:
 def test_places_along_the_hall_look_the_same() -> None:
     """What the trial of memory rests on: the kit's own lidar reads the same from both clouds, and only at the end of
     the hall something else."""
-    scan = kit_names(HALL_KIT)["lidar"]
+    scan = initial_globals(HALL_KIT)["lidar"]
     one, other = (scan((x, 4.0, 0.1)) for x in (memory.TWINS[0][0], memory.TWINS[1][0]))
     assert one == pytest.approx(other)
     assert np.count_nonzero(one < HALL_KIT.parameters["portee_max"]) > 3
@@ -231,7 +231,7 @@ def test_places_along_the_hall_look_the_same() -> None:
 
 
 def test_only_the_order_of_the_rays_tells_the_heading_of_a_robot_that_turns_on_the_spot() -> None:
-    scan = kit_names(world.STILL)["lidar"]
+    scan = initial_globals(world.STILL)["lidar"]
     for there, elsewhere, move in steps.DOUBTS[-2:]:
         one, other = (scan(np.add(pose, move)) for pose in (there, elsewhere))
         assert move[:2] == (0.0, 0.0)
@@ -242,7 +242,7 @@ def test_only_the_order_of_the_rays_tells_the_heading_of_a_robot_that_turns_on_t
 def test_the_quick_lidar_of_the_mutants_is_that_of_the_kit() -> None:
     rng = np.random.default_rng(0)
     poses = np.column_stack([rng.uniform(-1, 35, 300), rng.uniform(-1, 14, 300), rng.uniform(-4, 4, 300)])
-    assert probes.hall_lidar(poses, 36) == pytest.approx(kit_names(HALL_KIT)["lidar_lot"](poses, 36))
+    assert probes.hall_lidar(poses, 36) == pytest.approx(initial_globals(HALL_KIT)["lidar_lot"](poses, 36))
 
 
 def test_a_fault_of_the_sandbox_in_a_step_stays_a_fault() -> None:

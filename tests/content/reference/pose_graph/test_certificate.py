@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from reference.pose_graph import ParameterError, PoseGraph, certify, chi2, chordal_initial_guess, gauss_newton
-from reference.pose_graph.certificate import _edge_terms, _hermitian, _sighting_terms
+from reference.pose_graph.certificate import _assemble_hermitian, _edge_terms, _sighting_terms
 
 from .loops import EYE, loop
 
@@ -19,7 +19,7 @@ def test_the_quadratic_form_bounds_chi2_from_below(seed: int, convention: str) -
     graph = content.graph
     found = gauss_newton(graph, content.poses, content.landmarks)
     terms = [*_edge_terms(graph, found.poses), *_sighting_terms(graph, found.poses, found.landmarks)]
-    M = _hermitian(terms, 2 * 8 + 2)
+    M = _assemble_hermitian(terms, 2 * 8 + 2)
 
     def form(poses: np.ndarray, landmarks: np.ndarray) -> float:
         turns = np.exp(1j * poses[:, 2])
