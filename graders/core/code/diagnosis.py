@@ -20,6 +20,7 @@ from graders.core.code.runner import Observation
 from graders.core.compare.slips import SLIPS, Slip
 from graders.core.contract.values import same_value
 from graders.core.contract.verdict import AND_ALSO, LIKELY, CheckResult, Diagnosis
+from graders.typography import elided
 
 MIN_AGREEMENT = 0.9
 #: First words of what is told beside the mistakes: the points that they cost, the checks that fail too.
@@ -31,8 +32,7 @@ _HIDDEN = "se voit avec les autres fonctions justes"
 _ANSWERS_ARE = "Vos réponses sont celles"
 #: Said of a mistake that others resemble; of answers that are those of a mistake, or of several.
 _RESEMBLES = "Votre fonction répond comme avec cette erreur ; d'autres donneraient cela aussi."
-_ALIKE = f"{_ANSWERS_ARE} que donne cette erreur."
-_TOGETHER = f"{_ANSWERS_ARE} que donnent ces erreurs."
+_ALIKE, _TOGETHER = "que donne cette erreur.", "que donnent ces erreurs."
 
 
 @dataclass(frozen=True)
@@ -123,11 +123,13 @@ def combine_diagnoses(
     *,
     hidden: Collection[str] = (),
     grounds: Mapping[str, NamingGround] = MappingProxyType({}),
+    answering: Mapping[str, Collection[str]] = MappingProxyType({}),
     explains_all: bool = True,
 ) -> Diagnosis:
     """Return one diagnosis of several mistakes, slips and facts: the id of the first, the texts of all.
 
-    `hidden` are the titles of those that show only where the other functions are right, `grounds` those of the ids.
+    `hidden` are the titles of those that show only where the other functions are right, `grounds` those of the ids,
+    `answering` the functions that answer as with a mistake, by its id (none of one function alone).
     What is true only of a program with one mistake is left out beside another one, and where not `explains_all`.
     """
     named: dict[str, Misconception | Slip] = {**SLIPS, **{mistake.id: mistake for mistake in misconceptions}}
@@ -148,7 +150,8 @@ def combine_diagnoses(
         if is_likely:
             begin += f"{_RESEMBLES} "
         elif mistake.id in by_answers[:1]:
-            begin += f"{_TOGETHER if len(by_answers) > 1 else _ALIKE} "
+            functions = sorted({function for name in by_answers for function in answering.get(name, ())})
+            begin += f"{_answers_of(functions)} {_TOGETHER if len(by_answers) > 1 else _ALIKE} "
         paragraphs += [begin + explanation, mistake.question]
     titles = [
         f"{LIKELY}{lowercase_title(m.title)}" if grounds.get(m.id) is NamingGround.RESEMBLANCE else m.title
@@ -157,6 +160,12 @@ def combine_diagnoses(
     titles[1:] = [f"{title[:1].lower()}{title[1:]}" if title.startswith(LIKELY) else title for title in titles[1:]]
     title = AND_ALSO.join(titles)
     return Diagnosis(together[0].id, title, "\n\n".join(part.strip() for part in paragraphs))
+
+
+def _answers_of(functions: Sequence[str]) -> str:
+    """Return the begin of a sentence on the answers of these functions, or of the only one."""
+    names = " et ".join(elided("de", function) for function in functions)
+    return f"Les réponses {names} sont celles" if functions else _ANSWERS_ARE
 
 
 def _explanation_true_beside_other_mistakes(mistake: Misconception | Slip) -> str:

@@ -53,7 +53,7 @@ class NamedMistakes:
     """The mistakes named in a program: ids of the catalogue, facts, and for each the checks that it explains.
 
     `certain` is as in `Diagnosis`; `failed` are ids of checks. `hidden` are the titles of the mistakes and facts that
-    the program shows only with right functions in the place of others.
+    the program shows only with right functions for others, `answering` the functions that answer as with a mistake.
     """
 
     ids: tuple[str, ...] = ()
@@ -63,6 +63,7 @@ class NamedMistakes:
     failed: frozenset[str] = frozenset()
     hidden: frozenset[str] = frozenset()
     grounds: Mapping[str, NamingGround] = field(default_factory=dict)
+    answering: Mapping[str, frozenset[str]] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
@@ -155,9 +156,8 @@ class CodeGrader:
         self, source: bytes, programs: Programs, *, seed: int, checks: Sequence[Check] | None = None
     ) -> str | None:
         """Return the id of the first of these checks (all by default) that a file fails; None. It is not simplified."""
-        kit = self.kit(stream(seed, "kit"))
+        kit, chosen = self.kit(stream(seed, "kit")), self.checks if checks is None else checks
         runner = Runner(programs, source, kit, budget=NO_SHRINKING)
-        chosen = self.checks if checks is None else checks
         try:
             _ = runner.program
             findings = (run_check(check, Bench(check.id, runner, stream(seed, check.id), kit)) for check in chosen)
@@ -213,8 +213,9 @@ class CodeGrader:
         """Return the diagnosis of named mistakes, without what it leaves unexplained."""
         facts, explains_all = [fact.slip for fact in named.facts], named.failed <= set().union(*named.explains)
         diagnosis = combine_diagnoses(
-            named.ids, self.misconceptions, facts, hidden=named.hidden, grounds=named.grounds, explains_all=explains_all
-        )
+            named.ids, self.misconceptions, facts, hidden=named.hidden, grounds=named.grounds,
+            answering=named.answering if len(self.functions) > 1 else {}, explains_all=explains_all,
+        )  # fmt: skip
         return replace(diagnosis, explains=named.explains, certain=named.certain)
 
     def _explainable_failures(self, findings: Sequence[Finding]) -> list[tuple[Check, Finding]]:
@@ -243,8 +244,8 @@ class CodeGrader:
         explained = (self._explained_checks(name, at_fault, following) for name in ids)
         explains = (*explained, *(fact.checks for fact in facts))
         certain = found.certain and not reenacted and ids == found.mistakes
-        failed_ids = frozenset(check.id for check in at_fault)
-        return NamedMistakes(ids, tuple(facts), explains, certain, failed_ids, grounds=found.grounds)
+        failed_ids, hidden = frozenset(check.id for check in at_fault), frozenset[str]()
+        return NamedMistakes(ids, tuple(facts), explains, certain, failed_ids, hidden, found.grounds, found.alike)
 
     def _without_contradicted_names(self, ids: Sequence[str], failed: Sequence[Check]) -> tuple[str, ...]:
         """Return the ids whose words the failed checks do not contradict: nothing fails that they say to be right."""

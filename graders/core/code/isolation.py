@@ -169,7 +169,10 @@ def diagnose_isolated_functions(
     hidden = frozenset(title for title, function in shown.items() if function in isolated.dependent)
     failed = whole.failed - isolated.doubtful_checks()
     grounds = {name: ground for mistakes in (*own.values(), whole) for name, ground in mistakes.grounds.items()}
-    return grader.describe_mistakes(NamedMistakes(tuple(ids), tuple(facts), explains, certain, failed, hidden, grounds))
+    answering = _merge_answering([*own.values(), whole])
+    return grader.describe_mistakes(
+        NamedMistakes(tuple(ids), tuple(facts), explains, certain, failed, hidden, grounds, answering)
+    )
 
 
 def add_lost_points_by_function(
@@ -189,6 +192,12 @@ def add_lost_points_by_function(
         told.append(f"Avec les autres fonctions justes, {names} n'{'ont' if len(innocent) > 1 else 'a'} rien de faux.")
     explanation = "\n\n".join([diagnosis.explanation, " ".join(told)] if told else [diagnosis.explanation])
     return replace(diagnosis, explanation=explanation)
+
+
+def _merge_answering(named: Sequence[NamedMistakes]) -> Mapping[str, frozenset[str]]:
+    """Return the functions that answer as with a mistake in some of these programs, by its id."""
+    ids = {mistake for mistakes in named for mistake in mistakes.answering}
+    return {mistake: frozenset().union(*(mistakes.answering.get(mistake, ()) for mistakes in named)) for mistake in ids}
 
 
 def _is_certain_mistake(isolated: IsolatedFunctions, mistake: str) -> bool:

@@ -91,7 +91,7 @@ class Prober:
         mistakes: list[str] = []
         fallback, consequences = list[str](), list[str]()
         refuter = NameRefuter(self._mutants)
-        silent, ruled, alike = list[WeakName](), list[RuleName](), set[str]()
+        silent, ruled, alike = list[WeakName](), list[RuleName](), dict[str, frozenset[str]]()
         probed = {probes.function for _, probes in self._select_probes(functions, alone)}
         certain = probed >= self.probed_functions.intersection(functions)
         for index, answers, slip in self._iter_probe_results(runner, functions, alone):
@@ -115,7 +115,8 @@ class Prober:
             with self._lock:
                 refuter.note(index, names, is_certain)
                 certain = certain and is_certain
-                alike |= {*names} if is_certain else set()
+                for name in names if is_certain else ():
+                    alike[name] = alike.get(name, frozenset()).union({self.probes[index].function})
                 silent += self._weak_names(index, sequence, [name for name in names if name not in mistakes])
                 both: Sequence[MutantRow] = ()
                 if len(names) > 1 and is_certain and not pair:  # together they may answer as a third, not known
@@ -131,7 +132,7 @@ class Prober:
                 certain = False
         certain = certain and bool(mistakes)
         found = RecognisedMistakes(tuple(mistakes), tuple(fallback), tuple(consequences), certain, tuple(silent))
-        return found._replace(ruled=tuple(ruled), alike=frozenset(alike))
+        return found._replace(ruled=tuple(ruled), alike=alike)
 
     def _name_mistakes_not_disproved(
         self, index: int, sequence: AnswerSequence, blamed: Collection[str], refuter: NameRefuter

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from enum import Enum
+from types import MappingProxyType
 from typing import NamedTuple
 
 from graders.core.code.probes import AnswerRule, Experiment, ProbeResults, Probes
@@ -51,8 +52,8 @@ class RecognisedMistakes(NamedTuple):
     """Ids of the mistakes found, in order; `fallback` ids, from the last rules, for when nothing else finds a name; and
     the functions whose wrong answers are `consequences` of mistakes in others. The mistakes are `certain` where every
     function answers as a mutant with these and no other does; `silent` are named on answers that tell little, of which
-    the `likely` ones could not be verified in the program; `ruled` are named by rules. The functions of the `alike`
-    ones answer as with these mistakes."""
+    the `likely` ones could not be verified in the program; `ruled` are named by rules. `alike` are the functions that
+    answer as with a mistake, by its id."""
 
     mistakes: tuple[str, ...] = ()
     fallback: tuple[str, ...] = ()
@@ -61,7 +62,7 @@ class RecognisedMistakes(NamedTuple):
     silent: tuple[WeakName, ...] = ()
     likely: tuple[str, ...] = ()
     ruled: tuple[RuleName, ...] = ()
-    alike: frozenset[str] = frozenset()
+    alike: Mapping[str, frozenset[str]] = MappingProxyType({})
 
     @property
     def grounds(self) -> dict[str, NamingGround]:
