@@ -151,6 +151,10 @@ def shortest(rng: np.random.Generator) -> Iterator[Arguments]:
         yield permitted, no_cost(permitted), start, goal
 
 
+#: By how much a corridor is dearer that an estimate a hundredth too large prefers.
+DEARER = 0.1
+
+
 def _ridge() -> Floats:
     costs = np.zeros((5, 7))
     costs[1:4, 3] = 5.0
@@ -162,6 +166,14 @@ def _slope() -> Floats:
     costs = np.zeros((4, 6))
     costs[0], costs[1] = [0.0, 0.2, 0.4, 3.0, 3.0, 0.0], [0.0, 1.0, 1.0, 1.0, 3.0, 0.0]
     return costs
+
+
+def nearing_corridors() -> Arguments:
+    """Two corridors around a block; the one that comes first into the columns near the goal is dearer by `DEARER`."""
+    permitted = floor("." * 15, "." + 13 * "#" + ".", "." * 15)
+    costs = np.zeros(permitted.shape)
+    costs[2, 12:14] = DEARER / 2
+    return permitted, costs, (2, 0), (0, 14)
 
 
 def cheapest(rng: np.random.Generator) -> Iterator[Arguments]:
@@ -177,6 +189,7 @@ def cheapest(rng: np.random.Generator) -> Iterator[Arguments]:
     yield np.ones((5, 7), dtype=bool), 0.1 * _ridge(), (2, 0), (2, 6)
     # Two diagonals around a cell, 2.83, are cheaper than two straight steps through it, 3.
     yield floor("....", "...."), np.array([[0.0, 0.5, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]]), (1, 3), (1, 1)
+    yield nearing_corridors()
     yield from _always()
     yield _maze(rng)
     yield _maze(rng)

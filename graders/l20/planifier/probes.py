@@ -18,6 +18,7 @@ from graders.core.contract.values import Arguments, UnreadableError, Value
 from graders.l20 import world
 from graders.l20.planifier import cases
 from graders.l20.planifier.cases import floor, grid
+from graders.l20.planifier.causes import cause_rules
 from graders.l20.planifier.judge import KINDS, FaultyPathError, check_path, read_path
 from graders.l20.planifier.truth import Cell, best_path, right_price
 
@@ -49,7 +50,7 @@ PLANS: tuple[Arguments, ...] = (
     (cases.BAG, cases.no_cost(cases.BAG), (2, 0), (2, 6)),
     (cases.HASTY, cases.no_cost(cases.HASTY), (2, 0), (2, 3)),
     (cases.TWO_WALLS, cases.no_cost(cases.TWO_WALLS), (1, 0), (1, 5)),
-    *tuple(cases.cheapest(np.random.default_rng(1)))[1:10],
+    *tuple(cases.cheapest(np.random.default_rng(1)))[1:11],
     *tuple(cases.without_a_path(np.random.default_rng(1))),
     (floor(".#", "#.", ".."), np.zeros((3, 2)), (0, 0), (1, 1)),
     (floor(".#.", ".#.", "..."), np.zeros((3, 3)), (0, 0), (0, 2)),
@@ -93,10 +94,14 @@ def cuts_corners(shown: ProbeResults) -> str | None:
     return "coins_coupes" if _faults(shown) == {"coin"} else None
 
 
+def _are_too_dear(shown: ProbeResults) -> bool:
+    """Can every path be walked, from start to goal, and are some too dear?"""
+    return _faults(shown) == {"cher"}
+
+
 @measurement_rule
 def too_dear(shown: ProbeResults) -> str | None:
-    """Every path can be walked, from start to goal, and some are too dear."""
-    return "pas_le_meilleur" if _faults(shown) == {"cher"} else None
+    return "pas_le_meilleur" if _are_too_dear(shown) else None
 
 
 PROBES = (
@@ -108,6 +113,6 @@ PROBES = (
         kit=world.STILL,
         unique=False,
         read=read_plan,
-        last_rules=(cuts_corners, too_dear),
+        last_rules=(cuts_corners, *cause_rules(_are_too_dear), too_dear),
     ),
 )

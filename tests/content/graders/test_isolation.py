@@ -180,12 +180,12 @@ def test_answers_are_said_of_the_functions_that_give_them() -> None:
     grader = CODE["l19/coherence"]
     (mistake,) = [each for each in grader.misconceptions if each.id == "diagonale_seule"]
     source = mistake.source + "\n\ndef bande(n, N, niveau=0.95):\n    return 0.5, 0.8\n"
-    told = grader.grade(source.encode(), LOCAL, seed=3).verdict.diagnosis
+    told = grader.grade(source.encode(), LOCAL, seed=3, version="v").verdict.diagnosis
     assert told is not None
     assert told.explanation.startswith("Les réponses de nees sont celles que donne cette erreur.")
     one = CODE["l20/kabsch"]
     (alone,) = [each for each in one.misconceptions if each.id == "t_oppose"]
-    told = one.grade(alone.source.encode(), LOCAL, seed=3).verdict.diagnosis
+    told = one.grade(alone.source.encode(), LOCAL, seed=3, version="v").verdict.diagnosis
     assert told is not None
     assert "Les réponses de" not in told.explanation
 

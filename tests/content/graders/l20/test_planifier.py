@@ -93,6 +93,27 @@ def test_a_mistake_is_refused_and_named(source: str, name: str, checks: set[str]
     assert named(found) == name
 
 
+BETTER = "if voisine not in reglees and g < prix.get(voisine, np.inf):"
+ESTIMATE = "return max(di, dj) + (np.sqrt(2) - 1) * min(di, dj)"
+
+
+@pytest.mark.parametrize(
+    ("changes", "name"),
+    [
+        ((ESTIMATE, "return 0", BETTER, "if voisine not in prix:"),
+         "reglee_trop_tot"),
+        ((ESTIMATE, "return 0", "avant[voisine] = case\n", "avant.setdefault(voisine, case)\n"), "reglee_trop_tot"),
+        ((ESTIMATE, "return 1.02 * np.hypot(di, dj)"), "chemin_qui_s_approche"),
+        ((ESTIMATE, "return 0", "g = prix[case] + prix_du_pas", "g = prix_du_pas"), "pas_le_meilleur"),
+        ((ESTIMATE, "return 0", "(g + estimation(voisine, but), voisine)", "(len(prix), voisine)"), "pas_le_meilleur"),
+    ],
+)  # fmt: skip
+def test_why_a_path_is_too_dear_is_told_where_maps_tell_it(changes: tuple[str, ...], name: str) -> None:
+    found = verdict(edited(*changes), 3)
+    assert failed(found) <= {"plus_court", "moins_cher"}
+    assert named(found) == name
+
+
 def test_the_counterexample_is_small() -> None:
     wrong = edited("if not permises[case[0], j] or not permises[i, case[1]]:", "if False:")
     found = checked(EXERCISE, wrong, 3, simplified=True).verdict
