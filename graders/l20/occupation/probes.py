@@ -8,6 +8,7 @@ import numpy as np
 
 from graders.core.code.probes import ProbeFault, ProbeResults, Probes, measurement_rule, to_finite_array, undo_rule
 from graders.core.contract.values import Arguments, Floats, UnreadableError, Value, read_array
+from graders.l20.occupation.bearings import recognise_bearings
 from graders.l20.occupation.cases import FAR, KIT_RANGE, SHAPE, SMALL, at, one_ray
 from graders.l20.occupation.checks import FUNCTION
 from graders.l20.occupation.judge import INCREMENT, Integration
@@ -143,6 +144,14 @@ def at_each_step(shown: ProbeResults) -> str | None:
     return "une_voix_par_pas" if seen and np.mean(seen) > 0.5 else None
 
 
+@measurement_rule
+def bearings(shown: ProbeResults) -> str | None:
+    """On empty grids, the rays go where other bearings send them."""
+    empty = [(case, grid) for case, grid in zip(RAYS, _grids(shown), strict=True) if not np.any(case.l)]
+    scans = [(case, np.sign(grid).reshape(SHAPE)) for case, grid in empty if grid is not None]
+    return recognise_bearings(scans) if len(scans) == len(empty) else None
+
+
 PROBES = (
     Probes(function=LOG_ODDS, calls=PS, kit=SMALL, read=read_odds, rules=(only_numbers, only_arrays)),
     Probes(function=PROBABILITY, calls=LS, kit=SMALL, read=read_odds, rules=(only_numbers, only_arrays, overflows)),
@@ -152,6 +161,6 @@ PROBES = (
         unique=False,
         kit=SMALL,
         read=read_grid,
-        rules=(beyond_the_bounds, at_each_step),
+        rules=(beyond_the_bounds, at_each_step, bearings),
     ),
 )

@@ -12,6 +12,7 @@ import pytest
 
 from graders.core.contract.outcomes import Outcome
 from graders.l20.occupation import cases
+from graders.l20.occupation.bearings import predicted_signs
 from graders.l20.occupation.cells import told
 from graders.l20.occupation.judge import INCREMENT, Integration, after, judge
 from graders.l20.occupation.replays import REPLAYS
@@ -250,3 +251,47 @@ def test_one_ray_is_worth_what_the_statement_says() -> None:
     )
     np.testing.assert_allclose(after(first)[2], 2.0 * after(again)[2])
     np.testing.assert_allclose(after(again)[2, 2:7] / INCREMENT, [-1, -1, -1, 1, 0])
+
+
+SAMPLED = """
+def integrer_scan(l, pose, scan, portee_max):
+    \"\"\"Samples each ray; a wall wins over the rays that cross it in the same scan.\"\"\"
+    x, y, theta = pose
+    falls, rises = np.zeros(l.shape, bool), np.zeros(l.shape, bool)
+
+    def mark(grid, r, a):
+        i, j = int(np.floor(y + r * np.sin(a))), int(np.floor(x + r * np.cos(a)))
+        if 0 <= i < l.shape[0] and 0 <= j < l.shape[1]:
+            grid[i, j] = True
+
+    for z, a in zip(scan, BEARINGS):
+        for r in np.arange(0.0, min(z, portee_max), 0.02):
+            mark(falls, r, a)
+        if z < portee_max:
+            mark(rises, z + 1e-6, a)
+    return np.clip(l + 0.8473 * np.where(rises, 1.0, -1.0 * falls), -5, 5)
+"""
+
+
+@pytest.mark.parametrize(
+    ("bearings", "name"),
+    [
+        ("theta + np.linspace(0, 2 * np.pi, len(scan))", "rayons_mal_repartis"),
+        ("theta + 2 * np.pi * np.arange(1, len(scan) + 1) / len(scan)", "rayons_mal_repartis"),
+        ("theta - np.pi + 2 * np.pi * np.arange(len(scan)) / len(scan)", "rayons_mal_repartis"),
+        ("theta - 2 * np.pi * np.arange(len(scan)) / len(scan)", "sens_des_rayons"),
+        ("theta + np.pi * np.arange(len(scan)) / len(scan)", "demi_tour_seulement"),
+    ],
+)
+def test_wrong_bearings_are_named_whatever_happens_where_rays_meet(bearings: str, name: str) -> None:
+    source = GRADER.solution + SAMPLED.replace("BEARINGS", bearings)
+    assert named(verdict(source, 1)) == name
+
+
+def test_the_right_bearings_predict_the_right_signs() -> None:
+    case = Integration(np.zeros((7, 11)), np.array([3.5, 2.5, 0.2]), np.array([2.5, 1.5, 1.4, 2.2]), 12.0)
+    signs, is_certain = predicted_signs(case, 0.5 * np.pi * np.arange(4))
+    seen = case.told
+    assert np.array_equal((signs > 0) & is_certain, seen.stopped & is_certain)
+    assert np.array_equal((signs < 0) & is_certain, seen.crossed & is_certain)
+    assert is_certain.sum() > 50
