@@ -200,11 +200,11 @@ class ApplicationServices:
     def delete_expired_data(self) -> None:
         with self.database.write() as db:
             editing.purge_removed_assignments(db, utc_now())
-            accounts.delete_expired(db)
+            accounts.delete_expired_credentials(db)
             behaviour.delete_empty_groups(db)
             federation.delete_expired(db, utc_now())
             mails.delete_old(db, utc_now())
-            authored_exercises.delete_abandoned(db)
+            authored_exercises.delete_abandoned_exercises(db)
         self.personal_data.erase_lost_guests(utc_now())
         self.personal_data.carry_out_erasures(utc_now())
         erased = self.personal_data.erase_expired_students(utc_now())
@@ -320,7 +320,7 @@ def _register_services(app: FastAPI, services: ApplicationServices) -> None:
     )
     add_services(app, services.hunts, services.personal_data, RegradeService(course, services.queue))
     add_services(app, ClassService(services.database, services.settings), PresenceRecorder(services.database))
-    course.exercises.find_authored = AuthoredExercises(services.database, course).find
+    course.exercises.find_authored = AuthoredExercises(services.database, course).find_published
     add_services(app, services.submissions, services.sitting_collector, services.studio)
     carrier = None if services.nats_engine is None else services.nats_engine.status
     add_services(

@@ -90,7 +90,7 @@ def load_assignable_titles(db: Session, course: Course, school_class: SchoolClas
     module = course.modules.get(school_class.module)
     if module is None:
         return {}
-    own = studio.list_class_exercises(db, school_class)
+    own = studio.list_exercises_of_class_teachers(db, school_class)
     return {exercise.id: exercise.title for exercise in module.exercises} | dict(own)
 
 

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from graders import courses
-from server.authoring.new import NameRefused
+from server.authoring.new import SkeletonRefused
 from server.course.editions import MODULE_SLUG, edition_of, next_edition_slug
 
 IGNORED_FOLDERS = {"__pycache__"}
@@ -17,12 +17,12 @@ def copy_to_next_edition(module: str, course: Path) -> list[Path]:
     """Copies a module's folders beside them, its name replaced in names and texts; the files. Raises Refused, having
     written nothing."""
     if not MODULE_SLUG.fullmatch(module) or not (course / courses.CURRICULUM / module / "module.toml").is_file():
-        raise NameRefused(f"le module « {module} » n’existe pas dans {course}")
-    made = _next_edition(module)
+        raise SkeletonRefused(f"le module « {module} » n’existe pas dans {course}")
+    made = _next_edition_slug(module)
     word = re.compile(rf"(?<![a-z0-9]){module}(?![a-z0-9])")
     files: dict[Path, bytes] = {}
     for room in (courses.CURRICULUM, courses.GRADERS):
-        for path in _files(course / room / module):
+        for path in _visible_files(course / room / module):
             place = course / room / made / path.relative_to(course / room / module)
             files[place.with_name(word.sub(made, place.name))] = _replace_module_name(path.read_bytes(), word, made)
     for path, content in files.items():
@@ -31,7 +31,7 @@ def copy_to_next_edition(module: str, course: Path) -> list[Path]:
     return list(files)
 
 
-def _next_edition(module: str) -> str:
+def _next_edition_slug(module: str) -> str:
     """The edition after the last that any course has."""
     family = edition_of(module).family
     there = {path.name for room in courses.room_folders(courses.CURRICULUM) for path in room.iterdir()}
@@ -40,7 +40,7 @@ def _next_edition(module: str) -> str:
     )
 
 
-def _files(folder: Path) -> Iterator[Path]:
+def _visible_files(folder: Path) -> Iterator[Path]:
     for path in sorted(folder.rglob("*")):
         hidden = any(part in IGNORED_FOLDERS or part.startswith(".") for part in path.relative_to(folder).parts)
         if path.is_file() and not hidden:

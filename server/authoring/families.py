@@ -6,7 +6,7 @@ from collections import defaultdict
 from collections.abc import Iterator, Mapping, Sequence
 
 from graders.core.compare.slips import SLIPS
-from server.authoring.objectives import read_mistakes
+from server.authoring.objectives import read_exercise_mistakes
 from server.course import Course, Exercise, Problem
 from server.course.filing import FILE
 
@@ -26,7 +26,7 @@ SHARED = (
 EMPTY_FAMILY = "la famille « {family} » ne réunit rien : aucun exercice n’y range d’erreur"
 
 
-def faults(course: Course) -> Iterator[Problem]:
+def find_family_faults(course: Course) -> Iterator[Problem]:
     """Yield the faults of the courses that have a file of families. Loads the graders."""
     filed = {name for exercise in course.exercises.values() for name in exercise.filing.families.values()}
     exercises_by_mistake: dict[str, list[str]] = defaultdict(list)
@@ -39,8 +39,8 @@ def faults(course: Course) -> Iterator[Problem]:
         for module in course.modules.values():
             if module.folder.parent == path.parent:
                 for exercise in module.exercises:
-                    yield from _exercise_faults(course, exercise)
-                    yield from _shared_faults(exercise, exercises_by_mistake)
+                    yield from _find_exercise_faults(course, exercise)
+                    yield from _find_shared_mistake_faults(exercise, exercises_by_mistake)
         for family in course.families.values():
             for slip in sorted(set(family.slips) - SLIPS.keys()):
                 message = UNKNOWN_SLIP.format(family=family.id, slip=slip, known=", ".join(sorted(SLIPS)))
@@ -49,9 +49,9 @@ def faults(course: Course) -> Iterator[Problem]:
                 yield Problem(path, None, EMPTY_FAMILY.format(family=family.id))
 
 
-def _exercise_faults(course: Course, exercise: Exercise) -> Iterator[Problem]:
+def _find_exercise_faults(course: Course, exercise: Exercise) -> Iterator[Problem]:
     path = exercise.statement.source.path.with_name(FILE)
-    mistakes, filing = read_mistakes(exercise).mistakes, exercise.filing
+    mistakes, filing = read_exercise_mistakes(exercise).mistakes, exercise.filing
     for family in sorted(set(filing.families.values()) - course.families.keys()):
         yield Problem(path, None, UNKNOWN_FAMILY.format(family=family))
     filed = filing.families.keys() | filing.apart.keys()
@@ -61,7 +61,9 @@ def _exercise_faults(course: Course, exercise: Exercise) -> Iterator[Problem]:
         yield Problem(path, None, UNFILED.format(mistake=mistake))
 
 
-def _shared_faults(exercise: Exercise, exercises_by_mistake: Mapping[str, Sequence[str]]) -> Iterator[Problem]:
+def _find_shared_mistake_faults(
+    exercise: Exercise, exercises_by_mistake: Mapping[str, Sequence[str]]
+) -> Iterator[Problem]:
     """Yield the mistakes that are told to be of this exercise alone, though another has one of the same name."""
     path = exercise.statement.source.path.with_name(FILE)
     for mistake, reason in exercise.filing.apart.items():

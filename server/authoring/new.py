@@ -25,7 +25,7 @@ ORDER_STEP = 10
 FOLDERS = {kind.folder: kind.name for kind in LESSONS}
 
 
-class NameRefused(Exception):
+class SkeletonRefused(Exception):
     """A name that cannot be given; the message is French, and says what to write."""
 
 
@@ -41,15 +41,15 @@ class SkeletonName:
 def write_skeleton(kind: str, name: str, course: Path) -> list[Path]:
     """Writes a skeleton into the folder of a course; the files, in the order of reading. Raises Refused, having written
     nothing, where a name does not do or something stands there already."""
-    read = _parse_module_name(name) if kind == MODULE else _parse_name(kind, name)
+    read = _parse_module_name(name) if kind == MODULE else _parse_skeleton_name(kind, name)
     home = course / courses.CURRICULUM / read.module
     if kind == MODULE:
         _check_module_free(read.module, course)
     elif not (home / "module.toml").is_file():
-        raise NameRefused(
+        raise SkeletonRefused(
             f"le module « {read.module} » n’existe pas dans {course} : « balise new module {read.module} »"
         )
-    words = _placeholders(kind, read, home, course)
+    words = _placeholder_values(kind, read, home, course)
     skeletons = [SKELETONS / kind]
     if kind == MODULE and not (course / courses.CURRICULUM).is_dir():
         skeletons.append(SKELETONS / COURSE)
@@ -59,7 +59,7 @@ def write_skeleton(kind: str, name: str, course: Path) -> list[Path]:
     taken = [path for path in files if path.exists()]
     taken += home.glob(f"*/{read.slug}.md") if kind == "page" else ()
     if taken:
-        raise NameRefused(f"il y a déjà quelque chose ici : {taken[0]}")
+        raise SkeletonRefused(f"il y a déjà quelque chose ici : {taken[0]}")
     for path, text in files.items():
         path.parent.mkdir(parents=True, exist_ok=True)
         path.write_text(text, encoding="utf-8")
@@ -68,42 +68,42 @@ def write_skeleton(kind: str, name: str, course: Path) -> list[Path]:
 
 def _parse_module_name(name: str) -> SkeletonName:
     if not MODULE_SLUG.fullmatch(name):
-        raise NameRefused(f"« {name} » : un module se nomme par des minuscules puis un nombre, comme « l19 »")
+        raise SkeletonRefused(f"« {name} » : un module se nomme par des minuscules puis un nombre, comme « l19 »")
     return SkeletonName(name)
 
 
 def _check_module_free(module: str, course: Path) -> None:
     for room in courses.room_folders(courses.CURRICULUM):
         if (room / module).is_dir() and room != course / courses.CURRICULUM:
-            raise NameRefused(f"un autre cours a déjà un module « {module} » : {room / module}")
+            raise SkeletonRefused(f"un autre cours a déjà un module « {module} » : {room / module}")
 
 
-def _parse_name(kind: str, name: str) -> SkeletonName:
+def _parse_skeleton_name(kind: str, name: str) -> SkeletonName:
     module, *folders, slug = name.split("/") if "/" in name else ("", name)
     if not MODULE_SLUG.fullmatch(module):
-        raise NameRefused(f"« {name} » : dites aussi le module, comme « l19/{slug} »")
+        raise SkeletonRefused(f"« {name} » : dites aussi le module, comme « l19/{slug} »")
     if kind == "page":
         folder = folders[0] if folders else LESSONS[0].folder
         if folder not in FOLDERS or len(folders) > 1:
-            raise NameRefused(f"« {'/'.join(folders)} » : les dossiers de pages sont {', '.join(FOLDERS)}")
+            raise SkeletonRefused(f"« {'/'.join(folders)} » : les dossiers de pages sont {', '.join(FOLDERS)}")
         return SkeletonName(
             module,
             _validate_slug(slug, re.compile(PAGE_SLUG), "des minuscules sans accent, chiffres et tirets"),
             folder,
         )
     if folders:
-        raise NameRefused(f"« {name} » : un module et un nom, comme « {module}/{slug} »")
+        raise SkeletonRefused(f"« {name} » : un module et un nom, comme « {module}/{slug} »")
     slug = slug.replace("-", "_") if kind == "replay" else slug
     return SkeletonName(module, _validate_slug(slug, EXERCISE_SLUG, "des minuscules sans accent, chiffres et « _ »"))
 
 
 def _validate_slug(slug: str, pattern: re.Pattern[str], words: str) -> str:
     if not pattern.fullmatch(slug) or slug[0].isdigit():
-        raise NameRefused(f"« {slug} » : un nom est fait de {words}, et commence par une lettre")
+        raise SkeletonRefused(f"« {slug} » : un nom est fait de {words}, et commence par une lettre")
     return slug
 
 
-def _placeholders(kind: str, name: SkeletonName, home: Path, course: Path) -> dict[str, str]:
+def _placeholder_values(kind: str, name: SkeletonName, home: Path, course: Path) -> dict[str, str]:
     """Return the values of a skeleton's placeholders."""
     slug = re.sub(r"[^a-z0-9]+", "-", course.resolve().name.lower()).strip("-") or "cours"
     slug = slug if slug.startswith("cours") else f"cours-{slug}"
@@ -113,13 +113,13 @@ def _placeholders(kind: str, name: SkeletonName, home: Path, course: Path) -> di
         "__SLUG__": name.slug,
         "__NAME__": name.slug.replace("_", "-"),
         "__FOLDER__": name.folder,
-        "__ORDER__": str(max([0, *_existing_orders(kind, name, home)]) + ORDER_STEP),
+        "__ORDER__": str(max([0, *_find_taken_orders(kind, name, home)]) + ORDER_STEP),
         "__COURSE__": slug,
         "__PACKAGE__": slug.replace("-", "_"),
     }
 
 
-def _existing_orders(kind: str, name: SkeletonName, home: Path) -> Iterator[int]:
+def _find_taken_orders(kind: str, name: SkeletonName, home: Path) -> Iterator[int]:
     """The places that are taken where the new one goes, by what can be read."""
     pages = kind == "page"
     for path in home.glob(f"{name.folder}/*.md" if pages else "exercices/*/exercise.toml"):
@@ -137,10 +137,10 @@ def _render_skeleton(skeleton: Path, words: dict[str, str], course: Path) -> Ite
                 mark.sub(lambda found: words[found[0]], text)
                 for text in (path.relative_to(skeleton).as_posix(), path.read_text(encoding="utf-8"))
             )
-            yield course / place, _stamp(place, text)
+            yield course / place, _stamp_version(place, text)
 
 
-def _stamp(place: str, text: str) -> str:
+def _stamp_version(place: str, text: str) -> str:
     """Write the version of Balise into a file of settings, a page's heading, a replay; not into students' programs."""
     line = f"# Écrit par « balise new », version {VERSION}.\n"
     if place.endswith(".md"):

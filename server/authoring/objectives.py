@@ -36,36 +36,36 @@ class ExerciseMistakes:
     mistakes: Mapping[str, frozenset[str]]
 
 
-def faults(course: Course) -> Iterator[Problem]:
+def find_objective_faults(course: Course) -> Iterator[Problem]:
     """Yield the faults of all modules that have objectives with exercises. Loads their graders."""
     for module in course.modules.values():
         if practised_objectives(module):
-            yield from _module_faults(module)
+            yield from _find_module_faults(module)
 
 
-def _module_faults(module: Module) -> Iterator[Problem]:
-    exercises = {exercise.slug: read_mistakes(exercise) for exercise in module.exercises}
+def _find_module_faults(module: Module) -> Iterator[Problem]:
+    exercises = {exercise.slug: read_exercise_mistakes(exercise) for exercise in module.exercises}
     ids: set[str] = set()
     for lesson in module.lessons:
         for index, objective in enumerate(lesson.skills):
-            found = list(_objective_faults(objective, exercises))
+            found = list(_find_objective_faults(objective, exercises))
             if objective.id in ids:
                 found.append(("id", SAME_ID.format(id=objective.id)))
             ids.add(objective.id)
             for key, message in found:
-                yield Problem(lesson.text.source.path, _line_of(lesson, index, key), message)
+                yield Problem(lesson.text.source.path, _front_matter_line_of_objective(lesson, index, key), message)
     objectives = practised_objectives(module)
     for slug, exercise in exercises.items():
-        for message in _uncarried(objectives, slug, exercise):
+        for message in _find_uncarried_parts(objectives, slug, exercise):
             yield Problem(module.folder / "exercices" / slug / "exercise.toml", None, message)
 
 
-def _line_of(lesson: Lesson, index: int, key: str) -> int:
+def _front_matter_line_of_objective(lesson: Lesson, index: int, key: str) -> int:
     text = toml_file.read_text(lesson.text.source.path).partition("\n+++")[0].removeprefix("+++\n")
     return line_of(text, ("objective", index, key)) + 1
 
 
-def read_mistakes(exercise: Exercise) -> ExerciseMistakes:
+def read_exercise_mistakes(exercise: Exercise) -> ExerciseMistakes:
     if exercise.answers is not None:
         return ExerciseMistakes((), dict.fromkeys(exercise.answers.catalogue, frozenset()))
     mistakes: dict[str, frozenset[str]] = {}
@@ -75,7 +75,9 @@ def read_mistakes(exercise: Exercise) -> ExerciseMistakes:
     return ExerciseMistakes(tuple(function.name for function in exercise.functions), mistakes)
 
 
-def _objective_faults(objective: Objective, exercises: Mapping[str, ExerciseMistakes]) -> Iterator[tuple[str, str]]:
+def _find_objective_faults(
+    objective: Objective, exercises: Mapping[str, ExerciseMistakes]
+) -> Iterator[tuple[str, str]]:
     """Yield the key that holds each fault, and a message."""
     for slug, functions in objective.exercises.items():
         if slug not in exercises:
@@ -91,7 +93,7 @@ def _objective_faults(objective: Objective, exercises: Mapping[str, ExerciseMist
             yield "mistakes", UNKNOWN_MISTAKE.format(slug=slug, mistake=mistake)
 
 
-def _uncarried(objectives: Sequence[Objective], slug: str, exercise: ExerciseMistakes) -> Iterator[str]:
+def _find_uncarried_parts(objectives: Sequence[Objective], slug: str, exercise: ExerciseMistakes) -> Iterator[str]:
     """Yield a message for what no objective carries of an exercise: all of it, a function, or misconceptions."""
     if not any(slug in objective.exercises for objective in objectives):
         yield NO_OBJECTIVE.format(slug=slug)

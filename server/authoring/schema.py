@@ -10,7 +10,7 @@ from typing import Annotated, Any, Union
 
 from pydantic import BaseModel, Field, TypeAdapter
 
-from server.authoring.keys import KEYS, Key
+from server.authoring.keys import KEYS, DocumentedKey
 from server.authoring.shapes import SHAPES, FileShape
 
 DRAFT = "https://json-schema.org/draft/2020-12/schema"
@@ -25,7 +25,8 @@ def write_schemas(place: Path) -> list[Path]:
     folder = place / FOLDER
     folder.mkdir(parents=True, exist_ok=True)
     files = {
-        folder / f"{shape.name}.json": json.dumps(json_schema(shape), ensure_ascii=False, indent=1) for shape in SHAPES
+        folder / f"{shape.name}.json": json.dumps(build_json_schema(shape), ensure_ascii=False, indent=1)
+        for shape in SHAPES
     }
     if not (place / TAPLO).exists():
         files[place / TAPLO] = _taplo_config()
@@ -44,25 +45,27 @@ def _taplo_config() -> str:
     return "\n".join(lines)
 
 
-def json_schema(shape: FileShape) -> dict[str, Any]:
+def build_json_schema(shape: FileShape) -> dict[str, Any]:
     """Its JSON Schema, with what each key means."""
     models = shape.model if isinstance(shape.model, tuple) else (shape.model,)
-    made: dict[str, Any] = TypeAdapter(models[0] if len(models) == 1 else _union_by_form(models)).json_schema()
+    made: dict[str, Any] = TypeAdapter(
+        models[0] if len(models) == 1 else _union_discriminated_by_form(models)
+    ).json_schema()
     for name, table in [(made.get("title", ""), made), *made.get("$defs", {}).items()]:
         _describe_properties(table, KEYS_BY_MODEL_NAME.get(name, {}))
     return {"$schema": DRAFT, **made, "title": shape.name}
 
 
-def _union_by_form(models: tuple[type[BaseModel], ...]) -> Any:
+def _union_discriminated_by_form(models: tuple[type[BaseModel], ...]) -> Any:
     """By their form."""
     return Annotated[Union[models], Field(discriminator="form")]  # noqa: UP007
 
 
-def _describe_properties(table: dict[str, Any], keys: Mapping[str, Key]) -> None:
+def _describe_properties(table: dict[str, Any], keys: Mapping[str, DocumentedKey]) -> None:
     """In French, and without what a machine has made of the names."""
     table.pop("description", None)
     for name, value in table.get("properties", {}).items():
         value.pop("title", None)
         if name in keys:
             value["description"] = keys[name].meaning
-            value["examples"] = [keys[name].value]
+            value["examples"] = [keys[name].example_value]

@@ -129,7 +129,7 @@ SHAPES = (
 )
 
 
-def faults(course: Course) -> Iterator[Problem]:
+def find_catalogue_faults(course: Course) -> Iterator[Problem]:
     """What the catalogues of mistakes hold that nothing reads, or lack."""
     for exercise in course.exercises.values():
         folder = exercise.statement.source.path.parent
@@ -137,10 +137,10 @@ def faults(course: Course) -> Iterator[Problem]:
         model: type[BaseModel] = MisconceptionsFile if exercise.answers is None else MistakesFile
         for path, shape in ((graders / MISCONCEPTIONS, model), (graders / "equivalents.toml", EquivalentsFile)):
             if path.is_file():
-                yield from _validate_file(path, shape)
+                yield from _find_file_faults(path, shape)
 
 
-def _validate_file(path: Path, model: type[BaseModel]) -> Iterator[Problem]:
+def _find_file_faults(path: Path, model: type[BaseModel]) -> Iterator[Problem]:
     try:
         toml_file.read_toml(path, model)
     except CourseFault as fault:

@@ -65,18 +65,18 @@ def load_unexplained_groups(db: Session, exercise: str, most: int) -> list[Unexp
     groups = [
         found
         for row in repository.list_unexplained_groups(db, exercise, most)
-        if (found := _load_group(db, *row)) is not None
+        if (found := _load_unexplained_group(db, *row)) is not None
     ]
-    first = {change: place for place, change in reversed(list(enumerate(map(usual_change, groups)))) if change}
-    return sorted(groups, key=lambda group: first.get(usual_change(group), groups.index(group)))
+    first = {change: place for place, change in reversed(list(enumerate(map(most_frequent_change, groups)))) if change}
+    return sorted(groups, key=lambda group: first.get(most_frequent_change(group), groups.index(group)))
 
 
-def usual_change(found: UnexplainedGroup) -> str:
+def most_frequent_change(found: UnexplainedGroup) -> str:
     """Return the kind of change that mends most programs of a group; "" where none is known."""
     return found.changes[0][0] if found.changes else ""
 
 
-def _load_group(db: Session, group_id: str, attempts: int, students: int) -> UnexplainedGroup | None:
+def _load_unexplained_group(db: Session, group_id: str, attempts: int, students: int) -> UnexplainedGroup | None:
     group, program = repository.find_group(db, group_id), repository.load_shortest_program(db, group_id)
     if group is None or program is None:
         return None
@@ -115,7 +115,7 @@ def shrink_program(program: str, alike: Callable[[str], bool], tries: int = MAX_
     """The program without the statements, and the branches, that may go while it stays `alike`."""
     place, changed = 0, False
     for _ in range(tries):
-        smaller = next(itertools.islice(_smaller_programs(program), place, None), None)
+        smaller = next(itertools.islice(_iter_smaller_programs(program), place, None), None)
         if smaller is None and not changed:
             break
         if smaller is None:  # what went may have been all that needed something else
@@ -127,11 +127,11 @@ def shrink_program(program: str, alike: Callable[[str], bool], tries: int = MAX_
     return program
 
 
-def _smaller_programs(program: str) -> Iterator[str]:
+def _iter_smaller_programs(program: str) -> Iterator[str]:
     """The program with one statement less, or with what is inside of one in its place; the outermost first."""
     for place in itertools.count():
         tree = parse_source(program)
-        found = next(itertools.islice(_statement_positions(tree), place, None), None)
+        found = next(itertools.islice(_iter_removable_statements(tree), place, None), None)
         if found is None:
             return
         block, index, may_be_empty = found
@@ -146,7 +146,7 @@ def _smaller_programs(program: str) -> Iterator[str]:
                 yield text
 
 
-def _statement_positions(tree: ast.Module) -> Iterator[tuple[list[ast.stmt], int, bool]]:
+def _iter_removable_statements(tree: ast.Module) -> Iterator[tuple[list[ast.stmt], int, bool]]:
     """Each statement as a place in a block, and whether that block may be empty."""
     for node in ast.walk(tree):
         for name in ("body", "orelse"):

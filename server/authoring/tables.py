@@ -128,9 +128,9 @@ def render_table(name: str) -> str:
         return _markdown_table(["dossier", "ce qui s’y lit"], rows)
     models = {model.__name__: model for model in KEYS}
     return (
-        _model_table(models[name])
+        _pydantic_model_table(models[name])
         if name in models
-        else _class_table({kind.__name__: kind for kind in FIELD_MEANINGS}[name])
+        else _dataclass_table({kind.__name__: kind for kind in FIELD_MEANINGS}[name])
     )
 
 
@@ -139,7 +139,7 @@ def _markdown_table(heads: list[str], rows: list[list[str]]) -> str:
     return "\n".join("| " + " | ".join(cell.replace("|", "\\|") for cell in line) + " |" for line in lines) + "\n"
 
 
-def _model_table(model: type[BaseModel]) -> str:
+def _pydantic_model_table(model: type[BaseModel]) -> str:
     schema = model.model_json_schema()
     required = set(schema.get("required", ()))
     rows = [
@@ -167,17 +167,21 @@ def _french_type(schema: Mapping[str, Any], value: Mapping[str, Any]) -> str:
     return TYPES[value["type"]]
 
 
-def _class_table(kind: type) -> str:
+def _dataclass_table(kind: type) -> str:
     inherited = {name for base in kind.__mro__[1:] for name in getattr(base, "__dataclass_fields__", {})}
     rows = [
-        [f"`{field.name}`" + (" *" if _is_required(field) else ""), f"`{field.type}`", FIELD_MEANINGS[kind][field.name]]
+        [
+            f"`{field.name}`" + (" *" if _is_required_field(field) else ""),
+            f"`{field.type}`",
+            FIELD_MEANINGS[kind][field.name],
+        ]
         for field in dataclasses.fields(kind)
         if field.name not in inherited
     ]
     return _markdown_table(["paramètre", "type", "ce que c’est"], rows)
 
 
-def _is_required(field: dataclasses.Field[Any]) -> bool:
+def _is_required_field(field: dataclasses.Field[Any]) -> bool:
     return field.default is dataclasses.MISSING and field.default_factory is dataclasses.MISSING
 
 
@@ -214,14 +218,14 @@ def _outcome_table() -> str:
     )
 
 
-def fill_tables(text: str) -> str:
+def replace_tables_in_page(text: str) -> str:
     """A page with its tables made anew."""
     return MARK.sub(lambda found: f"{found[1]}{render_table(found[2])}{found[3]}", text)
 
 
 def main(pages: Path = PAGES) -> None:
     for path in sorted(pages.glob("*.md")):
-        path.write_text(fill_tables(path.read_text(encoding="utf-8")), encoding="utf-8")
+        path.write_text(replace_tables_in_page(path.read_text(encoding="utf-8")), encoding="utf-8")
 
 
 if __name__ == "__main__":

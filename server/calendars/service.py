@@ -45,7 +45,7 @@ def renew_address(db: Session, account: Account) -> str:
     """
     if account.is_guest:
         raise Forbidden(FOR_ACCOUNTS)
-    token = secrets.new_token()
+    token = secrets.draw_secret_token()
     repository.save_address(db, account.id, secrets.sha256_hex(token))
     return token
 

@@ -69,9 +69,9 @@ def _run_cell(sandbox: Sandbox, question: dict[str, str]) -> bytes:
 
 def _answer_trace_question(sandbox: Sandbox, question_json: bytes) -> bytes:
     from server.steps.questions import TraceQuestion
-    from server.steps.run import answer_question  # with the graders, which who only runs cells need not wait for
+    from server.steps.run import trace_question  # with the graders, which who only runs cells need not wait for
 
-    return answer_question(sandbox, TraceQuestion.model_validate_json(question_json)).model_dump_json().encode()
+    return trace_question(sandbox, TraceQuestion.model_validate_json(question_json)).model_dump_json().encode()
 
 
 def _answer_hunt_question(sandbox: Sandbox, question_json: bytes) -> bytes:

@@ -155,7 +155,7 @@ def apply_import(db: Session, planned: ImportPlan, now: datetime) -> None:
     school_class = planned.school_class
     logins = _choose_new_logins(db, planned.added)
     for line in planned.added:
-        account = identity.create_for_roster(db, logins[line.line], line.name)
+        account = identity.create_account_for_roster(db, logins[line.line], line.name)
         _add_member(db, school_class, account, line, now, created_by_list=True)
     for line, account in planned.joining:
         _add_member(db, school_class, account, line, now, created_by_list=False)

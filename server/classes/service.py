@@ -171,7 +171,7 @@ def find_account_for_staff(db: Session, school_class: SchoolClass, login: str) -
     Raises NotFound, and Conflict for an archived class or for one of its students.
     """
     require_not_archived(school_class)
-    account = links.find_account_by_login(db, login)
+    account = links.find_account_by_login_or_id(db, login)
     membership = repository.find_membership(db, school_class.id, account.id)
     if membership is not None and not membership.is_staff and membership.status != Status.left:
         raise Conflict(LEARNS_HERE.format(name=account.name, login=account.handle))
@@ -183,7 +183,7 @@ def add_staff(db: Session, school_class: SchoolClass, login: str, role: ClassRol
     account = find_account_for_staff(db, school_class, login)
     membership = repository.find_membership(db, school_class.id, account.id)
     if account.role == Role.student and (membership is None or not membership.is_staff):
-        administration.end_credentials_of_role(db, account)
+        administration.revoke_role_credentials(db, account)
     if membership is None:
         db.add(Membership(class_id=school_class.id, account_id=account.id, role=role))
         return account

@@ -58,7 +58,9 @@ def create_password_slips(
     students = [member for member in repository.load_members(db, school_class.id) if member.is_active_student]
     staff = repository.filter_staff_accounts(db, {member.id for member in students})
     earlier = (
-        {} if renew else identity.load_slip_links(db, {member.id for member in students}, school_class.id, utc_now())
+        {}
+        if renew
+        else identity.load_unexpired_slip_links(db, {member.id for member in students}, school_class.id, utc_now())
     )
     lifetime = timedelta(days=settings.first_password_days)
     slips, refused = [], []

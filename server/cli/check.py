@@ -130,7 +130,13 @@ def _read(cache: CheckCache, folder: Path | None) -> tuple[Course, int]:
         discovery = discover(rooms=[folder.resolve() / GRADERS])
         course = load_course(folder.resolve() / CURRICULUM, discovery=discovery, render=render, memory=cache.imports)
     asked = (fault for module in course.modules.values() for fault in retrievals.find_faults(module))
-    found = (*course.problems, *shapes.faults(course), *objectives.faults(course), *families.faults(course), *asked)
+    found = (
+        *course.problems,
+        *shapes.find_catalogue_faults(course),
+        *objectives.find_objective_faults(course),
+        *families.find_family_faults(course),
+        *asked,
+    )
     faults = sum(map(_print_fault, found))
     if not faults:
         cache.record(name, inputs_digest)

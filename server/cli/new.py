@@ -19,7 +19,7 @@ def run(arguments: Namespace) -> int:
         return _import(arguments.kind, arguments.name, arguments.source, course)
     try:
         files = _written(arguments.kind, arguments.name, course)
-    except new.NameRefused as refused:
+    except new.SkeletonRefused as refused:
         raise CannotRun(f"{refused}.") from refused
     except OSError as error:
         raise CannotRun(f"impossible d’écrire dans « {course} » : {error.strerror}.") from error
@@ -39,7 +39,7 @@ def _import(kind: str, name: str, source: Path, course: Path) -> int:
             for words, places in (("à regarder", draft.to_look_at), ("laissé", draft.left)):
                 print("".join(f"  {words} : {place}\n" for place in places), end="")
             print("".join(f"  {os.path.relpath(path)}\n" for path in files), end="")
-    except (ImportRefused, new.NameRefused) as refused:
+    except (ImportRefused, new.SkeletonRefused) as refused:
         raise CannotRun(f"{refused}.") from refused
     except OSError as error:
         raise CannotRun(f"« {error.filename or source} » : {error.strerror}.") from error

@@ -23,13 +23,13 @@ def run(arguments: Namespace) -> int:
     with _listening(arguments.port) as listener:
         # Imported once, here: what is forked for each version of the files then has only the author's code to import.
         from server.authoring.preview import faults, serving
-        from server.authoring.preview.supervising import Supervisor
+        from server.authoring.preview.supervising import PreviewSupervisor
 
         require_safe_sandbox(probing)
         address = f"http://{LOCALHOST}:{listener.getsockname()[1]}/{module}"
         print(f"Aperçu de {os.path.relpath(place)} : {address}", flush=True)
         print("  Chaque changement se voit aussitôt. Ctrl+C pour arrêter.\n", flush=True)
-        Supervisor(place, listener, serving.serve, faults.write_faults, _say).run()
+        PreviewSupervisor(place, listener, serving.serve_version, faults.check_course_and_write_faults, _say).run()
     return 0
 
 

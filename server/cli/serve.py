@@ -265,7 +265,7 @@ def _administrator_link(settings: Settings) -> str | None:
     database = Database(settings.url)
     try:
         with database.write() as db:
-            token = links.invite_administrator(db)
+            token = links.create_administrator_invitation(db)
     except DBAPIError as error:
         if not is_unavailable(error):
             raise

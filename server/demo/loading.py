@@ -73,7 +73,7 @@ def create_demo_class(
     everyone = draw_simulated_students(random, students)
     steps = plan_attempts(module, everyone, random, now)
     seeds = {exercise.id: random.getrandbits(50) for exercise in module.exercises}
-    logins = {login: secrets.new_token()[:12] for login in (TEACHER[0], everyone[0].login)}
+    logins = {login: secrets.draw_secret_token()[:12] for login in (TEACHER[0], everyone[0].login)}
     hashes = {login: secrets.hash_password(password) for login, password in logins.items()}
     with database.write() as db:
         made, teacher, accounts = _create_class_and_accounts(db, module, everyone, hashes, now)

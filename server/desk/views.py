@@ -36,7 +36,7 @@ from server.desk.schemas import ClassHead, JoinCodeView
 from server.desk.tabs import visible_tabs
 from server.federation import waiting
 from server.identity.models import Account
-from server.identity.secrets import format_code as format_slip_code
+from server.identity.secrets import format_link_code as format_slip_code
 from server.marks.repository import load_marking_rules
 from server.rights import service as rights
 from server.rights.models import Right

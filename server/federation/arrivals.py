@@ -19,7 +19,7 @@ from server.federation.schemas import CourseRole, SignedPerson
 from server.federation.tokens import LEEWAY
 from server.identity import joining
 from server.identity import repository as identity
-from server.identity.identities import ExternalPerson, clean_name
+from server.identity.identities import ExternalPerson, clean_name_or_empty
 from server.identity.models import Account, Role
 from server.identity.opened_sessions import OpenedSession
 from server.identity.secrets import sha256_hex
@@ -67,7 +67,7 @@ def open_session(
 
 def external_person(provider: IdentityProvider, person: SignedPerson) -> ExternalPerson:
     """Return a person as an account is made of them: a teacher only where their provider is trusted with it."""
-    name = clean_name(person.name) or clean_name(f"{person.given_name} {person.family_name}")
+    name = clean_name_or_empty(person.name) or clean_name_or_empty(f"{person.given_name} {person.family_name}")
     teaches = provider.trusts_teachers and person.role is CourseRole.teacher
     return ExternalPerson(provider.issuer, person.subject, name, Role.teacher if teaches else Role.student)
 

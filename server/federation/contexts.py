@@ -23,7 +23,7 @@ from server.database import utc_now
 from server.federation import repository, waiting
 from server.federation.models import ADDRESS_LENGTH, IdentityProvider, ProviderContext
 from server.federation.schemas import ArrivedContext, CourseRole, SignedPerson
-from server.identity.identities import clean_name
+from server.identity.identities import clean_name_or_empty
 from server.identity.models import Account
 from server.rights import service as rights
 from server.rights.models import Right
@@ -41,7 +41,7 @@ def store_context_and_enrol(
     db: Session, provider: IdentityProvider, arrived: ArrivedContext, account: Account, person: SignedPerson
 ) -> ProviderContext:
     """Store what an arrival tells of its course, and seat the account in the class that is tied to it."""
-    now, title = utc_now(), clean_name(arrived.title[:NAME_LENGTH])
+    now, title = utc_now(), clean_name_or_empty(arrived.title[:NAME_LENGTH])
     values: Mapping[str, Any] = {
         "seen_at": now,
         **({"title": title} if title else {}),
@@ -108,7 +108,7 @@ def _new_membership(
     role: ClassRole,
 ) -> Membership:
     """Return a seat; it is unconfirmed where a member of the same name may be the same person."""
-    given, family = clean_name(person.given_name), clean_name(person.family_name)
+    given, family = clean_name_or_empty(person.given_name), clean_name_or_empty(person.family_name)
     name = f"{given} {family}".strip() or account.name
     return Membership(
         class_id=school_class.id,

@@ -22,7 +22,7 @@ from server.federation.pending import BegunSignIn
 from server.federation.proofs import BrowserAnswer, ProvenPerson
 from server.federation.rules import Rule
 from server.federation.service import Federation
-from server.identity.secrets import new_token
+from server.identity.secrets import draw_secret_token
 
 ENTRY_PATH = "/connexion/etablissement/{provider_id}"
 RETURN_PATH, LOGOUT_PATH = f"{ENTRY_PATH}/retour", f"{ENTRY_PATH}/deconnexion"
@@ -81,7 +81,7 @@ def begin_sign_in(
     """Begin a sign-in, and return it with the address to which the browser goes. `trial_by`: an administrator tries the
     rule, and no session will be opened. Raises FederationRefused or OutgoingError."""
     entry = find_entry(provider)
-    details = {"verifier": new_token(), **({TRIAL: str(trial_by)} if trial_by else {})}
+    details = {"verifier": draw_secret_token(), **({TRIAL: str(trial_by)} if trial_by else {})}
     with database.write() as db:
         begun, nonce = pending.begin_own_sign_in(db, provider.id, target, details)
     address = entry.start(federation, provider, return_url(provider), begun.state, {**details, pending.NONCE: nonce})

@@ -15,7 +15,7 @@ from server.database import Database, utc_now
 from server.federation import repository
 from server.federation.errors import FederationRefused
 from server.federation.models import PendingSignIn
-from server.identity.secrets import new_token, sha256_hex
+from server.identity.secrets import draw_secret_token, sha256_hex
 
 LIFETIME = timedelta(minutes=10)
 NONCE = "nonce"
@@ -47,7 +47,7 @@ def begin_sign_in(
     lifetime: timedelta = LIFETIME,
 ) -> BegunSignIn:
     """Record a sign-in that begins. Without a nonce, it gets one once the browser has shown that it keeps cookies."""
-    begun = BegunSignIn(new_token(), new_token())
+    begun = BegunSignIn(draw_secret_token(), draw_secret_token())
     db.add(
         PendingSignIn(
             state_digest=sha256_hex(begun.state),
@@ -79,7 +79,7 @@ def require_browser(pending: PendingSignIn, browser: str) -> None:
 
 def replace_nonce(db: Session, pending: PendingSignIn, details: Mapping[str, Any]) -> str:
     """Return a new nonce for a sign-in, which replaces an earlier one. Raises FederationRefused."""
-    nonce = new_token()
+    nonce = draw_secret_token()
     row = repository.set_nonce(db, pending.state_digest, pending.browser_digest, sha256_hex(nonce), details)
     if not row:
         raise FederationRefused("state", USED)
@@ -103,7 +103,7 @@ def begin_own_sign_in(
     db: Session, provider_id: UUID, target: str, details: Mapping[str, Any], *, lifetime: timedelta = LIFETIME
 ) -> tuple[BegunSignIn, str]:
     """Record a sign-in that begins on our own page, and return it with its nonce."""
-    nonce = new_token()
+    nonce = draw_secret_token()
     begun = begin_sign_in(db, provider_id, target, {**details, NONCE: nonce}, nonce=nonce, lifetime=lifetime)
     return begun, nonce
 

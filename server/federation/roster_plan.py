@@ -74,7 +74,7 @@ def enrol_planned_people(
     seated = 0
     with recording_member_changes(db, school_class.id, by.id):
         for person in plan.entering:
-            _, account = identities.find_or_create(db, external_person(provider, person))
+            _, account = identities.find_or_create_identity(db, external_person(provider, person))
             if account.disabled_at is None and not account.is_administrator:
                 contexts.enrol_account(db, provider, school_class, account, person)
                 seated += 1

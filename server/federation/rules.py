@@ -13,7 +13,7 @@ from pydantic import BaseModel, ConfigDict, Field
 from server.federation.errors import FederationRefused
 from server.federation.models import ID_LENGTH, NAME_LENGTH
 from server.federation.schemas import ArrivedContext, CourseRole, SignedPerson
-from server.identity.identities import clean_name
+from server.identity.identities import clean_name_or_empty
 from server.text.lines import character_problem, tidy_line
 
 MAX_CHOICES, MAX_VALUES, MAX_CLASSES, MAX_DEPTH = 20, 200, 60, 5
@@ -87,7 +87,7 @@ def apply_rule(rule: Rule, claims: Claims, subject: str, session: str = "") -> S
     given, family = _read_name_claim(claims, rule.given_name), _read_name_claim(claims, rule.family_name)
     return SignedPerson(
         subject=subject,
-        name=_read_name_claim(claims, rule.name) or clean_name(f"{given} {family}"),
+        name=_read_name_claim(claims, rule.name) or clean_name_or_empty(f"{given} {family}"),
         given_name=given,
         family_name=family,
         role=_find_role(rule, claims),
@@ -97,7 +97,7 @@ def apply_rule(rule: Rule, claims: Claims, subject: str, session: str = "") -> S
 
 
 def _read_name_claim(claims: Claims, name: str) -> str:
-    return clean_name(next(iter(read_claim_texts(claims, name)), "")) if name else ""
+    return clean_name_or_empty(next(iter(read_claim_texts(claims, name)), "")) if name else ""
 
 
 def _find_role(rule: Rule, claims: Claims) -> CourseRole:

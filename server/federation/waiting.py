@@ -16,15 +16,15 @@ from server.classes.models import NAME_LENGTH
 from server.database import upsert_statement
 from server.federation.models import ContextTeacher, IdentityProvider, ProviderContext, WaitingStudent
 from server.federation.schemas import SignedPerson
-from server.identity.identities import clean_name
+from server.identity.identities import clean_name_or_empty
 from server.identity.models import Account
 
 
 def store_waiting_student(db: Session, context_id: UUID, account_id: UUID, person: SignedPerson, now: datetime) -> None:
     """Store that a student has come from a class of their school."""
     names = {
-        "given_name": clean_name(person.given_name)[:NAME_LENGTH],
-        "family_name": clean_name(person.family_name)[:NAME_LENGTH],
+        "given_name": clean_name_or_empty(person.given_name)[:NAME_LENGTH],
+        "family_name": clean_name_or_empty(person.family_name)[:NAME_LENGTH],
         "seen_at": now,
     }
     statement = upsert_statement(db, WaitingStudent).values(context_id=context_id, account_id=account_id, **names)

@@ -21,7 +21,7 @@ from server.studio import repository
 from server.studio.completion import CompletedExercise, complete_draft
 from server.studio.drafts import ExerciseDraft
 from server.studio.models import AuthoredExercise, ExerciseVersion
-from server.studio.publication import publication_faults, version_content, version_digest
+from server.studio.publication import find_publication_faults, version_content, version_digest
 from server.studio.service import TRIAL_JOB, enqueue_trial
 
 log = logging.getLogger(__name__)
@@ -92,7 +92,7 @@ class DraftTrialTask:
         if known is not None:
             report = replace(report, changes=known.changes)
         needed = SEEDS if work.publishes else 0
-        left = list(publication_faults(work.draft, completed, report, seeds=needed))
+        left = list(find_publication_faults(work.draft, completed, report, seeds=needed))
         faults = left if work.publishes else []
         holds = not (report.problem or report.solution) and all(case.agrees for case in report.cases)
         goes_on = work.is_first and holds

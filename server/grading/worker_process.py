@@ -112,7 +112,7 @@ def _run_work_loop(
     gc.freeze()
     gc.enable()
     database = Database(settings.url)
-    course.exercises.find_authored = AuthoredExercises(database, course).find
+    course.exercises.find_authored = AuthoredExercises(database, course).find_published
     with closing(database), Sandbox(course.kits, on_template_replaced=on_template_renewed) as sandbox:
         grader, idle_monitor = SandboxGrader(course, sandbox), WorkerIdleMonitor()
         if settings.warm_up:

@@ -17,13 +17,13 @@ LAST_ADMINISTRATOR = "Ce serveur garde au moins un administrateur : nommez-en un
 def create_account(db: Session, login: str, name: str, role: Role) -> Account:
     """Create an account without a password. Raises RefusedForm."""
     form = new_account_without_password(name, login)
-    service.require_free(db, form.login)
-    account = service.create_for_roster(db, form.login, form.name)
+    service.require_login_free(db, form.login)
+    account = service.create_account_for_roster(db, form.login, form.name)
     account.role = role
     return account
 
 
-def disable(db: Session, account: Account) -> None:
+def disable_account(db: Session, account: Account) -> None:
     """Disable an account, and end its sessions, tokens and links. Raises Conflict for the last administrator."""
     if account.is_administrator and account.disabled_at is None and repository.count_administrators(db) == 1:
         raise Conflict(LAST_ADMINISTRATOR)
@@ -34,11 +34,11 @@ def disable(db: Session, account: Account) -> None:
     repository.delete_password_link(db, account.id)
 
 
-def enable(account: Account) -> None:
+def enable_account(account: Account) -> None:
     account.disabled_at = None
 
 
-def revoke_session(db: Session, account: Account, digest_prefix: str) -> bool:
+def revoke_sessions_by_digest_prefix(db: Session, account: Account, digest_prefix: str) -> bool:
     """Close the sessions whose digest has this prefix; return whether there was one."""
     sessions = repository.load_sessions(db, account.id)
     matching = [session for session in sessions if session.token_digest.startswith(digest_prefix)]
@@ -58,10 +58,10 @@ def change_role(db: Session, account: Account, role: Role) -> None:
     if account.role == role:
         return
     account.role = role
-    end_credentials_of_role(db, account)
+    revoke_role_credentials(db, account)
 
 
-def end_credentials_of_role(db: Session, account: Account) -> None:
+def revoke_role_credentials(db: Session, account: Account) -> None:
     """End the API tokens and the link to a password of an account that may do other things from now on."""
     repository.delete_tokens_of(db, account.id)
     repository.delete_password_link(db, account.id)

@@ -55,10 +55,10 @@ def load_session_account(request: Request, database: Database) -> Account | None
     if not session_token(request):
         return None
     with database.read() as db:
-        return load_account_through(db, request)
+        return load_session_account_in(db, request)
 
 
-def load_account_through(db: Session, request: Request) -> Account | None:
+def load_session_account_in(db: Session, request: Request) -> Account | None:
     """Return the account of the browser's session within an open read transaction.
 
     The answer to a session of a frame may be shown by the platform that opened it.
@@ -66,14 +66,14 @@ def load_account_through(db: Session, request: Request) -> Account | None:
     token = session_token(request)
     if token and is_framed_session(request):
         setattr(request.state, FRAMES_STATE, frames_of_session(db, token))
-    return service.account_of_session(db, token) if token else None
+    return service.find_account_by_session_token(db, token) if token else None
 
 
-def _current(request: Request, database: DatabaseOf) -> Account | None:
+def _optional_account(request: Request, database: DatabaseOf) -> Account | None:
     return load_session_account(request, database)
 
 
-OptionalAccount = Annotated[Account | None, Depends(_current)]
+OptionalAccount = Annotated[Account | None, Depends(_optional_account)]
 
 
 def account_or_guest(request: Request, account: OptionalAccount, accounts: AccountServiceOf) -> Account:
@@ -88,13 +88,13 @@ def account_or_guest(request: Request, account: OptionalAccount, accounts: Accou
 BrowserAccount = Annotated[Account, Depends(account_or_guest)]
 
 
-def _signed_in(account: OptionalAccount) -> Account:
+def _require_signed_in(account: OptionalAccount) -> Account:
     if account is None:
         raise Unauthorised("Connectez-vous d’abord.")
     return account
 
 
-SignedIn = Annotated[Account, Depends(_signed_in)]
+SignedIn = Annotated[Account, Depends(_require_signed_in)]
 
 
 async def _bearer_token(credentials: Annotated[HTTPAuthorizationCredentials | None, Security(_bearer)]) -> str:

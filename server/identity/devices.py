@@ -17,7 +17,7 @@ DEVICE_DAYS = 365
 MAX_DEVICES = 20  # of one account: the least recent are forgotten
 
 
-def is_known(db: Session, device: str, account: Account | None) -> bool:
+def is_known_device(db: Session, device: str, account: Account | None) -> bool:
     """Whether an account has logged in from the browser that has this token; nobody is looked for as somebody is."""
     account_id = uuid4() if account is None else account.id
     return bool(device) and repository.is_device_known(db, secrets.sha256_hex(device), account_id)
@@ -28,7 +28,11 @@ def remember_device(db: Session, account_id: UUID, device: str, now: datetime) -
 
     A token that this server has not made is replaced: nobody chooses one for somebody else.
     """
-    token = device if device and repository.does_device_exist(db, secrets.sha256_hex(device)) else secrets.new_token()
+    token = (
+        device
+        if device and repository.does_device_exist(db, secrets.sha256_hex(device))
+        else secrets.draw_secret_token()
+    )
     repository.upsert_device(db, secrets.sha256_hex(token), account_id, now)
     repository.delete_devices_beyond(db, account_id, MAX_DEVICES)
     return token

@@ -34,18 +34,20 @@ class PasswordHasher:
     def __init__(self, at_once: int | None = None, waiting: int = MAX_WAITING) -> None:
         at_once = at_once or max(1, (os.cpu_count() or 1) // THREADS_PER_HASH)
         self._turns = FairLimiter(at_once, waiting, reserve=1)
-        self._threads = ThreadPoolExecutor(at_once + 1, thread_name_prefix="password", initializer=_give_way)
+        self._threads = ThreadPoolExecutor(
+            at_once + 1, thread_name_prefix="password", initializer=_lower_thread_priority
+        )
 
     async def hash(self, password: str, *, address: str, rank: int = UNKNOWN) -> str:
-        return await self._in_turn(address, rank, "", partial(secrets.hash_password, password))
+        return await self._run_in_turn(address, rank, "", partial(secrets.hash_password, password))
 
     async def verify(
         self, password: str, stored: str | None, *, address: str, rank: int = UNKNOWN, login: str = ""
     ) -> bool:
         """Verify a password in the same time whether the account exists (`stored` given) or not."""
-        return await self._in_turn(address, rank, login, partial(secrets.verify_password, password, stored))
+        return await self._run_in_turn(address, rank, login, partial(secrets.verify_password, password, stored))
 
-    async def _in_turn(self, address: str, rank: int, login: str, work: Callable[[], T]) -> T:
+    async def _run_in_turn(self, address: str, rank: int, login: str, work: Callable[[], T]) -> T:
         async with out_of_turn():
             try:
                 await self._turns.acquire(address, rank, login)
@@ -57,6 +59,6 @@ class PasswordHasher:
                 self._turns.release(address, rank)
 
 
-def _give_way() -> None:
+def _lower_thread_priority() -> None:
     """Lower the priority of this thread, which those that Argon2 starts have too."""
     os.setpriority(os.PRIO_PROCESS, threading.get_native_id(), os.getpriority(os.PRIO_PROCESS, 0) + NICE)

@@ -16,7 +16,7 @@ from server.base.errors import Conflict, Forbidden
 from server.database import utc_now
 from server.identity import repository, secrets
 from server.identity.models import Account, BrowserSession, FederatedIdentity, Role
-from server.identity.schemas import NAME_LENGTH, validate_name
+from server.identity.schemas import NAME_LENGTH, validate_account_name
 from server.text.lines import character_problem, tidy_line
 
 #: A session that an identity has opened so lately proves who its account is, as a password typed again does.
@@ -49,18 +49,18 @@ class ExternalPerson:
     role: Role = Role.student
 
 
-def clean_name(name: str) -> str:
+def clean_name_or_empty(name: str) -> str:
     """Return a name that may be shown, or an empty text for one that is too long or cannot be written."""
     line = tidy_line(name)
     return line if 0 < len(line) <= NAME_LENGTH and not character_problem(line) else ""
 
 
-def new_pseudonym(role: Role) -> str:
+def draw_pseudonym(role: Role) -> str:
     letters = "".join(random.choice(secrets.CODE_LETTERS) for _ in range(PSEUDONYM_LETTERS))
     return f"{PSEUDONYMS.get(role, 'Élève')} {letters}"
 
 
-def find_or_create(db: Session, person: ExternalPerson) -> tuple[FederatedIdentity, Account]:
+def find_or_create_identity(db: Session, person: ExternalPerson) -> tuple[FederatedIdentity, Account]:
     """Return the identity of a person with its account, locked; both are made where nobody has this identity.
 
     A name that the other system tells replaces a pseudonym.
@@ -69,21 +69,21 @@ def find_or_create(db: Session, person: ExternalPerson) -> tuple[FederatedIdenti
     if row is None:
         try:
             with db.begin_nested():
-                return _create(db, person)
+                return _create_identity(db, person)
         except IntegrityError:  # another request of the same person was first
             row = repository.find_identity(db, person.issuer, person.subject)
             if row is None:
                 raise
     identity, account = row
-    name = clean_name(person.name)
+    name = clean_name_or_empty(person.name)
     if account.has_pseudonym and name:
         account.name, account.has_pseudonym = name, False
     return identity, account
 
 
-def _create(db: Session, person: ExternalPerson) -> tuple[FederatedIdentity, Account]:
-    name = clean_name(person.name)
-    account = Account(role=person.role, name=name or new_pseudonym(person.role), has_pseudonym=not name)
+def _create_identity(db: Session, person: ExternalPerson) -> tuple[FederatedIdentity, Account]:
+    name = clean_name_or_empty(person.name)
+    account = Account(role=person.role, name=name or draw_pseudonym(person.role), has_pseudonym=not name)
     db.add(account)
     db.flush()
     identity = FederatedIdentity(account_id=account.id, issuer=person.issuer, subject=person.subject)
@@ -92,7 +92,7 @@ def _create(db: Session, person: ExternalPerson) -> tuple[FederatedIdentity, Acc
     return identity, account
 
 
-def require_may_open(account: Account) -> None:
+def require_identity_may_open(account: Account) -> None:
     """Raise Forbidden for an account that no identity opens: of an administrator, or suspended."""
     if account.is_administrator:
         raise Forbidden(ADMINISTRATOR)
@@ -113,7 +113,7 @@ def load_identities(db: Session, account_id: UUID) -> Sequence[FederatedIdentity
     return repository.load_identities(db, account_id)
 
 
-def is_fresh_proof(session: BrowserSession | None, account_id: UUID) -> bool:
+def is_recent_identity_session(session: BrowserSession | None, account_id: UUID) -> bool:
     """Whether an identity has opened this session of the account within `FRESH_SESSION`."""
     if session is None or session.identity_id is None or session.account_id != account_id:
         return False
@@ -131,12 +131,12 @@ def move_identities(db: Session, newcomer_id: UUID, account_id: UUID) -> None:
     db.flush()
 
 
-def word_pseudonym(db: Session, account: Account, name: str) -> None:
+def replace_pseudonym(db: Session, account: Account, name: str) -> None:
     """Name an account that has a pseudonym, as its owner wants. Raises RefusedForm or Conflict."""
     current = repository.lock_account(db, account.id)
     if current is None or not current.has_pseudonym:
         raise Conflict(HAS_NAME)
-    current.name = validate_name(name)
+    current.name = validate_account_name(name)
 
 
 def rename_guest(db: Session, account: Account, name: str) -> None:

@@ -39,8 +39,8 @@ def open_identity_session(
     (`identities.external_digest`); `frames` are the origins that may show it in a frame. Works inside the caller's
     transaction. Raises Forbidden.
     """
-    identity, account = identities.find_or_create(db, person)
-    identities.require_may_open(account)
+    identity, account = identities.find_or_create_identity(db, person)
+    identities.require_identity_may_open(account)
     identity.seen_at = utc_now()
     if person.role is Role.teacher:
         identities.promote_to_teacher(db, account)
@@ -49,7 +49,7 @@ def open_identity_session(
     return accounts.open_session(db, account, origin=origin)
 
 
-async def join_account(
+async def join_newcomer_to_account(
     accounts: AccountService,
     newcomer: Account,
     login: str,
@@ -65,8 +65,8 @@ async def join_account(
     Raises RefusedForm, Conflict, Forbidden, RateLimited or Overloaded.
     """
     await run_in_threadpool(_require_joinable, accounts, newcomer, session)
-    account, buckets = await accounts.check_login(login, password, address=address, device=device)
-    return await run_in_threadpool(_join, accounts, newcomer, account, buckets, session)
+    account, buckets = await accounts.verify_login(login, password, address=address, device=device)
+    return await run_in_threadpool(_move_to_joined_account, accounts, newcomer, account, buckets, session)
 
 
 def _require_joinable(accounts: AccountService, newcomer: Account, session: str) -> None:
@@ -84,12 +84,12 @@ def _find_newcomer(db: Session, newcomer_id: UUID, session: str) -> tuple[Accoun
         raise Conflict(JOIN_GUEST)
     if newcomer.login is not None or newcomer.password_hash is not None:
         raise Conflict(JOIN_WITH_PASSWORD)
-    if not identities.is_fresh_proof(opened, newcomer.id):
+    if not identities.is_recent_identity_session(opened, newcomer.id):
         raise RefusedForm({"password": identities.SIGN_IN_AGAIN})
     return newcomer, opened
 
 
-def _join(
+def _move_to_joined_account(
     accounts: AccountService, newcomer: Account, account: Account, buckets: Sequence[str], session: str
 ) -> OpenedSession:
     with accounts.database.write() as db:
@@ -103,7 +103,7 @@ def _join(
             raise Conflict(JOIN_CHANGED)
         if target.id == current.id:
             raise Conflict(JOIN_SELF)
-        identities.require_may_open(target)
+        identities.require_identity_may_open(target)
         accounts.check_join(db, current.id, target.id)
         origin = SessionOrigin(opened.identity_id, opened.external_digest, opened.frames)
         identities.move_identities(db, current.id, target.id)

@@ -24,7 +24,7 @@ TOO_MANY_LOGINS = "Trop d’essais de connexion : réessayez dans {seconds} s."
 
 
 @dataclass(frozen=True)
-class LoginAttempt:
+class CountedLoginAttempt:
     """A try to log in that has been counted: the login as it is compared, its account, its rank among those whose
     passwords wait to be checked, and the keys of the token buckets to give back to.
 
@@ -38,14 +38,14 @@ class LoginAttempt:
     seconds_refused: int = 0
     began: float = field(default_factory=time.monotonic)
 
-    async def refusal(self) -> RateLimited:
+    async def delayed_refusal(self) -> RateLimited:
         """Return the error, as long after the beginning whether the account exists or not."""
         async with out_of_turn():
             await asyncio.sleep(self.began + FLOODED_SECONDS - time.monotonic())
         return limits.rate_limited_error(TOO_MANY_LOGINS, self.seconds_refused)
 
 
-def begin_login(db: Session, settings: Settings, login: str, address: str, device: str) -> LoginAttempt:
+def begin_login(db: Session, settings: Settings, login: str, address: str, device: str) -> CountedLoginAttempt:
     """Count a try to log in. Raises RateLimited.
 
     A browser in which the account has logged in before has a bucket of its own, whatever is tried elsewhere; all other
@@ -55,17 +55,17 @@ def begin_login(db: Session, settings: Settings, login: str, address: str, devic
     """
     account = repository.find_account_by_typed_login(db, login)
     folded = normalise_login(login)
-    if devices.is_known(db, device, account):
+    if devices.is_known_device(db, device, account):
         own = f"login-in:{secrets.sha256_hex(f'{folded} {device}')}"
         limits.take_token(db, own, settings.login_bucket, TOO_MANY_LOGINS)
-        return LoginAttempt(folded, account, KNOWN, [own])
+        return CountedLoginAttempt(folded, account, KNOWN, [own])
     own = f"login:{secrets.sha256_hex(f'{folded} {address}')}"
     everyone, nobody = f"login-from:{address}", f"login-nobody:{address}"
     limits.take_token(db, own, settings.login_bucket, TOO_MANY_LOGINS)
     refused = limits.seconds_until_token(db, nobody, settings.guest_bucket)
     if account is not None:
         limits.take_token(db, everyone, settings.guest_bucket, TOO_MANY_LOGINS)
-        return LoginAttempt(folded, account, UNKNOWN, [own, everyone], refused)
+        return CountedLoginAttempt(folded, account, UNKNOWN, [own, everyone], refused)
     if not refused:
         limits.take_token(db, nobody, settings.guest_bucket, TOO_MANY_LOGINS)
-    return LoginAttempt(folded, None, NOBODY, seconds_refused=refused)
+    return CountedLoginAttempt(folded, None, NOBODY, seconds_refused=refused)

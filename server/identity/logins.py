@@ -36,7 +36,7 @@ def normalise_login(text: str) -> str:
     return login
 
 
-def earlier_form(text: str) -> str:
+def unfolded_login(text: str) -> str:
     """Return a login as it was stored before forms were folded; accounts whose folded login was taken keep it."""
     return text.strip().casefold()
 
@@ -51,10 +51,10 @@ def login_problem(login: str) -> str:
     if not is_valid_login(login):
         unwritable = character_problem(login)
         return f"Dans l’identifiant, {unwritable}." if unwritable else LENGTH_PROBLEM
-    return next(filter(None, (_mixture(login, part) for part in login.split("@"))), "")
+    return next(filter(None, (_mixed_scripts_problem(login, part) for part in login.split("@"))), "")
 
 
-def latin_look_alike(login: str) -> str:
+def find_latin_look_alike(login: str) -> str:
     """Return the Latin login that this one looks like, letter by letter; the login itself where it looks like none."""
     letters = [sign for sign in login.partition("@")[0] if sign.isalpha()]
     if not letters or not all(sign in LOOK_ALIKES for sign in letters):
@@ -62,25 +62,29 @@ def latin_look_alike(login: str) -> str:
     return "".join(LOOK_ALIKES.get(sign, sign) for sign in login)
 
 
-def _mixture(login: str, part: str) -> str:
+def _mixed_scripts_problem(login: str, part: str) -> str:
     first = ""
     for sign in part:
-        script = _script(sign)
+        script = _script_of_letter(sign)
         if not script or script in EAST_ASIAN:
             continue
         if first and script != first:
             place = login.index(sign) + 1
             return MIXED.format(
-                login=login[:60], first=_spoken(first), second=_spoken(script), letter=sign, place=place
+                login=login[:60],
+                first=_script_in_french(first),
+                second=_script_in_french(script),
+                letter=sign,
+                place=place,
             )
         first = first or script
     return ""
 
 
-def _script(sign: str) -> str:
+def _script_of_letter(sign: str) -> str:
     """Return the script of a letter as the first word of its Unicode name, or an empty text."""
     return unicodedata.name(sign, "").partition(" ")[0] if unicodedata.category(sign)[0] == "L" else ""
 
 
-def _spoken(script: str) -> str:
+def _script_in_french(script: str) -> str:
     return SCRIPTS.get(script, f"d’un autre alphabet ({script.lower()})")

@@ -48,32 +48,36 @@ def password_problem(password: str, *, login: str, name: str) -> str:
         return TOO_LONG
     if not password.strip():
         return BLANK
-    if _bare(password) in {_bare(login), _bare(login.partition("@")[0]), _bare(name)} - {""}:
+    if _fold_password(password) in {
+        _fold_password(login),
+        _fold_password(login.partition("@")[0]),
+        _fold_password(name),
+    } - {""}:
         return SAME
-    return TOO_COMMON if _is_common(password.casefold()) else ""
+    return TOO_COMMON if _is_common_password(password.casefold()) else ""
 
 
-def _bare(text: str) -> str:
+def _fold_password(text: str) -> str:
     """Fold case, spaces and punctuation."""
     return re.sub(r"[\W_]+", "", text.casefold())
 
 
-def _is_common(password: str) -> bool:
+def _is_common_password(password: str) -> bool:
     core = AROUND.sub("", password)
     return (
         len(set(password)) < MIN_DISTINCT
-        or _is_run(_repeated(password))
-        or _bare(core) in COMMON
-        or _bare(password) in COMMON
-        or _repeated(_bare(password)) in COMMON
+        or _is_keyboard_run(_shortest_repeated_part(password))
+        or _fold_password(core) in COMMON
+        or _fold_password(password) in COMMON
+        or _shortest_repeated_part(_fold_password(password)) in COMMON
     )
 
 
-def _repeated(text: str) -> str:
+def _shortest_repeated_part(text: str) -> str:
     """Return the shortest text of which this is a repetition."""
     return text[: (text + text).find(text, 1)] if text else text
 
 
-def _is_run(text: str) -> bool:
+def _is_keyboard_run(text: str) -> bool:
     """Whether a text is a run on the keyboard, in the alphabet or of digits, in either direction, cyclically."""
     return any(text in turned * 2 for run in RUNS for turned in (run, run[::-1]) if len(text) <= len(run))

@@ -9,7 +9,7 @@ from sqlalchemy import ColumnElement, Select, and_, delete, func, or_, select, u
 from sqlalchemy.orm import Session
 
 from server.database import detached_instances, prepared_statement, select_core, table_of, upsert_statement, utc_now
-from server.identity.logins import earlier_form, is_valid_login, normalise_login
+from server.identity.logins import is_valid_login, normalise_login, unfolded_login
 from server.identity.models import (
     Account,
     ApiToken,
@@ -35,7 +35,7 @@ def find_account_by_login(db: Session, login: str) -> Account | None:
 
 def find_account_by_typed_login(db: Session, typed: str) -> Account | None:
     """Return the account of a login as somebody types it: as stored before folding, else folded."""
-    forms = dict.fromkeys((earlier_form(typed), normalise_login(typed)))
+    forms = dict.fromkeys((unfolded_login(typed), normalise_login(typed)))
     accounts = (find_account_by_login(db, login) for login in forms if is_valid_login(login))
     return next(filter(None, accounts), None)
 
@@ -45,7 +45,7 @@ _accounts, _sessions, _tokens = table_of(Account), table_of(BrowserSession).c, t
 
 
 @prepared_statement
-def _by_session(token_digest: str, now: datetime) -> Select[*tuple[Any, ...]]:
+def _select_account_by_session(token_digest: str, now: datetime) -> Select[*tuple[Any, ...]]:
     query = select(_accounts).join(_sessions.token_digest.table, _sessions.account_id == _accounts.c.id)
     conditions = (_sessions.token_digest == token_digest, _sessions.expires_at > now)
     return query.where(*conditions, _accounts.c.disabled_at.is_(None))
@@ -53,12 +53,12 @@ def _by_session(token_digest: str, now: datetime) -> Select[*tuple[Any, ...]]:
 
 def find_account_by_session(db: Session, token_digest: str, now: datetime) -> Account | None:
     """Return the account of a browser session, as a detached object."""
-    row = select_core(db, *_by_session(token_digest, now)).one_or_none()
+    row = select_core(db, *_select_account_by_session(token_digest, now)).one_or_none()
     return None if row is None else next(detached_instances(Account, [row]))[0]
 
 
 @prepared_statement
-def _by_api_token(token_digest: str, now: datetime) -> Select[*tuple[Any, ...]]:
+def _select_account_by_api_token(token_digest: str, now: datetime) -> Select[*tuple[Any, ...]]:
     query = select(_accounts, _tokens.last_used_at).join(_tokens.id.table, _tokens.account_id == _accounts.c.id)
     conditions = (_tokens.token_digest == token_digest, _tokens.expires_at > now)
     return query.where(*conditions, _accounts.c.disabled_at.is_(None))
@@ -66,14 +66,14 @@ def _by_api_token(token_digest: str, now: datetime) -> Select[*tuple[Any, ...]]:
 
 def find_account_by_token(db: Session, token_digest: str, now: datetime) -> tuple[Account, datetime | None] | None:
     """Return the account of an API token, as a detached object, and when the token was last used."""
-    row = select_core(db, *_by_api_token(token_digest, now)).one_or_none()
+    row = select_core(db, *_select_account_by_api_token(token_digest, now)).one_or_none()
     if row is None:
         return None
     account, (last_used_at,) = next(detached_instances(Account, [row]))
     return account, last_used_at
 
 
-def update_last_use(db: Session, token_digest: str, now: datetime) -> None:
+def update_token_last_use(db: Session, token_digest: str, now: datetime) -> None:
     db.execute(update(ApiToken).where(ApiToken.token_digest == token_digest).values(last_used_at=now))
 
 
@@ -230,7 +230,7 @@ def count_tokens(db: Session, account_id: UUID) -> int:
     return db.execute(query).scalar_one()
 
 
-def delete_ended_tokens(db: Session, account_id: UUID, now: datetime) -> None:
+def delete_expired_tokens(db: Session, account_id: UUID, now: datetime) -> None:
     db.execute(delete(ApiToken).where(ApiToken.account_id == account_id, ApiToken.expires_at <= now))
 
 
@@ -238,7 +238,7 @@ def delete_tokens_of(db: Session, account_id: UUID) -> None:
     db.execute(delete(ApiToken).where(ApiToken.account_id == account_id))
 
 
-def delete_expired(db: Session, now: datetime) -> None:
+def delete_expired_credentials(db: Session, now: datetime) -> None:
     """Delete all expired sessions, tokens, links and invitations."""
     for table in (BrowserSession, ApiToken, PasswordLink):
         db.execute(delete(table).where(table.expires_at < now))
@@ -262,7 +262,7 @@ def upsert_password_link(
     db.execute(statement.on_conflict_do_update(index_elements=["account_id"], set_=row))
 
 
-def load_slip_links(
+def load_unexpired_slip_links(
     db: Session, accounts: Collection[UUID], class_id: UUID, now: datetime
 ) -> Mapping[UUID, PasswordLink]:
     """Load the links with a code that have not ended, by account, of the slips of a class."""
@@ -292,7 +292,7 @@ def find_link_with_account(db: Session, token_digest: str, now: datetime) -> tup
     return None if row is None else (row[0], row[1])
 
 
-def use_password_link(db: Session, token_digest: str, now: datetime) -> UUID | None:
+def consume_password_link(db: Session, token_digest: str, now: datetime) -> UUID | None:
     """Delete a link and return its account, in one statement."""
     statement = (
         delete(PasswordLink)
@@ -314,15 +314,15 @@ def delete_unused_invitations(db: Session, role: Role) -> None:
 
 
 def find_open_invitation(db: Session, token_digest: str, now: datetime) -> Invitation | None:
-    query = select(Invitation).where(Invitation.token_digest == token_digest, _still_open(now))
+    query = select(Invitation).where(Invitation.token_digest == token_digest, _is_open_invitation(now))
     return db.execute(query).scalar_one_or_none()
 
 
-def use_invitation(db: Session, token_digest: str, now: datetime) -> Role | None:
+def mark_invitation_used(db: Session, token_digest: str, now: datetime) -> Role | None:
     """Mark an invitation as used in one conditional statement: of two simultaneous uses only one gets the role."""
     statement = (
         update(Invitation)
-        .where(Invitation.token_digest == token_digest, _still_open(now))
+        .where(Invitation.token_digest == token_digest, _is_open_invitation(now))
         .values(used_at=now)
         .returning(Invitation.role)
     )
@@ -330,7 +330,7 @@ def use_invitation(db: Session, token_digest: str, now: datetime) -> Role | None
     return None if role is None else Role(role)
 
 
-def _still_open(now: datetime) -> ColumnElement[bool]:
+def _is_open_invitation(now: datetime) -> ColumnElement[bool]:
     """Without an end, the first administrator's: it ends once there is one, however they came to be."""
     administrator = select(Account.id).where(Account.role == Role.administrator, _enabled)
     endless = and_(Invitation.expires_at.is_(None), or_(Invitation.role != Role.administrator, ~administrator.exists()))

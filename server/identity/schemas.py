@@ -28,7 +28,7 @@ class NewAccount:
 def validate_new_account(name: str, login: str, password: str) -> NewAccount:
     """Return the normalised form. Raises RefusedForm with every problem at once."""
     form = NewAccount(tidy_line(name), normalise_login(login), password)
-    problems = {field: problem for field, problem in _checks(form) if problem}
+    problems = {field: problem for field, problem in _account_problems(form) if problem}
     if problems:
         raise RefusedForm(problems)
     return form
@@ -37,15 +37,15 @@ def validate_new_account(name: str, login: str, password: str) -> NewAccount:
 def new_account_without_password(name: str, login: str) -> NewAccount:
     """Return the normalised form of an account whose owner chooses a password later. Raises RefusedForm."""
     form = NewAccount(tidy_line(name), normalise_login(login), "")
-    problems = {field: problem for field, problem in _checks(form) if problem and field != "password"}
+    problems = {field: problem for field, problem in _account_problems(form) if problem and field != "password"}
     if problems:
         raise RefusedForm(problems)
     return form
 
 
-def _checks(form: NewAccount) -> list[tuple[str, str]]:
+def _account_problems(form: NewAccount) -> list[tuple[str, str]]:
     return [
-        ("name", _line_problem(form.name, NAME_LENGTH, NAME_PROBLEM)),
+        ("name", _name_line_problem(form.name, NAME_LENGTH, NAME_PROBLEM)),
         ("login", login_problem(form.login)),
         ("password", password_problem(form.password, login=form.login, name=form.name)),
     ]
@@ -59,7 +59,7 @@ def validate_new_password(password: str, *, login: str, name: str) -> str:
     return password
 
 
-def _line_problem(line: str, longest: int, problem: str) -> str:
+def _name_line_problem(line: str, longest: int, problem: str) -> str:
     """Return why a tidied line is refused, or an empty text."""
     if not 0 < len(line) <= longest:
         return problem
@@ -67,10 +67,10 @@ def _line_problem(line: str, longest: int, problem: str) -> str:
     return f"{unwritable[0].upper()}{unwritable[1:]}." if unwritable else ""
 
 
-def validate_name(text: str) -> str:
+def validate_account_name(text: str) -> str:
     """Return the normalised name. Raises RefusedForm."""
     name = tidy_line(text)
-    problem = _line_problem(name, NAME_LENGTH, NAME_PROBLEM)
+    problem = _name_line_problem(name, NAME_LENGTH, NAME_PROBLEM)
     if problem:
         raise RefusedForm({"name": problem})
     return name
@@ -79,7 +79,7 @@ def validate_name(text: str) -> str:
 def validate_token_label(text: str) -> str:
     """Return the normalised name of an API token. Raises RefusedForm."""
     label = tidy_line(text)
-    problem = _line_problem(label, LABEL_LENGTH, "Donnez au jeton un nom de 1 à 100 caractères.")
+    problem = _name_line_problem(label, LABEL_LENGTH, "Donnez au jeton un nom de 1 à 100 caractères.")
     if problem:
         raise RefusedForm({"label": problem})
     return label

@@ -21,8 +21,8 @@ from server.database import Database, utc_now
 from server.identity import devices, identities, links, repository, secrets, tokens
 from server.identity.hashing import KNOWN, NOBODY, PasswordHasher
 from server.identity.links import LinkCheck
-from server.identity.login_attempts import TOO_MANY_LOGINS, LoginAttempt, begin_login
-from server.identity.logins import latin_look_alike
+from server.identity.login_attempts import TOO_MANY_LOGINS, CountedLoginAttempt, begin_login
+from server.identity.logins import find_latin_look_alike
 from server.identity.models import Account, ApiToken, BrowserSession, Role
 from server.identity.opened_sessions import (
     AdoptGuestData,
@@ -101,16 +101,16 @@ class AccountService:
             limits.take_token(db, f"sign-up:{address}", self.settings.sign_up_bucket, TOO_MANY_ACCOUNTS)
         with self.database.read() as db:
             if invitation is not None:
-                links.check_invitation(db, invitation)
-            require_free(db, form.login)
+                links.find_open_invitation(db, invitation)
+            require_login_free(db, form.login)
 
     def _insert_account(
         self, form: NewAccount, hashed: str, visitor: Account | None, invitation: str | None, device: str
     ) -> OpenedSession:
         try:
             with self.database.write() as db:
-                role = Role.student if invitation is None else links.use_invitation(db, invitation)
-                require_free(db, form.login)
+                role = Role.student if invitation is None else links.consume_invitation(db, invitation)
+                require_login_free(db, form.login)
                 account = _new_or_guest_account(db, visitor)
                 account.role, account.name, account.login, account.password_hash = role, form.name, form.login, hashed
                 db.flush()
@@ -129,10 +129,10 @@ class AccountService:
 
         Raises RefusedForm, RateLimited or Overloaded.
         """
-        account, buckets = await self.check_login(login, password, address=address, device=device)
+        account, buckets = await self.verify_login(login, password, address=address, device=device)
         return await run_in_threadpool(self._open_after_login, account, visitor, buckets, device)
 
-    async def check_login(
+    async def verify_login(
         self, login: str, password: str, *, address: str, device: str = ""
     ) -> tuple[Account, Sequence[str]]:
         """Return the account of a login with a correct password, and the token buckets to give back to.
@@ -154,11 +154,11 @@ class AccountService:
                 return account, attempt.buckets
         if attempt.seconds_refused:
             REFUSED_LOGINS.add("too_many")
-            raise await attempt.refusal()
+            raise await attempt.delayed_refusal()
         REFUSED_LOGINS.add("password")
         raise RefusedForm({"password": WRONG_LOGIN})
 
-    def _begin_login(self, login: str, address: str, device: str) -> LoginAttempt:
+    def _begin_login(self, login: str, address: str, device: str) -> CountedLoginAttempt:
         with self.database.write() as db:
             return begin_login(db, self.settings, login, address, device)
 
@@ -194,7 +194,7 @@ class AccountService:
         """
         if account.is_guest:
             return None
-        stored, is_fresh = await run_in_threadpool(self._stored_password, account.id, credential)
+        stored, is_fresh = await run_in_threadpool(self._load_stored_password, account.id, credential)
         if stored is None:
             if not is_fresh:
                 raise RefusedForm({"password": identities.SIGN_IN_AGAIN})
@@ -203,7 +203,7 @@ class AccountService:
             raise RefusedForm({"password": WRONG_PASSWORD})
         return PasswordProof(account.id, stored)
 
-    def _stored_password(self, account_id: UUID, credential: str) -> tuple[str | None, bool]:
+    def _load_stored_password(self, account_id: UUID, credential: str) -> tuple[str | None, bool]:
         """Return the stored hash of an account, and whether `credential` is a session that proves who it is."""
         token_digest = secrets.sha256_hex(credential)
         with self.database.write() as db:
@@ -211,7 +211,7 @@ class AccountService:
             account = repository.find_account(db, account_id)
             session = repository.find_session(db, token_digest, utc_now())
             stored = account.password_hash if account is not None else None
-            return stored, identities.is_fresh_proof(session, account_id)
+            return stored, identities.is_recent_identity_session(session, account_id)
 
     async def create_token(
         self, account: Account, label: str, password: str, *, session: str, address: str
@@ -226,7 +226,7 @@ class AccountService:
 
     def _insert_token(self, proof: PasswordProof | None, label: str) -> tuple[ApiToken, str]:
         with self.database.write() as db:
-            return tokens.create_token(db, _require_unchanged(db, proof), label, self.settings)
+            return tokens.create_token(db, _require_proof_still_valid(db, proof), label, self.settings)
 
     async def change_password(self, account: Account, old: str, new: str, *, session: str, address: str) -> None:
         """Change a password; end all API tokens, and all sessions but that of the token `session`.
@@ -238,11 +238,11 @@ class AccountService:
         form = await run_in_threadpool(validate_new_password, new, login=account.login, name=account.name)
         proof = await self.require_password(account, old, credential=session, address=address)
         hashed = await self.hashing.hash(form, address=address, rank=KNOWN)
-        await run_in_threadpool(self._change, proof, hashed, secrets.sha256_hex(session))
+        await run_in_threadpool(self._store_new_password, proof, hashed, secrets.sha256_hex(session))
 
-    def _change(self, proof: PasswordProof | None, hashed: str, session_digest: str) -> None:
+    def _store_new_password(self, proof: PasswordProof | None, hashed: str, session_digest: str) -> None:
         with self.database.write() as db:
-            account = _require_unchanged(db, proof)
+            account = _require_proof_still_valid(db, proof)
             repository.set_password(db, account.id, hashed)
             repository.delete_sessions_of(db, account.id, keep=session_digest)
             repository.delete_tokens_of(db, account.id)
@@ -254,12 +254,12 @@ class AccountService:
 
         Raises NotFound, Conflict, RefusedForm, RateLimited or Overloaded.
         """
-        account = await run_in_threadpool(self._owner_of_link, token, address)
+        account = await run_in_threadpool(self._find_link_owner_counted, token, address)
         form = validate_new_password(password, login=account.login or "", name=account.name)
         hashed = await self.hashing.hash(form, address=address, rank=KNOWN)
-        return await run_in_threadpool(self._choose, token, hashed, visitor, device)
+        return await run_in_threadpool(self._set_password_by_link, token, hashed, visitor, device)
 
-    def _owner_of_link(self, token: str, address: str) -> Account:
+    def _find_link_owner_counted(self, token: str, address: str) -> Account:
         with self.database.write() as db:
             limits.take_token(db, f"login-from:{address}", self.settings.guest_bucket, TOO_MANY_LOGINS)
         with self.database.read() as db:
@@ -267,14 +267,14 @@ class AccountService:
 
     def find_link_owner(self, token: str, address: str) -> Account:
         """Return the account of a link or a typed code; wrong ones count. Raises NotFound or RateLimited."""
-        owner = self._owner_of_link(token, address)
+        owner = self._find_link_owner_counted(token, address)
         with self.database.write() as db:
             limits.give_back_token(db, f"login-from:{address}")
         return owner
 
-    def _choose(self, token: str, hashed: str, visitor: Account | None, device: str) -> OpenedSession:
+    def _set_password_by_link(self, token: str, hashed: str, visitor: Account | None, device: str) -> OpenedSession:
         with self.database.write() as db:
-            account = links.use_password_link(db, token, self.is_link_in_force)
+            account = links.consume_password_link(db, token, self.is_link_in_force)
             repository.set_password(db, account.id, hashed)
             repository.delete_sessions_of(db, account.id)
             repository.delete_tokens_of(db, account.id)
@@ -286,7 +286,7 @@ class AccountService:
         self, db: Session, account: Account, device: str | None = None, origin: SessionOrigin | None = None
     ) -> OpenedSession:
         """Open a session; with `device`, the token that the browser shows or an empty text, it is known from now on."""
-        token, now, source = secrets.new_token(), utc_now(), origin or SessionOrigin()
+        token, now, source = secrets.draw_secret_token(), utc_now(), origin or SessionOrigin()
         db.add(
             BrowserSession(
                 token_digest=secrets.sha256_hex(token),
@@ -302,7 +302,7 @@ class AccountService:
         return OpenedSession(account, token, known_as, bool(source.frames))
 
 
-def _require_unchanged(db: Session, proof: PasswordProof | None) -> Account:
+def _require_proof_still_valid(db: Session, proof: PasswordProof | None) -> Account:
     """Lock and return the account of a proof. Raises RefusedForm where its password has changed, or it was disabled."""
     account = None if proof is None else repository.lock_account(db, proof.account_id)
     if account is None or proof is None or account.password_hash != proof.password_hash or account.disabled_at:
@@ -310,9 +310,9 @@ def _require_unchanged(db: Session, proof: PasswordProof | None) -> Account:
     return account
 
 
-def require_free(db: Session, login: str) -> None:
+def require_login_free(db: Session, login: str) -> None:
     """Raise RefusedForm for a login that an account has, or that looks like the Latin login of one."""
-    if any(repository.find_account_by_login(db, form) for form in dict.fromkeys((login, latin_look_alike(login)))):
+    if any(repository.find_account_by_login(db, form) for form in dict.fromkeys((login, find_latin_look_alike(login)))):
         raise RefusedForm({"login": TAKEN})
 
 
@@ -323,7 +323,7 @@ def _new_or_guest_account(db: Session, visitor: Account | None) -> Account:
     return account
 
 
-def create_for_roster(db: Session, login: str, name: str) -> Account:
+def create_account_for_roster(db: Session, login: str, name: str) -> Account:
     """Create a student's account from a list, without a password until its owner chooses one by a link."""
     account = Account(role=Role.student, name=name, login=login)
     db.add(account)
@@ -335,15 +335,15 @@ def close_session(db: Session, token: str) -> None:
     repository.delete_session(db, secrets.sha256_hex(token))
 
 
-def delete_expired(db: Session) -> None:
+def delete_expired_credentials(db: Session) -> None:
     """Delete expired sessions, API tokens and links, and token buckets that have long been full."""
     now = utc_now()
-    repository.delete_expired(db, now)
+    repository.delete_expired_credentials(db, now)
     devices.forget_stale_devices(db, now)
     limits.delete_stale_buckets(db, before=now - BUCKET_RETENTION)
 
 
-def account_of_session(db: Session, token: str) -> Account | None:
+def find_account_by_session_token(db: Session, token: str) -> Account | None:
     account = repository.find_account_by_session(db, secrets.sha256_hex(token), utc_now())
     if account is not None:
         record_sender(token, account.id, is_guest=account.is_guest)

@@ -23,10 +23,10 @@ def create_token(db: Session, account: Account, label: str, settings: Settings) 
     """Create a token, and return its row and its secret, which is never stored. Raises RefusedForm."""
     name, now = validate_token_label(label), utc_now()
     repository.lock_account(db, account.id)
-    repository.delete_ended_tokens(db, account.id, now)
+    repository.delete_expired_tokens(db, account.id, now)
     if repository.count_tokens(db, account.id) >= settings.api_tokens:
         raise RefusedForm({"label": FULL.format(most=settings.api_tokens)})
-    secret = secrets.new_token(secrets.API_PREFIX)
+    secret = secrets.draw_secret_token(secrets.API_PREFIX)
     ends = now + timedelta(days=settings.api_token_days)
     token = ApiToken(account_id=account.id, label=name, token_digest=secrets.sha256_hex(secret), expires_at=ends)
     db.add(token)
@@ -54,11 +54,11 @@ def find_token_owner(database: Database, secret: str) -> Account | None:
         return None
     account, last_used_at = row
     record_sender(secret, account.id, is_guest=account.is_guest)
-    if _is_update_due(last_used_at, now):
+    if _is_last_use_update_due(last_used_at, now):
         with database.write() as db:
-            repository.update_last_use(db, digest, now)
+            repository.update_token_last_use(db, digest, now)
     return account
 
 
-def _is_update_due(last_used_at: datetime | None, now: datetime) -> bool:
+def _is_last_use_update_due(last_used_at: datetime | None, now: datetime) -> bool:
     return last_used_at is None or now - last_used_at > LAST_USE_INTERVAL

@@ -71,7 +71,10 @@ def available_exercises(db: Session, course: Course, school_class: SchoolClass, 
     Those of assignments that are open now come first, the assignment that opened last before the others.
     """
     counting = list_counting_exercises(db, course, school_class, now)
-    counting = [*counting, *(name for name in studio.list_class_exercises(db, school_class) if name not in counting)]
+    counting = [
+        *counting,
+        *(name for name in studio.list_exercises_of_class_teachers(db, school_class) if name not in counting),
+    ]
     given = assignments.load_class_assignments(db, school_class.id)
     exercises = assignments.load_exercises(db, [assignment.id for assignment in given])
     tested: set[str] = set()

@@ -71,7 +71,7 @@ async def _sign_up_from_form(
 
 @router.get("/bienvenue/{token}")
 def show_invitation_form(request: Request, account: OptionalAccount, db: Db, token: str) -> HTMLResponse:
-    links.check_invitation(db, token)
+    links.find_open_invitation(db, token)
     return account_form(request, "bienvenue.html", account)
 
 
@@ -147,7 +147,7 @@ async def log_in(
 @router.get("/nouveau-mot-de-passe")
 def open_password_slip(request: Request, account: OptionalAccount, code: CodeQuery = "") -> Response:
     """Asks for the code of a slip, and leads to its page."""
-    letters = "".join(letter for letter in secrets.normalize_token(code) if letter.isalnum())
+    letters = "".join(letter for letter in secrets.normalise_typed_token(code) if letter.isalnum())
     if letters:
         return redirect(f"/nouveau-mot-de-passe/{letters}")
     return account_form(request, "billet.html", account)

@@ -18,7 +18,7 @@ from server.course.dependencies import CourseOf
 from server.identity.dependencies import BrowserAccount
 from server.steps.routes import StepsDep
 from server.steps.schemas import MAX_AFTER, MAX_CALL, MAX_STDIN, CallBody, TraceOut
-from server.steps.writing import write_value
+from server.steps.writing import format_traced_value
 from server.web.forms import FormFields
 from server.web.rendering import render_page
 from server.web.views import exercise_href, find_exercise, module_link
@@ -74,5 +74,5 @@ async def run_typed_call(
         page["refusal"] = refused.detail
     else:
         trace = TraceOut.model_validate_json(answer)
-        page |= {"trace": trace, "value": "" if trace.end.value is None else write_value(trace.end.value)}
+        page |= {"trace": trace, "value": "" if trace.end.value is None else format_traced_value(trace.end.value)}
     return await run_in_threadpool(render_page, request, "own_run.html", account, page=page)

@@ -118,7 +118,7 @@ def name_pseudonymous_account(
 ) -> Response:
     """Names an account of which no name is known."""
     try:
-        identities.word_pseudonym(db, person, name)
+        identities.replace_pseudonym(db, person, name)
     except RefusedForm as refused:
         roll_back_then_read(db)
         return _render_account_page(request, person, db, settings, refused=refused, name=name)
@@ -156,7 +156,7 @@ async def join_account(
 ) -> Response:
     """Joins this account, which another system has just opened, to the one of this login and password."""
     try:
-        opened = await joining.join_account(
+        opened = await joining.join_newcomer_to_account(
             accounts, person, login, password, session=session_token(request), address=client_address(request)
         )
     except RefusedForm as refused:

@@ -182,7 +182,7 @@ def begin_erasure(db: Session, account_id: UUID, class_id: UUID | None, settings
         )
     elif request.begun_at is None:
         values = {"attempts": repository.count_attempts(db, account_id)}
-        administration.disable(db, account)
+        administration.disable_account(db, account)
         request.begun_at = now
         for own_class in repository.load_class_ids(db, account_id):
             audit.record_event(

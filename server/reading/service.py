@@ -75,7 +75,7 @@ def build_course_home(reader: Reader, module: Module) -> CourseHome:
     choices = paths.load_paths(reader.db, reader.account.id if reader.account else None)
     others = {edition.number: f"/{edition.slug}" for edition in reader.course.latest}
     view = build_home_view(module, progress, due, others, paths.find_path(module, choices))
-    names = studio.list_own_of_module(reader.db, reader.account, module.slug)
+    names = studio.list_exercises_proposed_to_account(reader.db, reader.account, module.slug)
     found = [exercise for name in names if (exercise := reader.course.exercises.get(name)) is not None]
     proposed = tuple(_exercise_rows_by_slug(found, progress).values())
     return replace(view, edition=editions.edition_note(reader, module), proposed=proposed)

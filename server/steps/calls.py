@@ -67,7 +67,7 @@ def parse_call(typed: str) -> TypedCall:
     try:
         named: dict[str, Value] = {}
         for keyword in call.keywords:
-            if (name := _keyword_name(keyword)) in named:
+            if (name := _require_keyword_name(keyword)) in named:
                 raise Invalid(f"L’argument {name} est donné deux fois.")
             named[name] = _evaluate_literal(keyword.value)
         read = TypedCall(call.func.id, tuple(map(_evaluate_literal, call.args)), named)
@@ -85,7 +85,7 @@ def parse_value(typed: str) -> Value:
     try:
         node = parse_expression(words).body
     except SyntaxError as error:
-        raise Invalid(_describe_break(words, error)) from error
+        raise Invalid(_describe_syntax_break(words, error)) from error
     except (ValueError, RecursionError, MemoryError) as error:
         raise Invalid(f"Python ne comprend pas cette valeur. {_VALUES}") from error
     if sum(1 for _ in ast.walk(node)) > MAX_NODES:
@@ -98,13 +98,13 @@ def parse_value(typed: str) -> Value:
         raise Invalid(error.detail.replace(_HOW, _VALUES).replace("dans un appel", "ici")) from error
 
 
-def read_stdin(typed: str) -> tuple[str, ...]:
+def parse_stdin_lines(typed: str) -> tuple[str, ...]:
     """Return the lines of a standard input; a newline at its end begins no line. Raises Invalid or TooLarge."""
     text = encode_bounded(typed, 4 * MAX_CHARACTERS, "L’entrée standard").decode().replace("\r\n", "\n")
     return tuple(text.removesuffix("\n").split("\n")) if text else ()
 
 
-def _describe_break(typed: str, error: SyntaxError) -> str:
+def _describe_syntax_break(typed: str, error: SyntaxError) -> str:
     """Say where a value stops being Python."""
     opened = len(re.findall(r"[\[(]", typed)) - len(re.findall(r"[\])]", typed))
     if opened > 0:
@@ -153,7 +153,7 @@ def _parse_expression(typed: str) -> ast.expr:
         raise Invalid(f"Python ne comprend pas cet appel. {_HOW}") from error
 
 
-def _keyword_name(keyword: ast.keyword) -> str:
+def _require_keyword_name(keyword: ast.keyword) -> str:
     if keyword.arg is None:
         raise Invalid("« ** » n’a pas de sens ici : écrivez chaque argument.")
     return keyword.arg
@@ -170,7 +170,7 @@ def _evaluate_literal(node: ast.expr) -> Value:
         case ast.Tuple(items):
             value = tuple(map(_evaluate_literal, items))
         case ast.Dict(keys, items):
-            value = {_dict_key(key): _evaluate_literal(item) for key, item in zip(keys, items, strict=True)}
+            value = {_require_text_key(key): _evaluate_literal(item) for key, item in zip(keys, items, strict=True)}
         case ast.UnaryOp() | ast.BinOp():
             value = _evaluate_arithmetic(node)
         case ast.Name() | ast.Attribute():
@@ -178,7 +178,7 @@ def _evaluate_literal(node: ast.expr) -> Value:
         case ast.Call():
             value = _evaluate_array(node)
         case _:
-            raise _not_understood(node)
+            raise _not_understood_error(node)
     return value
 
 
@@ -187,11 +187,11 @@ def _evaluate_constant(node: ast.Constant) -> Value:
     if isinstance(value, str) or value is None:
         return value
     if not isinstance(value, _NUMBERS):
-        raise _not_understood(node)
-    return _check_digits(value)
+        raise _not_understood_error(node)
+    return _require_few_digits(value)
 
 
-def _dict_key(node: ast.expr | None) -> str:
+def _require_text_key(node: ast.expr | None) -> str:
     if not (isinstance(node, ast.Constant) and isinstance(node.value, str)):
         raise Invalid('Les clés d’un dictionnaire sont des textes : { "a": 1 }.')
     return node.value
@@ -201,12 +201,12 @@ def _evaluate_arithmetic(node: ast.UnaryOp | ast.BinOp) -> Value:
     """Evaluate simple arithmetic of numbers."""
     try:
         if isinstance(node, ast.UnaryOp) and type(node.op) in _SIGNS:
-            return _check_digits(_SIGNS[type(node.op)](_evaluate_number(node.operand)))
+            return _require_few_digits(_SIGNS[type(node.op)](_evaluate_number(node.operand)))
         if isinstance(node, ast.BinOp) and type(node.op) in _SUMS:
-            return _check_digits(_SUMS[type(node.op)](_evaluate_number(node.left), _evaluate_number(node.right)))
+            return _require_few_digits(_SUMS[type(node.op)](_evaluate_number(node.left), _evaluate_number(node.right)))
     except (ArithmeticError, ValueError) as error:
         raise Invalid(f"Ce calcul est impossible : « {_source_excerpt(node)} ».") from error
-    raise _not_understood(node)
+    raise _not_understood_error(node)
 
 
 def _evaluate_number(node: ast.expr) -> Number:
@@ -216,7 +216,7 @@ def _evaluate_number(node: ast.expr) -> Number:
     return value
 
 
-def _check_digits(value: Number) -> Number:
+def _require_few_digits(value: Number) -> Number:
     if isinstance(value, int) and abs(value) >= 10**MAX_DIGITS:
         raise Invalid(f"Un nombre de plus de {MAX_DIGITS} chiffres ne se suit pas pas à pas.")
     return value
@@ -243,19 +243,19 @@ def _evaluate_array(node: ast.Call) -> Value:
         and isinstance(constructor.value, ast.Name)
         and constructor.value.id in _MODULES
     ):
-        raise _not_understood(node)
+        raise _not_understood_error(node)
     if len(node.args) != 1 or node.keywords:
         raise Invalid(f"Un seul argument est compris ici : « {_source_excerpt(node)} ».")
     argument = _evaluate_literal(node.args[0])
     if constructor.attr in ("array", "asarray"):
-        return _numeric_array(argument, node)
+        return _build_numeric_array(argument, node)
     if constructor.attr in _ARRAY_FACTORIES and _is_shape(argument, flat=constructor.attr == "eye"):
         filled: Value = _ARRAY_FACTORIES[constructor.attr](argument)
         return filled
-    raise _not_understood(node)
+    raise _not_understood_error(node)
 
 
-def _numeric_array(argument: Value, node: ast.expr) -> Value:
+def _build_numeric_array(argument: Value, node: ast.expr) -> Value:
     try:
         array = np.array(argument)
     except (ValueError, OverflowError) as error:
@@ -275,7 +275,7 @@ def _is_shape(argument: Value, *, flat: bool) -> bool:
     return (items * items if flat else items) <= MAX_ARRAY_ITEMS
 
 
-def _not_understood(node: ast.AST) -> Invalid:
+def _not_understood_error(node: ast.AST) -> Invalid:
     return Invalid(f"Ceci n’est pas compris dans un appel : « {_source_excerpt(node)} ». {_HOW}")
 
 

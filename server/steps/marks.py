@@ -36,12 +36,12 @@ def locate_mistake(
 
     candidates = find_repairs(definition.prober.model, named.id, named.functions, text, spent)
     within_time = itertools.takewhile(lambda _: not spent(), itertools.islice(candidates, MAX_REPAIRS))
-    lines = _lines_that_repair(definition, text, within_time, check_id, _ProgramsUntil(programs, spent), seed)
+    lines = _find_repairing_lines(definition, text, within_time, check_id, _TimeLimitedPrograms(programs, spent), seed)
     return MarkOut(line=lines.pop()[0], words=french(named.title)) if len(lines) == 1 else None
 
 
 @dataclass(frozen=True)
-class _ProgramsUntil:
+class _TimeLimitedPrograms:
     """Starts no program once the time is spent: a check may start dozens."""
 
     programs: Programs
@@ -53,12 +53,12 @@ class _ProgramsUntil:
         return self.programs.open(source, kit, ahead)
 
 
-def _lines_that_repair(
+def _find_repairing_lines(
     definition: CodeDefinition,
     text: str,
     candidates: Iterable[Repair],
     check_id: str,
-    programs: _ProgramsUntil,
+    programs: _TimeLimitedPrograms,
     seed: int,
 ) -> set[tuple[int, ...]]:
     """Return the lines of minimal repairs with which the program passes the check.

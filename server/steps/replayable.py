@@ -28,20 +28,20 @@ def can_replay(exercise: Exercise, check: CheckResult) -> bool:
     if exercise.kind != "code" or check.passed or counterexample is None or not isinstance(grader, CodeGrader):
         return isinstance(grader, DeclaredGrader) and grader.find_failing_case(check) is not None
     graded = next((candidate for candidate in grader.checks if candidate.id == check.id), None)
-    if graded is None or not _is_whole(counterexample.inputs):
+    if graded is None or not _has_no_shortened_value(counterexample.inputs):
         return False
     if len(graded.functions) > 1 and not isinstance(graded, Untouched):
         return False
-    if not graded.reports_call and any(map(_is_described, counterexample.inputs.values())):
+    if not graded.reports_call and any(map(_is_description, counterexample.inputs.values())):
         return False
     names = set(counterexample.inputs)
-    parameters = [_parameters(exercise, function) for function in graded.functions]
+    parameters = [_parameter_names(exercise, function) for function in graded.functions]
     if graded.reports_call:
         return any(names & accepted for accepted, _ in parameters)
     return any(names and required <= names <= accepted for accepted, required in parameters)
 
 
-def _parameters(exercise: Exercise, function: str) -> tuple[set[str], set[str]]:
+def _parameter_names(exercise: Exercise, function: str) -> tuple[set[str], set[str]]:
     """Return the names of all parameters of a requested function, and of the required ones."""
     signature = next((wanted.signature for wanted in exercise.functions if wanted.name == function), "")
     inside = _PARAMETERS.search(signature)
@@ -50,12 +50,12 @@ def _parameters(exercise: Exercise, function: str) -> tuple[set[str], set[str]]:
     return set(names), {name for name, required in names.items() if required}
 
 
-def _is_described(value: object) -> bool:
+def _is_description(value: object) -> bool:
     """Whether the value is a description (« 40 scans ») instead of the value itself."""
     return isinstance(value, str) and value not in SPECIAL
 
 
-def _is_whole(inputs: dict[str, object]) -> bool:
+def _has_no_shortened_value(inputs: dict[str, object]) -> bool:
     """Whether no value was shortened (see `graders.core.compare.words.to_jsonable`)."""
     written = json.dumps(inputs, ensure_ascii=False)
     return f'"{MORE}"' not in written and '"premiers"' not in written and f'{MORE}"' not in written

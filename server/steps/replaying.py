@@ -55,7 +55,7 @@ class ReplayCase:
     reply: Reply | None
 
 
-def find_case(
+def find_replay_case(
     definition: CodeDefinition,
     check_id: str,
     inputs: Mapping[str, Any],
@@ -72,7 +72,7 @@ def find_case(
     recorder = _RecordingPrograms(programs, inputs)
     runner = Runner(recorder, source, kit, budget=_ANY_PACE)
     try:
-        _run_check(check, Bench(check.id, runner, stream(seed, check.id), kit), recorder)
+        _run_recorded_check(check, Bench(check.id, runner, stream(seed, check.id), kit), recorder)
     except StudentFault:
         pass
     finally:
@@ -80,12 +80,12 @@ def find_case(
     return recorder.case
 
 
-def _run_check(check: Check, bench: Bench, recorder: _RecordingPrograms) -> None:
+def _run_recorded_check(check: Check, bench: Bench, recorder: _RecordingPrograms) -> None:
     try:
         run_and_shrink(check.run, bench)
     except Rejection as rejection:
         if rejection.call is not None and _shows_same_inputs(rejection.inputs or {}, recorder.inputs):
-            recorder.set_case(*rejection.call)
+            recorder.set_rejected_case(*rejection.call)
 
 
 def _shows_same_inputs(inputs: Mapping[str, Value], shown: Mapping[str, Any]) -> bool:
@@ -98,7 +98,7 @@ class _AnsweredCall:
     arguments: Arguments
     reply: Reply | None
 
-    def is_of(self, function: str, arguments: Arguments) -> bool:
+    def is_call_with(self, function: str, arguments: Arguments) -> bool:
         """Whether it is the call with these very objects."""
         pairs = zip(self.arguments, arguments, strict=False)
         return (self.function, len(self.arguments)) == (function, len(arguments)) and all(a is b for a, b in pairs)
@@ -111,7 +111,7 @@ class _RecordingPrograms:
         self.inputs = dict(inputs)
         self.case: ReplayCase | None = None
         self._programs = programs
-        self._sought = sorted(map(_sort_key, inputs.values()))
+        self._sought = sorted(map(_json_sort_key, inputs.values()))
         self._until = time.monotonic() + MAX_SECONDS
         self._kit: KitSettings | None = None
         self.answered_calls: deque[_AnsweredCall] = deque(maxlen=MAX_REMEMBERED_CALLS)
@@ -130,15 +130,15 @@ class _RecordingPrograms:
         self._kit = kit
         if (
             len(arguments) != len(self._sought)
-            or sorted(_sort_key(to_jsonable(value)) for value in arguments) != self._sought
+            or sorted(_json_sort_key(to_jsonable(value)) for value in arguments) != self._sought
         ):
             return None
         return ReplayCase(function, copy.deepcopy(arguments), kit, None)
 
-    def set_case(self, function: str, arguments: Arguments) -> None:
+    def set_rejected_case(self, function: str, arguments: Arguments) -> None:
         """Record the call that the check itself reports."""
         assert self._kit is not None, "a rejected call was made"
-        answers = (call.reply for call in reversed(self.answered_calls) if call.is_of(function, arguments))
+        answers = (call.reply for call in reversed(self.answered_calls) if call.is_call_with(function, arguments))
         self.case = ReplayCase(function, arguments, self._kit, next(answers, None))
 
 
@@ -202,5 +202,5 @@ class _RecordingProgram:
         self._program.close()
 
 
-def _sort_key(value: Any) -> str:
+def _json_sort_key(value: Any) -> str:
     return json.dumps(value, sort_keys=True)

@@ -20,7 +20,7 @@ async def trace_cell(
     request: Request, module: str, body: CellBody, account: BrowserAccount, steps: StepsDep
 ) -> Response:
     """Trace a cell as the reader has changed it."""
-    return _json(await steps.trace_cell(account, module, body, client_address(request)))
+    return _json_response(await steps.trace_cell(account, module, body, client_address(request)))
 
 
 @router.post("/{module}/exercices/{slug}/pas")
@@ -28,7 +28,7 @@ async def trace_call(
     request: Request, module: str, slug: str, body: CallBody, account: BrowserAccount, steps: StepsDep
 ) -> Response:
     """Trace a typed call of the program in the editor."""
-    return _json(await steps.trace_call(account, f"{module}/{slug}", body, client_address(request)))
+    return _json_response(await steps.trace_call(account, f"{module}/{slug}", body, client_address(request)))
 
 
 @router.post("/soumissions/{submission_id}/pas")
@@ -36,8 +36,8 @@ async def trace_check(
     request: Request, submission_id: str, body: ReplayBody, account: OptionalAccount, steps: StepsDep
 ) -> Response:
     """Trace the case of a failed check of an attempt."""
-    return _json(await steps.trace_check(account, submission_id, body, client_address(request)))
+    return _json_response(await steps.trace_check(account, submission_id, body, client_address(request)))
 
 
-def _json(trace: bytes) -> Response:
+def _json_response(trace: bytes) -> Response:
     return Response(trace, media_type="application/json", headers=NO_STORE)

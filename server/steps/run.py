@@ -71,14 +71,14 @@ class _TracedProgram:
     plain: bool = False
 
 
-def answer_question(sandbox: Sandbox, question: TraceQuestion) -> TraceOut:
+def trace_question(sandbox: Sandbox, question: TraceQuestion) -> TraceOut:
     """Trace the requested program. Raises SandboxFault, or any exception of a grader, when the fault is ours."""
     start = time.monotonic()
-    trace = _dispatch(sandbox, question.steps)
+    trace = _trace_request(sandbox, question.steps)
     return trace.model_copy(update={"milliseconds": round(1000 * (time.monotonic() - start))})
 
 
-def _dispatch(sandbox: Sandbox, request: TraceRequest) -> TraceOut:
+def _trace_request(sandbox: Sandbox, request: TraceRequest) -> TraceOut:
     match request:
         case CellTraceRequest():
             return _trace_cell(sandbox, request)
@@ -89,7 +89,7 @@ def _dispatch(sandbox: Sandbox, request: TraceRequest) -> TraceOut:
         case ScenarioTraceRequest():
             return _trace_scenario(sandbox, request)
         case ProgramRunRequest():
-            return _run_program(sandbox, request)
+            return _trace_whole_program(sandbox, request)
 
 
 def _trace_cell(sandbox: Sandbox, request: CellTraceRequest) -> TraceOut:
@@ -107,7 +107,7 @@ def _trace_call(sandbox: Sandbox, request: CallTraceRequest) -> TraceOut:
     if request.plain and not request.call.strip():
         source = request.source + (f"\n{request.after}".encode() if request.after.strip() else b"")
         trace = _trace_program(sandbox, _TracedProgram(source, FILENAME, None, (), {}, kit, plain=True))
-        return _count_lines_of_small_program(trace, len(_split_lines(request.source)))
+        return _relocate_fault_in_small_program(trace, len(_split_lines(request.source)))
     call = calls.parse_call(request.call)
     program = _TracedProgram(
         request.source, FILENAME, call.function, call.arguments, call.named, kit, calls.format_call(call)
@@ -115,7 +115,7 @@ def _trace_call(sandbox: Sandbox, request: CallTraceRequest) -> TraceOut:
     return _trace_program(sandbox, replace(program, plain=request.plain))
 
 
-def _count_lines_of_small_program(trace: TraceOut, lines: int) -> TraceOut:
+def _relocate_fault_in_small_program(trace: TraceOut, lines: int) -> TraceOut:
     """Return a trace whose fault behind the `lines` of the file is told by its place in the small program."""
     end = trace.end
     if end.line is None or end.line <= lines:
@@ -133,7 +133,9 @@ def _trace_replay(sandbox: Sandbox, request: ReplayTraceRequest) -> TraceOut:
     )
     library = [file.to_file() for file in request.library]
     programs = SandboxPrograms(sandbox, tight, library)
-    case = replaying.find_case(definition, request.check, request.inputs, request.source, programs, seed=request.seed)
+    case = replaying.find_replay_case(
+        definition, request.check, request.inputs, request.source, programs, seed=request.seed
+    )
     if case is None:
         return _empty_trace(
             request.source, FILENAME, ProgramFault(FaultKind.RUNTIME_ERROR, trace_messages.NOT_THE_SAME), cut=True
@@ -168,7 +170,7 @@ def _trace_scenario(sandbox: Sandbox, request: ScenarioTraceRequest) -> TraceOut
     )
 
 
-def _run_program(sandbox: Sandbox, request: ProgramRunRequest) -> TraceOut:
+def _trace_whole_program(sandbox: Sandbox, request: ProgramRunRequest) -> TraceOut:
     """Run a whole program as its grading does. What its prompts show and what they read is part of what it prints."""
     played = Scenario((Statement("program", callee=request.function, arguments=request.lines),))
     kit = Kit(SCENARIOS, dict(request.kit))
@@ -209,13 +211,13 @@ def _trace_program(
     with session:
         result = session.trace(program.function, *program.arguments, named=program.named)
     reader = TraceReader(len(_split_lines(program.source)))
-    end, reply = read_trace(reader, result, shows_value=not (is_top_level or program.driven))
+    end, reply = read_trace_result(reader, result, shows_value=not (is_top_level or program.driven))
     if program.plain:
         reader.frames, reader.steps, reader.omissions = [], [], []
-        end = _fault_end(result.fault) if result.fault and end.kind == "cut" else end
+        end = _end_of_fault(result.fault) if result.fault and end.kind == "cut" else end
         if program.driven and (name := _find_own_exception(reply)):
-            end = _fault_end(ProgramFault(FaultKind.RUNTIME_ERROR, trace_messages.OWN_EXCEPTION.format(name=name)))
-    omissions = trace_messages.omission_messages(reader.omissions, truncated=session.stdout_truncated)
+            end = _end_of_fault(ProgramFault(FaultKind.RUNTIME_ERROR, trace_messages.OWN_EXCEPTION.format(name=name)))
+    omissions = trace_messages.list_omission_messages(reader.omissions, truncated=session.stdout_truncated)
     if before is not None and end.kind == "returned" and not (reply and same_value(before.value, reply[0])):
         omissions.append(trace_messages.ANSWERED_OTHERWISE)
     return TraceOut(
@@ -232,18 +234,20 @@ def _trace_program(
     )
 
 
-def read_trace(reader: TraceReader, result: TraceResult, *, shows_value: bool) -> tuple[EndOut, tuple[Value, ...]]:
+def read_trace_result(
+    reader: TraceReader, result: TraceResult, *, shows_value: bool
+) -> tuple[EndOut, tuple[Value, ...]]:
     """Read the steps; return the end, and the returned value in a tuple where it could be sent."""
     fault = result.fault
     try:
-        reader.read(result.steps)
+        reader.read_records(result.steps)
         if fault is None:
-            return _read_returned(result.value, shows_value=shows_value)
+            return _read_returned_value(result.value, shows_value=shows_value)
     except MalformedTrace:
         fault = ProgramFault(FaultKind.INVALID_OUTPUT, trace_messages.FORGED)
     if fault.kind == FaultKind.TIMEOUT and trace_messages.was_tracing_stopped(reader.omissions):
         return EndOut(kind="cut", title=trace_messages.CUT, message=trace_messages.NOT_ENDED), ()
-    return _fault_end(fault), ()
+    return _end_of_fault(fault), ()
 
 
 def _find_own_exception(reply: tuple[Value, ...]) -> str:
@@ -254,7 +258,7 @@ def _find_own_exception(reply: tuple[Value, ...]) -> str:
     return ""
 
 
-def _read_returned(answer: Value, *, shows_value: bool) -> tuple[EndOut, tuple[Value, ...]]:
+def _read_returned_value(answer: Value, *, shows_value: bool) -> tuple[EndOut, tuple[Value, ...]]:
     match answer:
         case (described, tuple() as reply) if len(reply) < 2:
             value = values.read_value(described)
@@ -263,14 +267,14 @@ def _read_returned(answer: Value, *, shows_value: bool) -> tuple[EndOut, tuple[V
     raise MalformedTrace("no answer of a tracer")
 
 
-def _fault_end(fault: ProgramFault) -> EndOut:
+def _end_of_fault(fault: ProgramFault) -> EndOut:
     title = Outcome(fault.kind.value).wording().title
     return EndOut(kind="fault", title=title, message=fault.message, line=fault.line)
 
 
 def _empty_trace(source: bytes, filename: str, fault: ProgramFault, *, cut: bool = False) -> TraceOut:
     """Return a trace without steps that says why."""
-    end = EndOut(kind="cut", title=trace_messages.NOT_FOUND, message=fault.message) if cut else _fault_end(fault)
+    end = EndOut(kind="cut", title=trace_messages.NOT_FOUND, message=fault.message) if cut else _end_of_fault(fault)
     return TraceOut(
         lines=_split_lines(source),
         filename=filename,

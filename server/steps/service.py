@@ -70,13 +70,13 @@ class StepService:
         if module not in self.course.modules:
             raise NotFound(NO_MODULE)
         source = encode_bounded(_unix_newlines(new.code), self.settings.code_bytes)
-        return await self._trace_with_token(
+        return await self._trace_within_rate_limit(
             account, address, lambda _: CellTraceRequest(module=module, code=source.decode())
         )
 
     async def trace_call(self, account: Account, exercise_id: str, new: CallBody, address: str) -> bytes:
         """Trace a typed call of the code in the editor. Raises NotFound, NotNow, Invalid or TooLarge."""
-        exercise = self._exercise(exercise_id)
+        exercise = self._find_code_exercise(exercise_id)
         source = encode_bounded(_unix_newlines(new.code), self.settings.code_bytes)
         is_program = new.plain and not new.call.strip() and any(wanted.is_program for wanted in exercise.functions)
         if new.call.strip() or not new.plain:
@@ -88,21 +88,21 @@ class StepService:
             if tests := feedback.load_holds(db, account.id, exercise.id).tests:
                 raise WrongMoment(IN_TEST.format(title=tests[0].title))
             if is_program and isinstance(exercise.grader, DeclaredGrader):
-                return _program_request(exercise.grader, source, new.stdin)
+                return _build_program_request(exercise.grader, source, new.stdin)
             sittings.require_no_tested_imports(db, account.id, whole, self._reused_exercises(exercise.id))
             own = importable_files.load_importable_files_now(db, self.course, account.id, exercise.id, whole)
             tested = sittings.load_exercises_in_sat_tests(db, account.id, utc_now())
             return CallTraceRequest(
                 exercise=exercise.id,
                 source=source,
-                library=self._library(exercise.id, own, tested),
+                library=self._build_library(exercise.id, own, tested),
                 call=new.call,
                 is_declared=exercise.kit == SCENARIOS,
                 plain=new.plain,
                 after=after,
             )
 
-        return await self._trace_with_token(account, address, build)
+        return await self._trace_within_rate_limit(account, address, build)
 
     async def trace_check(self, account: Account | None, submission_id: str, new: ReplayBody, address: str) -> bytes:
         """Trace the case of a failed check of an attempt.
@@ -125,7 +125,7 @@ class StepService:
             if verdict is None or check is None or exercise is None or not can_replay(exercise, check):
                 raise Invalid(NO_REPLAY)
             if isinstance(exercise.grader, DeclaredGrader):
-                return _scenario_request(exercise.grader, check, submission.source, verdict.seed)
+                return _build_scenario_request(exercise.grader, check, submission.source, verdict.seed)
             assert check.counterexample is not None
             sittings.require_no_tested_imports(db, account.id, submission.source, self._reused_exercises(exercise.id))
             own = importable_files.load_importable_files(db, self.course, submission)
@@ -134,7 +134,7 @@ class StepService:
             return ReplayTraceRequest(
                 exercise=exercise.id,
                 source=submission.source,
-                library=self._library(exercise.id, own, tested),
+                library=self._build_library(exercise.id, own, tested),
                 check=check.id,
                 inputs=check.counterexample.inputs,
                 seed=verdict.seed,
@@ -142,9 +142,9 @@ class StepService:
                 mistakes=(verdict.diagnosis.id,) if verdict.diagnosis else (),
             )
 
-        return await self._trace_with_token(account, address, build)
+        return await self._trace_within_rate_limit(account, address, build)
 
-    def _exercise(self, exercise_id: str) -> Exercise:
+    def _find_code_exercise(self, exercise_id: str) -> Exercise:
         exercise = self.course.exercises.get(exercise_id)
         if exercise is None or exercise.kind != "code":
             raise NotFound(NO_EXERCISE)
@@ -153,10 +153,10 @@ class StepService:
     def _reused_exercises(self, exercise: str) -> list[str]:
         return [reused.id for reused in self.course.reused(exercise)]
 
-    def _library(self, exercise: str, own: Own, tested: Collection[str]) -> tuple[LibraryFileData, ...]:
+    def _build_library(self, exercise: str, own: Own, tested: Collection[str]) -> tuple[LibraryFileData, ...]:
         return tuple(map(LibraryFileData.from_file, build_library(self.course, exercise, own, tested)))
 
-    async def _trace_with_token(
+    async def _trace_within_rate_limit(
         self, account: Account, address: str, build: Callable[[Session], TraceRequest]
     ) -> bytes:
         """Take a rate-limit token of the account, trace, and give the token back if nothing was traced."""
@@ -182,7 +182,9 @@ class StepService:
             raise
 
 
-def _scenario_request(grader: DeclaredGrader, check: CheckResult, source: bytes, seed: int) -> ScenarioTraceRequest:
+def _build_scenario_request(
+    grader: DeclaredGrader, check: CheckResult, source: bytes, seed: int
+) -> ScenarioTraceRequest:
     """Return the request to play the case of a failed check again. Raises Invalid."""
     scenario = grader.find_failing_case(check)
     if scenario is None or check.case is None:
@@ -198,9 +200,9 @@ def _scenario_request(grader: DeclaredGrader, check: CheckResult, source: bytes,
     )
 
 
-def _program_request(grader: DeclaredGrader, source: bytes, stdin: str) -> ProgramRunRequest:
+def _build_program_request(grader: DeclaredGrader, source: bytes, stdin: str) -> ProgramRunRequest:
     """Return the request to run a whole program that reads `stdin`. Raises Invalid or TooLarge."""
-    lines, kit = calls.read_stdin(stdin), dict(grader.kit(SEED).parameters)
+    lines, kit = calls.parse_stdin_lines(stdin), dict(grader.kit(SEED).parameters)
     return ProgramRunRequest(source=source, function=grader.functions[0], lines=lines, kit=kit)
 
 

@@ -44,7 +44,7 @@ ANSWERED_OTHERWISE = (
 )
 
 
-def omission_messages(reasons: Sequence[str], *, truncated: bool) -> list[str]:
+def list_omission_messages(reasons: Sequence[str], *, truncated: bool) -> list[str]:
     return [*(_OMISSION_MESSAGES[reason] for reason in reasons), *([PRINTED_TOO_MUCH] if truncated else [])]
 
 

@@ -29,7 +29,7 @@ class TraceReader:
         self._variables: list[dict[str, Value]] = []
         self._bytes_left = MAX_TRACE_BYTES
 
-    def read(self, pieces: Iterable[Plain]) -> None:
+    def read_records(self, pieces: Iterable[Plain]) -> None:
         """Read records. Raises MalformedTrace at the first malformed one; earlier ones stay.
 
         Beyond the bound in bytes, the remaining records are left out.
@@ -41,25 +41,25 @@ class TraceReader:
                 raise MalformedTrace("no piece of a trace")  # an array would be compared item by item
             match piece:
                 case ("frame", function, line, parent):
-                    self._frame(function, line, parent)
+                    self._read_frame(function, line, parent)
                 case ("step", event, frame, line, changes, gone, back, words):
-                    self._step(event, self._number(frame), line, changes, gone, back, words)
+                    self._read_step(event, self._require_frame_number(frame), line, changes, gone, back, words)
                 case ("left", str(reason)) if reason in tracer.REASONS and reason not in self.omissions:
                     self.omissions.append(reason)
                 case _:
                     raise MalformedTrace("no piece of a trace")
 
-    def _frame(self, function: Any, line: Any, parent: Any) -> None:
-        above = None if parent is None else self._number(parent)
+    def _read_frame(self, function: Any, line: Any, parent: Any) -> None:
+        above = None if parent is None else self._require_frame_number(parent)
         depth = 0 if above is None else self.frames[above].depth + 1
         if depth > tracer.DEPTH or len(self.frames) > tracer.STEPS:
             raise MalformedTrace("too many calls, or too deep")
         self.frames.append(
-            FrameOut(function=values.read_text(function), line=self._line(line), parent=above, depth=depth)
+            FrameOut(function=values.read_text(function), line=self._clamp_line(line), parent=above, depth=depth)
         )
         self._variables.append({})
 
-    def _step(self, event: Any, frame: int, line: Any, changes: Any, gone: Any, back: Any, words: Any) -> None:
+    def _read_step(self, event: Any, frame: int, line: Any, changes: Any, gone: Any, back: Any, words: Any) -> None:
         if type(event) is not str or event not in _EVENTS:
             raise MalformedTrace("no event")
         if type(changes) is not tuple or type(gone) is not tuple or type(back) is not tuple or len(back) > 1:
@@ -70,7 +70,7 @@ class TraceReader:
         step = StepOut(
             event=_EVENTS[event],
             frame=frame,
-            line=self._line(line),
+            line=self._clamp_line(line),
             changes=[_read_change(variables, change) for change in changes],
             gone=[
                 name
@@ -78,7 +78,7 @@ class TraceReader:
                 if variables.pop(name, None) is not None
             ],
             value=values.read_value(back[0]) if back else None,
-            words=_exception_words(words),
+            words=_read_exception_text(words),
         )
         self._bytes_left -= len(step.model_dump_json().encode())
         if self._bytes_left >= 0:
@@ -86,12 +86,12 @@ class TraceReader:
         elif tracer.NODES_OVER not in self.omissions:
             self.omissions.append(tracer.NODES_OVER)
 
-    def _number(self, frame: Any) -> int:
+    def _require_frame_number(self, frame: Any) -> int:
         if type(frame) is not int or not 0 <= frame < len(self.frames):
             raise MalformedTrace("no such call")
         return frame
 
-    def _line(self, line: Any) -> int:
+    def _clamp_line(self, line: Any) -> int:
         """Clamp to the lines of the source: code built by the program may claim any line."""
         return max(1, values.read_whole_number(line, self._line_count))
 
@@ -114,7 +114,7 @@ def _changed_entries(before: Value | None, now: Value) -> list[int]:
     return []
 
 
-def _exception_words(record: Any) -> str:
+def _read_exception_text(record: Any) -> str:
     """Return « ZeroDivisionError : division by zero »; empty for no exception."""
     if type(record) is not tuple or len(record) != 2:
         raise MalformedTrace("no words")

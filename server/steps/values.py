@@ -92,7 +92,7 @@ def _read_bool(parts: Sequence[Any], level: int) -> BoolValueOut:
     return BoolValueOut(value=truth)
 
 
-def _number_reader(kind: type) -> Callable[[Sequence[Any], int], NumberOut]:
+def _make_number_reader(kind: type) -> Callable[[Sequence[Any], int], NumberOut]:
     def number(parts: Sequence[Any], level: int) -> NumberOut:
         (value,) = _require_length(parts, 1)
         if type(value) is not kind:
@@ -109,7 +109,7 @@ def _read_big_integer(parts: Sequence[Any], level: int) -> NumberOut:
 
 def _read_numpy_scalar(parts: Sequence[Any], level: int) -> NumberOut:
     dtype, value = _require_length(parts, 2)
-    name = _dtype_name(dtype)
+    name = _read_dtype_name(dtype)
     return NumberOut(type=name, text=_format_number(value, name))
 
 
@@ -147,7 +147,7 @@ def _read_array(parts: Sequence[Any], level: int) -> ArrayOut:
     if type(shape) is not tuple or len(shape) > 4 * MAX_DIMENSIONS:
         raise MalformedTrace("no shape")
     sides = [read_whole_number(side) for side in shape]
-    name = _dtype_name(dtype)
+    name = _read_dtype_name(dtype)
     values = [_format_number(number, name) for number in _require_items(numbers)]
     if len(values) > min(NUMBERS, math.prod(sides)):
         raise MalformedTrace("more values than the array has")
@@ -156,12 +156,12 @@ def _read_array(parts: Sequence[Any], level: int) -> ArrayOut:
     )
 
 
-def _read_other(parts: Sequence[Any], level: int) -> OtherOut:
+def _read_other_object(parts: Sequence[Any], level: int) -> OtherOut:
     kind, name = _require_length(parts, 2)
     return OtherOut(type=read_text(kind), name=read_text(name))
 
 
-def _dtype_name(record: Any) -> str:
+def _read_dtype_name(record: Any) -> str:
     """Return the name of a dtype: numpy's for numbers, « str », « object », any other code as it is."""
     code = read_text(record)
     if _DTYPE.fullmatch(code):
@@ -186,14 +186,14 @@ def _format_number(value: Any, dtype: str) -> str:
 _READERS: dict[str, Callable[[Sequence[Any], int], Value]] = {
     "none": _read_none,
     "bool": _read_bool,
-    "int": _number_reader(int),
-    "float": _number_reader(float),
-    "complex": _number_reader(complex),
+    "int": _make_number_reader(int),
+    "float": _make_number_reader(float),
+    "complex": _make_number_reader(complex),
     "big": _read_big_integer,
     "numpy": _read_numpy_scalar,
     "text": _read_text,
     "sequence": _read_sequence,
     "mapping": _read_mapping,
     "array": _read_array,
-    "other": _read_other,
+    "other": _read_other_object,
 }

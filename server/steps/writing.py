@@ -20,23 +20,23 @@ BRACKETS = {"list": "[]", "tuple": "()", "set": "{}"}
 REST = "…"
 
 
-def write_value(value: Value) -> str:
+def format_traced_value(value: Value) -> str:
     """Return a value in one line; what the trace has cut ends with « … »."""
     match value:
         case SequenceOut():
-            return _write_sequence(value)
+            return _format_sequence(value)
         case MappingOut():
-            pairs = [f"{write_value(key)}: {write_value(item)}" for key, item in value.items]
-            return "{" + ", ".join(_with_rest(pairs, value.length)) + "}"
+            pairs = [f"{format_traced_value(key)}: {format_traced_value(item)}" for key, item in value.items]
+            return "{" + ", ".join(_with_ellipsis_if_cut(pairs, value.length)) + "}"
         case ArrayOut():
-            return f"array({_write_rows(value.values, value.shape, cut=value.cut)})"
+            return f"array({_format_array_rows(value.values, value.shape, cut=value.cut)})"
         case OtherOut():
             return f"<{value.type} {value.name}>" if value.name else f"<{value.type}>"
         case _:
-            return _write_plain(value)
+            return _format_plain(value)
 
 
-def _write_plain(value: NoneValueOut | BoolValueOut | NumberOut | TextOut) -> str:
+def _format_plain(value: NoneValueOut | BoolValueOut | NumberOut | TextOut) -> str:
     match value:
         case NumberOut():
             return value.text
@@ -48,8 +48,8 @@ def _write_plain(value: NoneValueOut | BoolValueOut | NumberOut | TextOut) -> st
             return "None"
 
 
-def _write_sequence(value: SequenceOut) -> str:
-    items = _with_rest([write_value(item) for item in value.items], value.length)
+def _format_sequence(value: SequenceOut) -> str:
+    items = _with_ellipsis_if_cut([format_traced_value(item) for item in value.items], value.length)
     brackets = BRACKETS.get(value.type)
     if brackets is None:
         return f"{value.type}([{', '.join(items)}])"
@@ -57,11 +57,11 @@ def _write_sequence(value: SequenceOut) -> str:
     return f"{brackets[0]}{', '.join(items)}{comma}{brackets[1]}"
 
 
-def _with_rest(items: Sequence[str], length: int) -> Sequence[str]:
+def _with_ellipsis_if_cut(items: Sequence[str], length: int) -> Sequence[str]:
     return [*items, REST] if len(items) < length else items
 
 
-def _write_rows(values: Sequence[str], shape: Sequence[int], *, cut: bool) -> str:
+def _format_array_rows(values: Sequence[str], shape: Sequence[int], *, cut: bool) -> str:
     """Return the numbers of an array in the brackets of its shape; of one that is cut, in a row."""
     if cut or not shape:
         row = ", ".join([*values, *([REST] if cut else [])])
@@ -70,4 +70,4 @@ def _write_rows(values: Sequence[str], shape: Sequence[int], *, cut: bool) -> st
     parts = [values[k * size : (k + 1) * size] for k in range(shape[0])]
     if len(shape) == 1:
         return f"[{', '.join(values)}]"
-    return f"[{', '.join(_write_rows(part, shape[1:], cut=False) for part in parts)}]"
+    return f"[{', '.join(_format_array_rows(part, shape[1:], cut=False) for part in parts)}]"

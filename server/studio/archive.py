@@ -60,21 +60,21 @@ def write_archive(module: str, slug: str, content: Mapping[str, Any], limits: Ma
     """Return the ZIP of a version's content as the exercise `module/slug`."""
     packed = io.BytesIO()
     with zipfile.ZipFile(packed, "w", zipfile.ZIP_DEFLATED) as archive:
-        for path, text in exercise_files(module, slug, content, limits):
+        for path, text in iter_exercise_files(module, slug, content, limits):
             info = zipfile.ZipInfo(path)  # the same content gives the same bytes
             info.compress_type = zipfile.ZIP_DEFLATED
             archive.writestr(info, text)
     return packed.getvalue()
 
 
-def exercise_files(
+def iter_exercise_files(
     module: str, slug: str, content: Mapping[str, Any], limits: Mapping[str, float]
 ) -> Iterator[tuple[str, str]]:
     """Yield path and text of each file of an exercise, in the folders of a course."""
     declaration = {key: value for key, value in content["declaration"].items() if key != "solution"}
     told, graded = f"curriculum/{module}/exercices/{slug}", f"graders/{module}/{slug}"
     hints = [hint.strip() or NO_HINT for hint in content["hints"]]
-    yield f"{told}/exercise.toml", _card(content, limits)
+    yield f"{told}/exercise.toml", _build_exercise_toml(content, limits)
     yield f"{told}/enonce.md", content["statement"]
     yield f"{told}/indices.md", "\n".join(f"## Indice {k}\n\n{hint}\n" for k, hint in enumerate(hints, 1))
     yield f"{told}/starter.py", content["starter"]
@@ -85,7 +85,7 @@ def exercise_files(
     yield f"{graded}/declaration.toml", "".join(write_toml_table(declaration))
 
 
-def _card(content: Mapping[str, Any], limits: Mapping[str, float]) -> str:
+def _build_exercise_toml(content: Mapping[str, Any], limits: Mapping[str, float]) -> str:
     lines = [f"title = {write_toml_value(content['title'])}"]
     lines.append(f"summary = {write_toml_value(content['summary'] or content['title'])}")  # which a course asks for
     lines.append(f"order = {ORDER}")
@@ -95,7 +95,7 @@ def _card(content: Mapping[str, Any], limits: Mapping[str, float]) -> str:
     return "\n".join([*lines, "", "[limits]", *(f"{name} = {value}" for name, value in limits.items())]) + "\n"
 
 
-def is_archive(texts: Mapping[str, str]) -> bool:
+def holds_declared_exercise(texts: Mapping[str, str]) -> bool:
     """Whether files, by their paths, hold a declared exercise."""
     return any(path.rpartition("/")[2] == "declaration.toml" for path in texts)
 
@@ -105,11 +105,11 @@ def read_archive(texts: Mapping[str, str]) -> ExerciseDraft:
     by_depth = sorted(texts.items(), key=lambda it: it[0].count("/"))
     files = {path.rpartition("/")[2]: text for path, text in by_depth}  # of two of one name, the deeper one
     for name in ("declaration.toml", "exercise.toml"):
-        _require_shallow(name, files.get(name, ""))
+        _require_shallow_toml(name, files.get(name, ""))
     try:
         declaration = tomllib.loads(files["declaration.toml"])
         card = tomllib.loads(files.get("exercise.toml", ""))
-        return _draft(declaration, card, files)
+        return _build_draft(declaration, card, files)
     except KeyError as error:
         raise ArchiveRefused(NOT_AN_EXERCISE) from error
     except (tomllib.TOMLDecodeError, TypeError, ValueError, AttributeError, RecursionError) as error:
@@ -125,13 +125,13 @@ def unpack_texts(data: bytes) -> dict[str, str]:
             entries = [entry for entry in archive.infolist() if not entry.is_dir()]
             if len(entries) > MAX_FILES or sum(entry.file_size for entry in entries) > MAX_FILES_BYTES:
                 raise ArchiveRefused(TOO_LARGE)
-            read = {entry.filename: _read_entry(archive, entry) for entry in entries}
+            read = {entry.filename: _read_text_entry(archive, entry) for entry in entries}
     except _NO_ZIP as error:
         raise ArchiveRefused("ce fichier n’est pas un ZIP de textes") from error
     return {path: text for path, text in read.items() if text is not None}
 
 
-def _read_entry(archive: zipfile.ZipFile, entry: zipfile.ZipInfo) -> str | None:
+def _read_text_entry(archive: zipfile.ZipFile, entry: zipfile.ZipInfo) -> str | None:
     """Return the text of a file, of which no more is unpacked than the archive says that there is; None without one."""
     with archive.open(entry) as opened:
         content = opened.read(entry.file_size + 1)
@@ -141,14 +141,14 @@ def _read_entry(archive: zipfile.ZipFile, entry: zipfile.ZipInfo) -> str | None:
         return None
 
 
-def _require_shallow(name: str, text: str) -> None:
+def _require_shallow_toml(name: str, text: str) -> None:
     """Raise ArchiveRefused for TOML that is too long, or with long dotted keys, which are read in quadratic time."""
     keys = _STRING.sub("q", text).replace(" ", "").replace("\t", "") if len(text) <= MAX_TOML else "." * (MAX_DOTS + 1)
     if any(part.count(".") > MAX_DOTS for part in _NO_KEY.split(keys)):
         raise ArchiveRefused(f"« {name} » est trop long ou trop imbriqué : {MAX_TOML // 1000} ko au plus")
 
 
-def _draft(declaration: Mapping[str, Any], card: Mapping[str, Any], files: Mapping[str, str]) -> ExerciseDraft:
+def _build_draft(declaration: Mapping[str, Any], card: Mapping[str, Any], files: Mapping[str, str]) -> ExerciseDraft:
     hints = [hint.strip() for hint in _HINT.split(files.get("indices.md", ""))[1:]][:HINTS]
     hints = ["" if hint == NO_HINT else hint for hint in hints]
     title, summary = str(card.get("title", "")), str(card.get("summary", ""))
@@ -163,7 +163,7 @@ def _draft(declaration: Mapping[str, Any], card: Mapping[str, Any], files: Mappi
         required=" ".join(map(str, declaration.get("demandes", ()))),
         hints=tuple([*hints, *[""] * HINTS][:HINTS]),
         checks=tuple(map(read_check, declaration.get("verifications", ()))) or (CheckDraft(),),
-        mistakes=tuple(map(_mistake, declaration.get("erreurs", ()))),
+        mistakes=tuple(map(_read_mistake, declaration.get("erreurs", ()))),
     )
 
 
@@ -179,15 +179,15 @@ def read_check(check: Mapping[str, Any]) -> CheckDraft:
         cases=tuple(CaseDraft(*pair) for pair in zip(calls, expected, strict=False)),
         conditions="\n".join(map(str, check.get("conditions", ()))),
         ignores_spaces=check.get("espaces") is False,
-        lines=_joined(check.get("entrees", ())),
+        lines=_join_lines(check.get("entrees", ())),
         files="".join(f"=== {name}\n{text}" for name, text in check.get("fichiers", {}).items()),
     )
 
 
-def _joined(lines: Sequence[Any]) -> str:
+def _join_lines(lines: Sequence[Any]) -> str:
     return "\n".join(map(str, lines))
 
 
-def _mistake(data: Mapping[str, Any]) -> MistakeDraft:
+def _read_mistake(data: Mapping[str, Any]) -> MistakeDraft:
     fields = ("titre", "explication", "question", "programme")
     return MistakeDraft(*(str(data.get(field, "")) for field in fields))

@@ -41,7 +41,7 @@ class AuthoredExercises:
         self._numbers: LRUCache[str, tuple[float, Current | None]] = LRUCache(4 * MAX_VERSIONS)
         self._versions: LRUCache[Current, Exercise] = LRUCache(MAX_VERSIONS)
 
-    def find(self, name: str) -> Exercise | None:
+    def find_published(self, name: str) -> Exercise | None:
         """Return the current version of an exercise by its id; None where none is published under it."""
         module, _, slug = name.partition("/")
         if not AUTHORED_SLUG.fullmatch(slug) or module not in self._course.modules:
@@ -52,10 +52,10 @@ class AuthoredExercises:
                 row = repository.find_current_number(db, module, slug)
                 known = self._numbers.put(name, (self._clock(), (row[0], row[1]) if row else None))
                 if known[1] is not None and self._versions.get(known[1]) is None:
-                    self._load(db, known[1], module, slug)
+                    self._load_version(db, known[1], module, slug)
         return self._versions.get(known[1]) if known[1] is not None else None
 
-    def _load(self, db: Session, current: Current, module: str, slug: str) -> None:
+    def _load_version(self, db: Session, current: Current, module: str, slug: str) -> None:
         version = repository.find_version(db, *current)
         if version is not None:
             self._versions.put(current, build_exercise(version, module, slug, self._course))

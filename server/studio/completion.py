@@ -72,10 +72,10 @@ class CompletedExercise:
 def complete_draft(draft: ExerciseDraft, trial: ExerciseTrial) -> CompletedExercise:
     """Return the exercise that a draft makes, whether the engine can read it or not."""
     draft = draft.without_empty_parts()
-    solution = _lines(draft.solution).rstrip() + "\n"
-    calls = [case.call for check in draft.checks for case in check.written]
+    solution = _unix_newlines(draft.solution).rstrip() + "\n"
+    calls = [case.call for check in draft.checks for case in check.nonempty_cases]
     functions = draft.functions.replace(",", " ").split() or proposals.propose_functions(solution, calls)
-    checks = [_check(number, check) for number, check in enumerate(draft.checks, 1)]
+    checks = [_check_table(number, check) for number, check in enumerate(draft.checks, 1)]
     tolerance = _propose_tolerance(solution, checks[0]["cas"], functions)
     for check in (each for each in checks if tolerance and "regarder" not in each):
         check.setdefault("tolerance", tolerance)
@@ -84,24 +84,26 @@ def complete_draft(draft: ExerciseDraft, trial: ExerciseTrial) -> CompletedExerc
         "solution": solution,
         "interdits": draft.forbidden.replace(",", " ").split(),
         "demandes": draft.required.replace(",", " ").split(),
-        "erreurs": _mistakes(draft.mistakes),
+        "erreurs": _mistake_tables(draft.mistakes),
         "verifications": checks,
     }
     proposed, drawn = _propose_draws(declaration, draft, trial)
-    _share_points(checks)
-    answers = _answers(declaration, trial)
+    _share_remaining_points(checks)
+    answers = _answers_or_none(declaration, trial)
     _drop_empty_lists(checks)
     signatures = proposals.propose_signatures(solution, functions)
-    statement = _statement(draft, functions, answers)
-    if checks[0]["titre"] == EXAMPLES_TITLE and not _shows_all(statement, draft.checks[0], functions):
+    statement = _build_statement(draft, functions, answers)
+    if checks[0]["titre"] == EXAMPLES_TITLE and not _shows_all_examples(statement, draft.checks[0], functions):
         checks[0]["titre"] = MORE_EXAMPLES_TITLE
     return CompletedExercise(
         title=draft.title.strip() or ", ".join(functions) or "Sans titre",
         summary=draft.summary.strip(),
         statement=statement,
-        starter=_lines(draft.starter) if draft.starter.strip() else proposals.propose_starter(solution, functions),
+        starter=_unix_newlines(draft.starter)
+        if draft.starter.strip()
+        else proposals.propose_starter(solution, functions),
         signatures=signatures,
-        hints=tuple(_lines(hint).strip() for hint in draft.hints),
+        hints=tuple(_unix_newlines(hint).strip() for hint in draft.hints),
         declaration=declaration,
         draws=proposed.draws,
         call=proposed.call,
@@ -110,31 +112,37 @@ def complete_draft(draft: ExerciseDraft, trial: ExerciseTrial) -> CompletedExerc
     )
 
 
-def _lines(text: str) -> str:
+def _unix_newlines(text: str) -> str:
     return text.replace("\r\n", "\n")
 
 
-def _check(number: int, draft: CheckDraft) -> dict[str, Any]:
+def _check_table(number: int, draft: CheckDraft) -> dict[str, Any]:
     """Return the table of a check, without the keys that the author leaves as they are."""
     check: dict[str, Any] = {
         "id": f"v{number}",
         "titre": draft.title.strip() or (EXAMPLES_TITLE if number == 1 else f"Vérification {number}"),
-        "cas": [case.call.strip() for case in draft.written],
-        "attendus": [case.expected.strip() for case in draft.written],
+        "cas": [case.call.strip() for case in draft.nonempty_cases],
+        "attendus": [case.expected.strip() for case in draft.nonempty_cases],
     }
-    check |= {key: _lines(text).strip() for key, name in CHECK_TEXTS.items() if (text := getattr(draft, name)).strip()}
-    check |= {key: _number(text) for key, name in CHECK_NUMBERS.items() if (text := getattr(draft, name)).strip()}
+    check |= {
+        key: _unix_newlines(text).strip() for key, name in CHECK_TEXTS.items() if (text := getattr(draft, name)).strip()
+    }
+    check |= {
+        key: _parse_number_or_text(text)
+        for key, name in CHECK_NUMBERS.items()
+        if (text := getattr(draft, name)).strip()
+    }
     check |= {key: True for key, name in CHECK_FLAGS.items() if getattr(draft, name)}
     check |= {"espaces": False} if draft.ignores_spaces else {}
     check |= {key: choice for key, (name, usual) in CHECK_CHOICES.items() if (choice := getattr(draft, name)) != usual}
-    conditions = [line.strip() for line in _lines(draft.conditions).split("\n") if line.strip()]
+    conditions = [line.strip() for line in _unix_newlines(draft.conditions).split("\n") if line.strip()]
     check |= {"conditions": conditions} if conditions else {}
-    check |= {"entrees": _lines(draft.lines).rstrip("\n").split("\n")} if draft.lines.strip() else {}
-    check |= {"fichiers": _files(draft.files)} if draft.files.strip() else {}
+    check |= {"entrees": _unix_newlines(draft.lines).rstrip("\n").split("\n")} if draft.lines.strip() else {}
+    check |= {"fichiers": _parse_file_texts(draft.files)} if draft.files.strip() else {}
     return check
 
 
-def _number(text: str) -> float | str:
+def _parse_number_or_text(text: str) -> float | str:
     """Return the number that a text writes, in French or in Python; the text itself where it writes none."""
     try:
         return float(text.strip().replace(",", "."))
@@ -142,13 +150,13 @@ def _number(text: str) -> float | str:
         return text.strip()
 
 
-def _files(text: str) -> dict[str, str]:
+def _parse_file_texts(text: str) -> dict[str, str]:
     """Return the texts that stand below lines « === name »."""
-    parts = FILE_LINE.split(_lines(text))
+    parts = FILE_LINE.split(_unix_newlines(text))
     return {name: body.removeprefix("\n") for name, body in zip(parts[1::2], parts[2::2], strict=True)}
 
 
-def _mistakes(drafts: Sequence[MistakeDraft]) -> list[dict[str, str]]:
+def _mistake_tables(drafts: Sequence[MistakeDraft]) -> list[dict[str, str]]:
     named: dict[str, MistakeDraft] = {}
     for number, draft in enumerate(drafts, 1):
         identity = NOT_A_WORD.sub("_", unaccented(draft.title).lower()).strip("_")[:40] or f"erreur_{number}"
@@ -157,9 +165,9 @@ def _mistakes(drafts: Sequence[MistakeDraft]) -> list[dict[str, str]]:
         {
             "id": identity,
             "titre": draft.title.strip(),
-            "explication": _lines(draft.explanation).strip(),
-            "question": _lines(draft.question).strip(),
-            "programme": _lines(draft.program),
+            "explication": _unix_newlines(draft.explanation).strip(),
+            "question": _unix_newlines(draft.question).strip(),
+            "programme": _unix_newlines(draft.program),
         }
         for identity, draft in named.items()
     ]
@@ -195,7 +203,7 @@ def _propose_draws(
     return (proposed, answered[:SHOWN_DRAWS]) if answered else (ProposedDraws(), [])
 
 
-def add_draws(draft: ExerciseDraft, completed: Mapping[str, Any]) -> ExerciseDraft:
+def add_proposed_draws_check(draft: ExerciseDraft, completed: Mapping[str, Any]) -> ExerciseDraft:
     """Return the draft with a check of the draws that were proposed, compared as the examples are."""
     if not completed.get("draws"):
         return draft
@@ -208,7 +216,7 @@ def add_draws(draft: ExerciseDraft, completed: Mapping[str, Any]) -> ExerciseDra
     return replace(draft, checks=(*draft.checks, drawn))
 
 
-def _share_points(checks: list[dict[str, Any]]) -> None:
+def _share_remaining_points(checks: list[dict[str, Any]]) -> None:
     """Give points to the checks for which the author says none: what the others leave of 20."""
     free = [check for check in checks if "points" not in check]
     taken = sum(check["points"] for check in checks if isinstance(check.get("points"), float))
@@ -220,7 +228,7 @@ def _share_points(checks: list[dict[str, Any]]) -> None:
         left = round(left - share, 9)
 
 
-def _answers(declaration: dict[str, Any], trial: ExerciseTrial) -> list[list[str]] | None:
+def _answers_or_none(declaration: dict[str, Any], trial: ExerciseTrial) -> list[list[str]] | None:
     try:
         return trial.answer_written_cases(declaration)
     except MalformedDeclaration:
@@ -236,42 +244,42 @@ def _drop_empty_lists(checks: list[dict[str, Any]]) -> None:
             check.pop("cas", None)
 
 
-def _statement(draft: ExerciseDraft, functions: Sequence[str], answers: list[list[str]] | None) -> str:
+def _build_statement(draft: ExerciseDraft, functions: Sequence[str], answers: list[list[str]] | None) -> str:
     """Return the statement, with the first check's examples below where it shows no code."""
     is_program = is_whole_program(functions)
     named = "un programme" if is_program else ", ".join(f"`{name}`" for name in functions)
-    text = _lines(draft.statement).strip() or f"Écrivez {named}."
-    examples = draft.checks[0].written
+    text = _unix_newlines(draft.statement).strip() or f"Écrivez {named}."
+    examples = draft.checks[0].nonempty_cases
     if "```" in text or answers is None or not examples:
         return text + "\n"
     if is_program:
-        return text + "\n" + _runs(examples, answers[0])
+        return text + "\n" + _format_example_runs(examples, answers[0])
     if draft.checks[0].watched != "valeur":
         return text + "\n"
     shown = [
-        "\n".join([f">>> {line}" for line in _lines(case.call).strip().split("\n")] + [answer])
+        "\n".join([f">>> {line}" for line in _unix_newlines(case.call).strip().split("\n")] + [answer])
         for case, answer in zip(examples[:SHOWN_EXAMPLES], answers[0], strict=False)
         if answer and len(answer) <= MAX_SHOWN
     ]
     return f"{text}\n\n```python\n" + "\n".join(shown) + "\n```\n" if shown else text + "\n"
 
 
-def _shows_all(statement: str, check: CheckDraft, functions: Sequence[str]) -> bool:
+def _shows_all_examples(statement: str, check: CheckDraft, functions: Sequence[str]) -> bool:
     """Whether a statement has every example of a check, in the words in which it is written or told."""
     shown = "".join(statement.replace(">>>", "").split())
     try:
-        texts = [_words_of_call(case.call, functions) for case in check.written]
+        texts = [_describe_call(case.call, functions) for case in check.nonempty_cases]
     except MalformedDeclaration:
         return True  # the trial says what is wrong
     return all("".join(text.split()) in shown for text in texts)
 
 
-def _words_of_call(call: str, functions: Sequence[str]) -> str:
+def _describe_call(call: str, functions: Sequence[str]) -> str:
     """Return what a statement shows of a call: of a whole program, what is typed."""
     return describe_case(Scenario(parse_scenario(call, [PROGRAM]))) if is_whole_program(functions) else call
 
 
-def _runs(examples: Sequence[CaseDraft], printed: Sequence[str]) -> str:
+def _format_example_runs(examples: Sequence[CaseDraft], printed: Sequence[str]) -> str:
     """Return what the program displays in the first examples, each below what is typed."""
     blocks = []
     for case, text in zip(examples[:SHOWN_EXAMPLES], printed, strict=False):

@@ -7,8 +7,8 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import PurePath
 
-from server.studio.import_drafts import Draft, ImportRefused
-from server.studio.tested import read_suite
+from server.studio.import_drafts import ImportDraft, ImportRefused
+from server.studio.tested import read_test_suite
 
 SUITES = (".yaml", ".yml")
 #: Languages of a statement, the first that is there.
@@ -22,7 +22,7 @@ class SiblingFiles:
 
     texts: Mapping[str, str]
 
-    def find(self, name: str) -> str | None:
+    def find_text(self, name: str) -> str | None:
         ends = sorted(path for path in self.texts if f"/{path}".endswith(f"/{name.strip('/')}"))
         return self.texts[min(ends, key=len)] if ends else None
 
@@ -32,34 +32,34 @@ def has_suite(texts: Mapping[str, str]) -> bool:
     return any(PurePath(path).suffix.lower() in SUITES for path in texts)
 
 
-def read_exercise(texts: Mapping[str, str]) -> Iterator[Draft]:
+def read_exercise(texts: Mapping[str, str]) -> Iterator[ImportDraft]:
     """Read an exercise's files, by their paths. Raises ImportRefused."""
     suites = sorted(path for path in texts if PurePath(path).suffix.lower() in SUITES)
     if len(suites) != 1:
         names = ", ".join(PurePath(path).name for path in suites[:5])
         raise ImportRefused(SEVERAL.format(count=len(suites), names=names))
-    statement, solution = _statement(texts), _solution(texts)
-    for draft in read_suite(
-        texts[suites[0]].encode(), SiblingFiles(texts).find, solution=solution, statement=statement
+    statement, solution = _find_statement(texts), _find_solution(texts)
+    for draft in read_test_suite(
+        texts[suites[0]].encode(), SiblingFiles(texts).find_text, solution=solution, statement=statement
     ):
-        draft.title = _title(texts) or draft.title
+        draft.title = _find_title(texts) or draft.title
         yield draft
 
 
-def _statement(texts: Mapping[str, str]) -> str:
+def _find_statement(texts: Mapping[str, str]) -> str:
     paths = {PurePath(path).name: path for path in sorted(texts, reverse=True)}
     names = [*(f"description.{language}.md" for language in LANGUAGES), "description.md"]
     return next((texts[paths[name]].strip() for name in names if name in paths), "")
 
 
-def _solution(texts: Mapping[str, str]) -> str:
+def _find_solution(texts: Mapping[str, str]) -> str:
     """Return the only program in Python of the solutions, or the one that is called so; empty without one."""
     programs = {path: text for path, text in texts.items() if path.endswith(".py") and "solution" in path}
     right = [path for path in sorted(programs) if PurePath(path).stem in ("solution", "correct")] or sorted(programs)
     return programs[right[0]] if right and (len(programs) == 1 or len(right) == 1) else ""
 
 
-def _title(texts: Mapping[str, str]) -> str:
+def _find_title(texts: Mapping[str, str]) -> str:
     card = next((text for path, text in sorted(texts.items()) if PurePath(path).name == "config.json"), "{}")
     try:
         names = json.loads(card).get("description", {}).get("names", {})

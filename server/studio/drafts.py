@@ -63,16 +63,16 @@ class CheckDraft:
 
     @property
     def is_empty(self) -> bool:
-        return not any(text.strip() for text in (self.title, self.draws, self.call)) and not self.written
+        return not any(text.strip() for text in (self.title, self.draws, self.call)) and not self.nonempty_cases
 
     @property
-    def written(self) -> tuple[CaseDraft, ...]:
+    def nonempty_cases(self) -> tuple[CaseDraft, ...]:
         return tuple(case for case in self.cases if not case.is_empty)
 
     @property
-    def text(self) -> str:
+    def described_text(self) -> str:
         """The check in words, a line for each case and each field that its author has changed."""
-        cases = [f"{case.call} → {case.expected or '(celui de la solution)'}" for case in self.written]
+        cases = [f"{case.call} → {case.expected or '(celui de la solution)'}" for case in self.nonempty_cases]
         usual = CheckDraft()
         changed = [
             (label, getattr(self, name))
@@ -130,14 +130,14 @@ class ExerciseDraft:
 
     def without_empty_parts(self) -> ExerciseDraft:
         """Return the draft without rows in which nothing stands; the first check stays."""
-        checks = [replace(check, cases=check.written) for check in self.checks]
+        checks = [replace(check, cases=check.nonempty_cases) for check in self.checks]
         kept = [checks[0], *(check for check in checks[1:] if not check.is_empty)] if checks else [CheckDraft()]
         return replace(self, checks=tuple(kept), mistakes=tuple(it for it in self.mistakes if not it.is_empty))
 
     @property
-    def texts(self) -> dict[str, str]:
+    def texts_by_label(self) -> dict[str, str]:
         """The draft by the labels of its fields, to compare two versions of it."""
-        checks = {f"Vérification {number}": check.text for number, check in enumerate(self.checks, 1)}
+        checks = {f"Vérification {number}": check.described_text for number, check in enumerate(self.checks, 1)}
         mistakes = {
             f"Erreur {number}": "\n".join(asdict(mistake).values()) for number, mistake in enumerate(self.mistakes, 1)
         }
@@ -155,7 +155,7 @@ class ExerciseDraft:
         return hashlib.sha256(text.encode("utf-8", "replace")).hexdigest()
 
     @property
-    def characters(self) -> int:
+    def character_count(self) -> int:
         return len(json.dumps(self.to_data(), ensure_ascii=False))
 
 

@@ -27,7 +27,7 @@ class ImportRefused(Exception):
 
 
 @dataclass(frozen=True)
-class ReadCase:
+class UnderstoodCase:
     """A case that was understood; `settings` are keys of its check: cases of the same ones share a check.
 
     `others` are functions that it calls besides.
@@ -41,7 +41,7 @@ class ReadCase:
 
 
 @dataclass
-class Draft:
+class ImportDraft:
     """A draft: the declaration's data, the statement and the solution, and three lists for its author."""
 
     title: str
@@ -52,14 +52,14 @@ class Draft:
     understood: list[str] = field(default_factory=list)
     to_look_at: list[str] = field(default_factory=list)
     left: list[str] = field(default_factory=list)
-    cases: list[ReadCase] = field(default_factory=list)
+    cases: list[UnderstoodCase] = field(default_factory=list)
 
     @property
     def is_full(self) -> bool:
         """Whether no more of the file is read."""
         return len(self.understood) + len(self.left) >= MAX_READ
 
-    def declaration(self) -> dict[str, Any]:
+    def build_declaration(self) -> dict[str, Any]:
         """Return the declaration, whose checks share the points."""
         share = round(MAX_POINTS / max(1, len(self.checks)), 2)
         points = [share] * len(self.checks)
@@ -67,7 +67,7 @@ class Draft:
         checks = [{**check, "points": part} for check, part in zip(self.checks, points, strict=True)]
         return {"fonctions": self.functions, "verifications": checks}
 
-    def add_case(self, place: str, case: ReadCase) -> bool:
+    def add_case(self, place: str, case: UnderstoodCase) -> bool:
         """Add a case that a declaration can hold; say why where it cannot."""
         if self.is_full:
             return False
@@ -84,11 +84,11 @@ class Draft:
         self.cases.append(case)
         return True
 
-    def make_checks(self) -> None:
+    def group_cases_into_checks(self) -> None:
         """Make checks of the cases: one of each function and settings, at most as many as there may be."""
         if self.is_full:
             self.left.append(f"la suite du fichier : les {MAX_READ} premiers cas sont lus")
-        groups: dict[tuple[str, Sequence[tuple[str, str]]], list[ReadCase]] = {}
+        groups: dict[tuple[str, Sequence[tuple[str, str]]], list[UnderstoodCase]] = {}
         for case in self.cases:
             groups.setdefault((case.function, case.settings), []).append(case)
         for (function, settings), own in groups.items():
@@ -105,7 +105,7 @@ class Draft:
             self.checks.append(check | dict(settings))
 
 
-def called_functions(code: str, solution: str) -> list[str]:
+def find_called_functions(code: str, solution: str) -> list[str]:
     """Return the functions and classes of the solution that the code names, in order; any called name without one."""
     try:
         tree, defined = parse_source(code), parse_source(solution)
@@ -116,7 +116,7 @@ def called_functions(code: str, solution: str) -> list[str]:
     return list(dict.fromkeys(name for name in called if name != "print" and (not own or name in own)))
 
 
-def readable_literal(text: str) -> str | None:
+def literal_or_none(text: str) -> str | None:
     """Return a text that writes a value; None for any other."""
     try:
         parse_expected(text)
@@ -125,6 +125,6 @@ def readable_literal(text: str) -> str | None:
     return text
 
 
-def program_call(lines: str) -> str:
+def format_program_call(lines: str) -> str:
     """Return the case that runs the whole program, on which these lines are typed."""
     return f"{PROGRAM}({', '.join(python_text(line) for line in lines.splitlines())})"

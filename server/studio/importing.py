@@ -6,10 +6,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from server.studio.archive import ArchiveRefused, is_archive, read_archive, read_check, unpack_texts
+from server.studio.archive import ArchiveRefused, holds_declared_exercise, read_archive, read_check, unpack_texts
 from server.studio.dodona import has_suite, read_exercise
 from server.studio.drafts import MAX_CASES, MAX_CHECKS, CaseDraft, CheckDraft, ExerciseDraft
-from server.studio.import_drafts import NO_SOLUTION, Draft, ImportRefused
+from server.studio.import_drafts import NO_SOLUTION, ImportDraft, ImportRefused
 from server.studio.imports import read_drafts
 
 #: Exercises made of one file.
@@ -28,32 +28,32 @@ class ImportedExercise:
 
     @property
     def is_usable(self) -> bool:
-        return any(check.written or check.draws for check in self.draft.checks)
+        return any(check.nonempty_cases or check.draws for check in self.draft.checks)
 
 
-def import_file(name: str, data: bytes) -> list[ImportedExercise]:
+def import_exercise_file(name: str, data: bytes) -> list[ImportedExercise]:
     """Return the exercises of a file, by the ending of its name. Raises ImportRefused."""
     if name.lower().endswith(".zip"):
         try:
             texts = unpack_texts(data)
-            if has_suite(texts) and not is_archive(texts):
-                return [_imported(draft) for draft in read_exercise(texts)]
+            if has_suite(texts) and not holds_declared_exercise(texts):
+                return [_finish_import(draft) for draft in read_exercise(texts)]
             draft = read_archive(texts)
         except ArchiveRefused as refused:
             raise ImportRefused(str(refused)) from refused
-        calls = [case.call for check in draft.checks for case in check.written]
+        calls = [case.call for check in draft.checks for case in check.nonempty_cases]
         return [ImportedExercise(draft, calls, (), ())]
     drafts = read_drafts(name, data)
-    imported = [_imported(draft) for draft in drafts[:MAX_IMPORTED]]
+    imported = [_finish_import(draft) for draft in drafts[:MAX_IMPORTED]]
     if len(drafts) > MAX_IMPORTED:
         words = TOO_MANY.format(count=len(drafts), most=MAX_IMPORTED)
         imported.append(ImportedExercise(ExerciseDraft(title=name), (), (), (words,)))
     return imported
 
 
-def _imported(draft: Draft) -> ImportedExercise:
+def _finish_import(draft: ImportDraft) -> ImportedExercise:
     left = list(draft.left)
-    checks = [_fitting(read_check(check), left) for check in draft.checks[:MAX_CHECKS]]
+    checks = [_limit_cases(read_check(check), left) for check in draft.checks[:MAX_CHECKS]]
     left += [
         f"{check['titre']} : un exercice a {MAX_CHECKS} vérifications au plus" for check in draft.checks[MAX_CHECKS:]
     ]
@@ -67,7 +67,7 @@ def _imported(draft: Draft) -> ImportedExercise:
     return ImportedExercise(exercise, draft.understood, draft.to_look_at, left)
 
 
-def _fitting(check: CheckDraft, left: list[str]) -> CheckDraft:
+def _limit_cases(check: CheckDraft, left: list[str]) -> CheckDraft:
     """Return a check with as many cases as one may have; what is beyond them is told in `left`."""
     beyond: Sequence[CaseDraft] = check.cases[MAX_CASES:]
     left += [f"{case.call[:80]} : « {check.title} » a déjà {MAX_CASES} cas, le plus possible" for case in beyond]

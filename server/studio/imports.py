@@ -17,8 +17,15 @@ from typing import Any
 
 from graders.core.syntax_trees import parse_source
 from server.studio.coderunner import read_questions
-from server.studio.import_drafts import MAX_READ, UNREADABLE, Draft, ImportRefused, ReadCase, called_functions
-from server.studio.tested import read_suite
+from server.studio.import_drafts import (
+    MAX_READ,
+    UNREADABLE,
+    ImportDraft,
+    ImportRefused,
+    UnderstoodCase,
+    find_called_functions,
+)
+from server.studio.tested import read_test_suite
 
 #: Bytes of a file; nested elements of one.
 MAX_FILE, MAX_NESTING = 4 << 20, 60
@@ -26,13 +33,17 @@ MAX_FILE, MAX_NESTING = 4 << 20, 60
 MAX_CELLS, MAX_CELL = 500, 40_000
 
 
-def read_drafts(name: str, data: bytes) -> list[Draft]:
+def read_drafts(name: str, data: bytes) -> list[ImportDraft]:
     """Return the drafts of a file, by the ending of its name. Raises ImportRefused."""
     if len(data) > MAX_FILE:
         raise ImportRefused(f"{name} pèse {len(data) >> 20} Mio ; {MAX_FILE >> 20} au plus")
-    readers: dict[str, Callable[[bytes], Iterator[Draft]]] = {
-        ".json": _exercism, ".xml": read_questions, ".ipynb": _notebook, ".yaml": read_suite, ".yml": read_suite,
-    }  # fmt: skip
+    readers: dict[str, Callable[[bytes], Iterator[ImportDraft]]] = {
+        ".json": _read_exercism,
+        ".xml": read_questions,
+        ".ipynb": _read_notebook,
+        ".yaml": read_test_suite,
+        ".yml": read_test_suite,
+    }
     reader = readers.get(PurePath(name).suffix.lower())
     if reader is None:
         raise ImportRefused(f"{name} : .zip, {', '.join(readers)} se lisent ici")
@@ -42,7 +53,7 @@ def read_drafts(name: str, data: bytes) -> list[Draft]:
     return drafts
 
 
-def _json(data: bytes) -> Any:
+def _parse_json(data: bytes) -> Any:
     try:
         return json.loads(data)
     except (ValueError, RecursionError) as error:
@@ -50,28 +61,28 @@ def _json(data: bytes) -> Any:
         raise ImportRefused(f"ce fichier n’est pas du JSON (ligne {line}) : reprenez-le là où il a été fait") from error
 
 
-def _exercism(data: bytes) -> Iterator[Draft]:
+def _read_exercism(data: bytes) -> Iterator[ImportDraft]:
     """Read canonical data: cases of properties, each with an input and what is expected."""
-    content = _json(data)
+    content = _parse_json(data)
     if not isinstance(content, dict) or not isinstance(content.get("cases"), list):
         raise ImportRefused("ce JSON n’est pas celui d’Exercism : il n’a pas de « cases »")
-    draft = Draft(str(content.get("exercise", "exercice")).replace("-", " ").capitalize())
-    for place, case in itertools.islice(_flat_cases(content["cases"], "cases", 0), MAX_READ):
+    draft = ImportDraft(str(content.get("exercise", "exercice")).replace("-", " ").capitalize())
+    for place, case in itertools.islice(_flatten_cases(content["cases"], "cases", 0), MAX_READ):
         _read_canonical_case(draft, place, case)
-    draft.make_checks()
+    draft.group_cases_into_checks()
     draft.to_look_at.append("écrivez l’énoncé et la solution : les données d’Exercism n’en contiennent pas")
     yield draft
 
 
-def _flat_cases(cases: Sequence[Any], place: str, depth: int) -> Iterator[tuple[str, dict[str, Any]]]:
+def _flatten_cases(cases: Sequence[Any], place: str, depth: int) -> Iterator[tuple[str, dict[str, Any]]]:
     for index, case in enumerate(cases):
         if isinstance(case, dict) and isinstance(case.get("cases"), list) and depth < MAX_NESTING:
-            yield from _flat_cases(case["cases"], f"{place}[{index}].cases", depth + 1)
+            yield from _flatten_cases(case["cases"], f"{place}[{index}].cases", depth + 1)
         elif isinstance(case, dict):
             yield f"{place}[{index}]", case
 
 
-def _read_canonical_case(draft: Draft, place: str, case: dict[str, Any]) -> None:
+def _read_canonical_case(draft: ImportDraft, place: str, case: dict[str, Any]) -> None:
     name, given = case.get("property"), case.get("input")
     if not isinstance(name, str) or not isinstance(given, dict):
         draft.left.append(f"{place} : ce cas n’a pas « property » et « input »")
@@ -88,25 +99,25 @@ def _read_canonical_case(draft: Draft, place: str, case: dict[str, Any]) -> None
     if is_error:
         draft.to_look_at.append(f"{place} : une erreur est attendue, sans son nom : ValueError a été choisie")
     call = f"{function}({', '.join(repr(value) for value in given.values())})"
-    draft.add_case(place, ReadCase(function, call, "ValueError" if is_error else repr(expected)))
+    draft.add_case(place, UnderstoodCase(function, call, "ValueError" if is_error else repr(expected)))
 
 
-def _notebook(data: bytes) -> Iterator[Draft]:
+def _read_notebook(data: bytes) -> Iterator[ImportDraft]:
     """Read nbgrader's cells: solutions between marks, `assert f(x) == y` in the cells of tests, text as statement."""
-    content = _json(data)
+    content = _parse_json(data)
     cells = content.get("cells") if isinstance(content, dict) else None
     if not isinstance(cells, list):
         raise ImportRefused("ce fichier n’est pas un notebook : il n’a pas de « cells »")
-    draft = Draft("Exercice d’un notebook")
+    draft = ImportDraft("Exercice d’un notebook")
     for index, cell in enumerate(cells[:MAX_CELLS]):
         if isinstance(cell, dict) and not draft.is_full:
             _read_cell(draft, f"cellule {index + 1}", cell)
-    draft.make_checks()
+    draft.group_cases_into_checks()
     if draft.functions or draft.left:
         yield draft
 
 
-def _read_cell(draft: Draft, place: str, cell: dict[str, Any]) -> None:
+def _read_cell(draft: ImportDraft, place: str, cell: dict[str, Any]) -> None:
     source = cell.get("source", "")
     text = "".join(map(str, source)) if isinstance(source, list) else str(source)
     metadata = cell.get("metadata")
@@ -119,7 +130,7 @@ def _read_cell(draft: Draft, place: str, cell: dict[str, Any]) -> None:
         _read_assertions(draft, place, text)
 
 
-def _read_assertions(draft: Draft, place: str, text: str) -> None:
+def _read_assertions(draft: ImportDraft, place: str, text: str) -> None:
     if len(text) > MAX_CELL:
         draft.left.append(f"{place} : {len(text)} caractères ; {MAX_CELL} au plus")
         return
@@ -132,8 +143,8 @@ def _read_assertions(draft: Draft, place: str, text: str) -> None:
         where, test = f"{place}, ligne {node.lineno}", node.test if isinstance(node, ast.Assert) else None
         if isinstance(test, ast.Compare) and len(test.ops) == 1 and isinstance(test.ops[0], ast.Eq):
             call, expected = ast.unparse(test.left), ast.unparse(test.comparators[0])
-            functions = called_functions(call, draft.solution)
+            functions = find_called_functions(call, draft.solution)
             if functions:
-                draft.add_case(where, ReadCase(functions[0], call, expected))
+                draft.add_case(where, UnderstoodCase(functions[0], call, expected))
                 continue
         draft.left.append(f"{where} : « {ast.unparse(node)[:80]} » n’est pas « assert f(…) == … »")

@@ -161,12 +161,12 @@ _WORDS = {
 }
 
 
-def mistake_title(operator: str) -> str:
+def title_for_operator(operator: str) -> str:
     """Return what a mistake is called, by the kind of the change."""
     return _WORDS.get(operator, _STEP)[0]
 
 
-def mistake_explanation(operator: str) -> str:
+def explanation_for_operator(operator: str) -> str:
     """Return an explanation of a mistake, which its author may reword: true of every program that answers alike."""
     _, what, advice = _WORDS.get(operator, _STEP)
     return _ALIKE.format(what=what, advice=advice)

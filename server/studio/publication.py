@@ -27,14 +27,14 @@ NOT_ANSWERED = "La solution ne répond pas encore comme les exemples le disent :
 AUTHORED_SLUG = re.compile(rf"[a-z][a-z0-9_]{{0,40}}_[{ALPHABET}]{{{SUFFIX_LENGTH}}}")
 
 
-def new_slug(title: str) -> str:
+def draw_slug(title: str) -> str:
     """Return a name for addresses that nobody guesses, from a title."""
     words = re.sub(r"[^a-z0-9]+", "_", unaccented(title)).strip("_")[:40].strip("_")
     words = words if words[:1].isalpha() else f"ex_{words}".strip("_")
-    return f"{words}_{new_code(SUFFIX_LENGTH)}"
+    return f"{words}_{draw_share_code(SUFFIX_LENGTH)}"
 
 
-def new_code(length: int) -> str:
+def draw_share_code(length: int) -> str:
     return "".join(secrets.choice(ALPHABET) for _ in range(length))
 
 
@@ -44,7 +44,7 @@ def version_digest(declaration: Mapping[str, Any]) -> str:
     return hashlib.sha256(text.encode("utf-8", "replace")).hexdigest()[:16]
 
 
-def publication_faults(
+def find_publication_faults(
     draft: ExerciseDraft, completed: CompletedExercise, report: TrialReport, *, seeds: int = SEEDS
 ) -> Iterator[str]:
     """Yield why a draft may not be published: what is wrong, where, and what to do.
@@ -68,19 +68,19 @@ def publication_faults(
         if not titles[tried.id]["programme"].strip():
             yield f"Écrivez le programme qui commet l’erreur « {title} », ou retirez-la."
         elif not tried.refused:
-            yield f"L’erreur « {title} » n’est pas refusée : {_case_to_add(tried, 'où elle répond mal')}"
+            yield f"L’erreur « {title} » n’est pas refusée : {_advise_on_case(tried, 'où elle répond mal')}"
         elif not tried.named:
-            yield f"L’erreur « {title} » n’est pas reconnue : {_case_to_add(tried, 'où elle diffère des autres')}"
+            yield f"L’erreur « {title} » n’est pas reconnue : {_advise_on_case(tried, 'où elle diffère des autres')}"
         if not (titles[tried.id]["titre"] and titles[tried.id]["explication"]):
             yield f"Dites en mots l’erreur « {title} » : un titre et une explication."
-    yield from _faults_of_changes(draft, report)
+    yield from _find_faults_of_changes(draft, report)
     if report.is_busy:
         yield "Le serveur est très chargé et l’essai n’a pas pu tout essayer : réessayez dans quelques minutes."
     elif not report.is_whole:
         yield "L’essai a pris trop de temps et n’a pas tout essayé : donnez des entrées plus petites."
 
 
-def _faults_of_changes(draft: ExerciseDraft, report: TrialReport) -> Iterator[str]:
+def _find_faults_of_changes(draft: ExerciseDraft, report: TrialReport) -> Iterator[str]:
     """Yield what the changed solutions that have all points show: each of a whole function, too many of the others."""
     alive = [
         change
@@ -105,7 +105,7 @@ def _faults_of_changes(draft: ExerciseDraft, report: TrialReport) -> Iterator[st
         )
 
 
-def _case_to_add(tried: TriedMistake, where: str) -> str:
+def _advise_on_case(tried: TriedMistake, where: str) -> str:
     """Return what an author is to do about a mistake that no case shows."""
     if tried.case:
         return f"ajoutez le cas `{tried.case}`, {where} (cochez-le plus bas)."
@@ -125,6 +125,6 @@ def version_content(completed: CompletedExercise) -> dict[str, Any]:
     }
 
 
-def with_reason(draft: ExerciseDraft, program: str, reason: str) -> ExerciseDraft:
+def add_reason(draft: ExerciseDraft, program: str, reason: str) -> ExerciseDraft:
     """Return the draft with the reason why a change of the solution need not be refused."""
     return replace(draft, reasons={**draft.reasons, program_digest(program): reason})

@@ -37,7 +37,7 @@ def find_by_share_code(db: Session, code: str) -> AuthoredExercise | None:
     return db.execute(select(AuthoredExercise).where(AuthoredExercise.share_code == code)).scalar_one_or_none()
 
 
-def list_bank(db: Session) -> Sequence[AuthoredExercise]:
+def list_shared_bank(db: Session) -> Sequence[AuthoredExercise]:
     """Return the published exercises that their authors lend to all teachers of this server, the last first."""
     query = select(AuthoredExercise).where(AuthoredExercise.in_bank, AuthoredExercise.number > 0)
     return db.execute(query.order_by(AuthoredExercise.saved_at.desc(), AuthoredExercise.id).limit(500)).scalars().all()
@@ -75,7 +75,9 @@ def list_versions(db: Session, exercise_id: UUID) -> Sequence[ExerciseVersion]:
     return db.execute(query.order_by(ExerciseVersion.number.desc())).scalars().all()
 
 
-def list_published_of_staff(db: Session, class_id: UUID, module: str) -> Sequence[Row[str, dict[str, str]]]:
+def list_exercises_published_by_teachers(
+    db: Session, class_id: UUID, module: str
+) -> Sequence[Row[str, dict[str, str]]]:
     """Return slug and draft of the published exercises of a module by the teachers of a class, by slug."""
     teachers = select(Membership.account_id).where(
         Membership.class_id == class_id, Membership.role == ClassRole.teacher, Membership.status == Status.active
@@ -86,7 +88,7 @@ def list_published_of_staff(db: Session, class_id: UUID, module: str) -> Sequenc
     return db.execute(query.order_by(AuthoredExercise.slug)).all()
 
 
-def list_proposed(db: Session, account_id: UUID, module: str) -> Sequence[str]:
+def list_exercises_proposed_to_account(db: Session, account_id: UUID, module: str) -> Sequence[str]:
     """Return the names of the exercises of a module that the teachers of an account's open classes propose to them."""
     own, teaching = aliased(Membership), aliased(Membership)
     query = (
@@ -109,7 +111,7 @@ def list_proposed(db: Session, account_id: UUID, module: str) -> Sequence[str]:
     return [slug for slug in db.execute(query.distinct().order_by(AuthoredExercise.slug)).scalars() if slug]
 
 
-def delete_abandoned(db: Session) -> None:
+def delete_abandoned_exercises(db: Session) -> None:
     """Delete what nobody can publish any more: unpublished exercises whose author is gone."""
     abandoned = AuthoredExercise.author_id.is_(None) & (AuthoredExercise.number == 0)
     db.execute(delete(AuthoredExercise).where(abandoned).execution_options(synchronize_session=False))

@@ -34,9 +34,9 @@ from server.studio.drafts import (
     ExerciseDraft,
     MistakeDraft,
 )
-from server.studio.mistake_words import mistake_explanation, mistake_title
+from server.studio.mistake_words import explanation_for_operator, title_for_operator
 from server.studio.models import AuthoredExercise
-from server.studio.publication import new_code, new_slug
+from server.studio.publication import draw_share_code, draw_slug
 
 #: The kind of the job that tries a draft; its key is the exercise's id.
 TRIAL_JOB = "trial"
@@ -71,31 +71,31 @@ class StudioService:
     settings: Settings
     queue: Queue
 
-    def create(
+    def create_exercise(
         self, db: Session, account: Account, module: str, draft: ExerciseDraft | None = None
     ) -> AuthoredExercise:
         """Create an exercise. Raises Conflict where the author has too many."""
         if repository.count_exercises(db, account.id) >= MAX_EXERCISES:
             raise Conflict(TOO_MANY)
-        limits.take_token(db, _bucket(account), self.settings.save_bucket, TOO_FAST)
+        limits.take_token(db, _token_bucket_key(account), self.settings.save_bucket, TOO_FAST)
         draft = draft or ExerciseDraft()
         made = AuthoredExercise(author_id=account.id, module=module, draft=draft.to_data(), digest=draft.digest)
         db.add(made)
         db.flush()
         return made
 
-    def save(
+    def save_draft_and_try(
         self, db: Session, account: Account, exercise: AuthoredExercise, draft: ExerciseDraft, *, publish: bool = False
     ) -> None:
         """Store a draft, and have it tried. Raises Invalid for one that is too long, or RateLimited."""
-        require_short(draft)
-        limits.take_token(db, _bucket(account), self.settings.save_bucket, TOO_FAST)
-        if is_published(exercise):  # an earlier form may have given another digest to the same draft
+        require_draft_within_limits(draft)
+        limits.take_token(db, _token_bucket_key(account), self.settings.save_bucket, TOO_FAST)
+        if is_current_draft_published(exercise):  # an earlier form may have given another digest to the same draft
             exercise.trial = {**(exercise.trial or {}), "published_digest": read_draft(exercise).digest}
         exercise.draft, exercise.digest, exercise.saved_at = draft.to_data(), draft.digest, utc_now()
         exercise.wants_publication = publish
         if publish and exercise.slug is None:
-            exercise.slug = new_slug(draft.title or draft.functions)
+            exercise.slug = draw_slug(draft.title or draft.functions)
         db.flush()
         self.request_trial(db, exercise)
 
@@ -104,28 +104,28 @@ class StudioService:
 
         A trial that runs already is followed by another one, which its end enqueues.
         """
-        if not self.is_trying(db, exercise):
+        if not self.is_trial_queued(db, exercise):
             enqueue_trial(db, self.queue, exercise)
 
-    def try_as_student(self, db: Session, account: Account, exercise: AuthoredExercise, code: str) -> None:
+    def grade_as_student(self, db: Session, account: Account, exercise: AuthoredExercise, code: str) -> None:
         """Have a program graded on the draft as it was last tried; nothing of it counts.
 
         Raises Invalid, Conflict for a draft that was not tried, or RateLimited.
         """
-        archived_content(exercise)
+        content_to_archive(exercise)
         if len(code) > MAX_PROGRAM:
             raise Invalid(CODE_TOO_LONG.format(length=len(code), most=MAX_PROGRAM))
-        limits.take_token(db, _bucket(account), self.settings.save_bucket, TOO_FAST)
+        limits.take_token(db, _token_bucket_key(account), self.settings.save_bucket, TOO_FAST)
         exercise.tryout = {"code": code}
         db.flush()
-        if not self.is_trying(db, exercise, TRYOUT_JOB):
+        if not self.is_trial_queued(db, exercise, TRYOUT_JOB):
             enqueue_tryout(db, self.queue, exercise)
 
-    def count_guess(self, db: Session, account: Account) -> None:
+    def count_wrong_code(self, db: Session, account: Account) -> None:
         """Count a code that no exercise bears. Raises RateLimited."""
         limits.take_token(db, f"studio-code:{account.id}", self.settings.join_bucket, TOO_MANY_CODES)
 
-    def is_trying(self, db: Session, exercise: AuthoredExercise, kind: str = TRIAL_JOB) -> bool:
+    def is_trial_queued(self, db: Session, exercise: AuthoredExercise, kind: str = TRIAL_JOB) -> bool:
         return self.queue.position(db, kind, str(exercise.id)) is not None
 
 
@@ -148,10 +148,10 @@ def _enqueue(db: Session, queue: Queue, kind: str, exercise: AuthoredExercise) -
         raise RateLimited(TOO_FAST.format(seconds=10), retry_after=10) from error
 
 
-def require_short(draft: ExerciseDraft) -> None:
+def require_draft_within_limits(draft: ExerciseDraft) -> None:
     """Raise Invalid for a draft that is longer than one may be."""
-    if draft.characters > MAX_CHARACTERS:
-        raise Invalid(TOO_LONG.format(length=draft.characters, most=MAX_CHARACTERS))
+    if draft.character_count > MAX_CHARACTERS:
+        raise Invalid(TOO_LONG.format(length=draft.character_count, most=MAX_CHARACTERS))
     for count, most, what in (
         (len(draft.checks), MAX_CHECKS, "vérifications"),
         (max((len(check.cases) for check in draft.checks), default=0), MAX_CASES, "cas par vérification"),
@@ -161,7 +161,9 @@ def require_short(draft: ExerciseDraft) -> None:
             raise Invalid(f"{count} {what} ; {most} au plus. Rien n’est perdu : retirez-en.")
 
 
-def find_own(db: Session, account: Account, exercise_id: UUID | str, *, to_change: bool = False) -> AuthoredExercise:
+def find_own_exercise(
+    db: Session, account: Account, exercise_id: UUID | str, *, to_change: bool = False
+) -> AuthoredExercise:
     """Return an exercise of this author; `to_change` locks it until the commit. Raises NotFound."""
     wanted = parse_uuid(exercise_id, UNKNOWN)
     find = repository.lock_exercise if to_change else repository.find_exercise
@@ -171,7 +173,7 @@ def find_own(db: Session, account: Account, exercise_id: UUID | str, *, to_chang
     return exercise
 
 
-def is_published(exercise: AuthoredExercise) -> bool:
+def is_current_draft_published(exercise: AuthoredExercise) -> bool:
     """Whether the current version is what the author has saved last."""
     return exercise.number > 0 and (exercise.trial or {}).get("published_digest") == exercise.digest
 
@@ -191,14 +193,14 @@ def delete_exercise(db: Session, exercise: AuthoredExercise) -> None:
 def change_sharing(exercise: AuthoredExercise, action: str) -> None:
     """Change who may copy an exercise, by its code or in the bank, and whether classes find it in their module."""
     if action in {SHARE, WITHDRAW}:
-        exercise.share_code = (exercise.share_code or new_code(SHARE_CODE_LENGTH)) if action == SHARE else None
+        exercise.share_code = (exercise.share_code or draw_share_code(SHARE_CODE_LENGTH)) if action == SHARE else None
     elif action in {TO_BANK, FROM_BANK}:
         exercise.in_bank = action == TO_BANK and exercise.number > 0
     elif action in {TO_CLASSES, FROM_CLASSES}:
         exercise.for_classes = action == TO_CLASSES and exercise.number > 0
 
 
-def find_shared(db: Session, code: str) -> AuthoredExercise:
+def find_exercise_by_share_code(db: Session, code: str) -> AuthoredExercise:
     """Return the exercise that bears a code. Raises NotFound."""
     found = repository.find_by_share_code(db, code.strip().lower()[:SHARE_CODE_LENGTH]) if code.strip() else None
     if found is None:
@@ -206,7 +208,7 @@ def find_shared(db: Session, code: str) -> AuthoredExercise:
     return found
 
 
-def find_in_bank(db: Session, exercise_id: str) -> AuthoredExercise:
+def find_exercise_in_bank(db: Session, exercise_id: str) -> AuthoredExercise:
     """Return an exercise of the bank. Raises NotFound."""
     found = repository.find_exercise(db, parse_uuid(exercise_id, UNKNOWN))
     if found is None or not found.in_bank:
@@ -230,7 +232,7 @@ def _searched_text(exercise: AuthoredExercise) -> str:
     return unaccented(" ".join(parts))
 
 
-def archived_content(exercise: AuthoredExercise) -> tuple[str, Mapping[str, Any]]:
+def content_to_archive(exercise: AuthoredExercise) -> tuple[str, Mapping[str, Any]]:
     """Return the name and the content of the archive: the draft as it was last tried. Raises Conflict before that."""
     completed = (exercise.trial or {}).get("completed")
     if completed is None:
@@ -243,11 +245,11 @@ def add_mistakes(draft: ExerciseDraft, changes: Sequence[TriedChange]) -> Exerci
     away."""
     mistakes = list(draft.mistakes)
     for change in changes:
-        words = mistake_title(change.operator)
+        words = title_for_operator(change.operator)
         titles = {mistake.title for mistake in mistakes}
         numbered = (f"{words} ({number})" for number in range(2, MAX_MISTAKES + 2))
         title = next(title for title in (words, *numbered) if title not in titles)
-        mistakes.append(MistakeDraft(title, mistake_explanation(change.operator), program=change.program))
+        mistakes.append(MistakeDraft(title, explanation_for_operator(change.operator), program=change.program))
     return replace(draft, mistakes=tuple(mistakes))
 
 
@@ -259,16 +261,16 @@ def add_cases(draft: ExerciseDraft, report: TrialReport, picked: Collection[str]
     checks = list(draft.checks)
     shown: tuple[TriedMistake | TriedChange, ...] = (*report.mistakes, *report.proven_survivors)
     chosen = [each for each in shown if each.case and each.case in picked]
-    require_picked(picked, chosen)
+    require_valid_picks(picked, chosen)
     for change in chosen:
         at = change.check if change.check < len(checks) else 0
         known = {case.call.strip() for case in checks[at].cases}
         if change.case not in known and len(checks[at].cases) < MAX_CASES:
-            checks[at] = replace(checks[at], cases=(*checks[at].written, CaseDraft(change.case)))
+            checks[at] = replace(checks[at], cases=(*checks[at].nonempty_cases, CaseDraft(change.case)))
     return replace(draft, checks=tuple(checks))
 
 
-def require_picked(picked: Collection[str], found: Collection[object], nothing: str = NOTHING_PICKED) -> None:
+def require_valid_picks(picked: Collection[str], found: Collection[object], nothing: str = NOTHING_PICKED) -> None:
     """Raise Invalid in the words `nothing` where nothing is picked, or where the trial no longer proposes what is."""
     if not found:
         raise Invalid(OUT_OF_DATE if picked else nothing)
@@ -278,9 +280,9 @@ def expect_exception(draft: ExerciseDraft, report: TrialReport, check: int, case
     """Return the draft in which the exception that the solution raised in a case is what the case must give."""
     tried = next((each for each in report.cases if (each.check, each.case) == (check, case) and each.raised), None)
     checks = list(draft.checks)
-    if tried is None or check >= len(checks) or case >= len(checks[check].written):
+    if tried is None or check >= len(checks) or case >= len(checks[check].nonempty_cases):
         return draft
-    cases = list(checks[check].written)
+    cases = list(checks[check].nonempty_cases)
     cases[case] = replace(cases[case], expected=tried.raised)
     checks[check] = replace(checks[check], cases=tuple(cases))
     return replace(draft, checks=tuple(checks))
@@ -293,18 +295,18 @@ def remove_part(draft: ExerciseDraft, part: str, at: int) -> ExerciseDraft:
     return replace(draft, checks=(*draft.checks[:at], *draft.checks[at + 1 :])) if at else draft
 
 
-def list_own_of_module(db: Session, account: Account | None, module: str) -> Sequence[str]:
+def list_exercises_proposed_to_account(db: Session, account: Account | None, module: str) -> Sequence[str]:
     """Return the ids of the exercises of a module that teachers propose to the classes of an account."""
     if account is None:
         return ()
-    return [f"{module}/{slug}" for slug in repository.list_proposed(db, account.id, module)]
+    return [f"{module}/{slug}" for slug in repository.list_exercises_proposed_to_account(db, account.id, module)]
 
 
-def list_class_exercises(db: Session, school_class: SchoolClass) -> Mapping[str, str]:
+def list_exercises_of_class_teachers(db: Session, school_class: SchoolClass) -> Mapping[str, str]:
     """Return the titles of the exercises that the teachers of a class have published for its module, by id."""
-    rows = repository.list_published_of_staff(db, school_class.id, school_class.module)
+    rows = repository.list_exercises_published_by_teachers(db, school_class.id, school_class.module)
     return {f"{school_class.module}/{slug}": draft.get("title") or slug for slug, draft in rows}
 
 
-def _bucket(account: Account) -> str:
+def _token_bucket_key(account: Account) -> str:
     return f"studio:{account.id}"

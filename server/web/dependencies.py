@@ -14,7 +14,7 @@ from server.course import Course
 from server.course.editions import MODULE
 from server.database import Database
 from server.database.dependencies import Db
-from server.identity.dependencies import load_account_through, load_session_account
+from server.identity.dependencies import load_session_account, load_session_account_in
 from server.identity.models import Account
 from server.submissions.service import Submissions
 from server.web.views import Reader
@@ -46,7 +46,7 @@ async def _reader(request: Request, db: Db) -> Reader:
     def who() -> Account | None:
         if request.method not in SAFE_METHODS:
             return load_session_account(request, _database(request.app))
-        account = load_account_through(db, request)  # it only reads
+        account = load_session_account_in(db, request)  # it only reads
         _presence(request.app).record(db, account)
         return account
 

@@ -16,7 +16,7 @@ from pydantic import TypeAdapter
 
 from server.authoring import schema, shapes
 from server.authoring.keys import KEYS
-from server.authoring.tables import FIELD_MEANINGS, PAGES, fill_tables
+from server.authoring.tables import FIELD_MEANINGS, PAGES, replace_tables_in_page
 from server.cli import _parser, main
 from server.course import Course
 from tests.support.quick import the_course
@@ -34,7 +34,7 @@ def blocks(text: str, language: str) -> list[str]:
 
 @pytest.mark.parametrize("page", TEXTS)
 def test_tables_are_those_of_the_code(page: str) -> None:
-    assert fill_tables(TEXTS[page]) == TEXTS[page], "python -m server.authoring.tables"
+    assert replace_tables_in_page(TEXTS[page]) == TEXTS[page], "python -m server.authoring.tables"
 
 
 def test_every_key_is_told_once_and_no_other() -> None:
@@ -52,7 +52,7 @@ def test_every_key_is_told_once_and_no_other() -> None:
 def test_each_example_is_one(model: Any) -> None:
     for name, key in KEYS[model].items():
         field = model.model_fields[name]
-        TypeAdapter(Annotated[field.annotation, field]).validate_json(json.dumps(key.value))
+        TypeAdapter(Annotated[field.annotation, field]).validate_json(json.dumps(key.example_value))
 
 
 def test_the_commands_of_the_first_hour_work(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -85,7 +85,7 @@ def test_links_lead_somewhere_and_samples_are_python(page: str) -> None:
 
 
 def test_schemas_are_of_the_models_and_speak_french(course: Course) -> None:
-    made = {shape.name: schema.json_schema(shape) for shape in shapes.SHAPES}
+    made = {shape.name: schema.build_json_schema(shape) for shape in shapes.SHAPES}
     assert made["exercise"]["properties"]["title"]["description"] == "titre de l’exercice"
     assert made["exercise"]["$defs"]["FunctionEntry"]["additionalProperties"] is False
     assert set(made["questions"]["discriminator"]["mapping"]) == {"choice", "order", "numeric"}
@@ -95,8 +95,8 @@ def test_schemas_are_of_the_models_and_speak_french(course: Course) -> None:
 
 
 def test_what_is_written_has_these_shapes(course: Course, place: Path) -> None:
-    assert [*shapes.faults(the_course())] == []
-    assert [*shapes.faults(course)] == []
+    assert [*shapes.find_catalogue_faults(the_course())] == []
+    assert [*shapes.find_catalogue_faults(course)] == []
     for shape in shapes.SHAPES:
         models = shape.model if isinstance(shape.model, tuple) else (shape.model,)
         assert all(model in KEYS for model in models)
@@ -107,7 +107,7 @@ def test_a_key_that_nothing_reads_is_told_with_its_line(course: Course, place: P
     good = path.read_text(encoding="utf-8")
     path.write_text(good + 'edit = [["a", "b"]]\n', encoding="utf-8")
     try:
-        (problem,) = shapes.faults(course)
+        (problem,) = shapes.find_catalogue_faults(course)
     finally:
         path.write_text(good, encoding="utf-8")
     assert (problem.path, problem.line) == (path, len(good.splitlines()) + 1)

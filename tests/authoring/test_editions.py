@@ -11,7 +11,7 @@ import pytest
 
 from graders.core.contract.local import LOCAL
 from server.authoring import editions
-from server.authoring.new import NameRefused
+from server.authoring.new import SkeletonRefused
 from server.course import Course, load_course
 from server.course.editions import edition_of, latest_editions, next_edition_slug
 from server.web.editions import exercise_in_edition, later_editions
@@ -39,7 +39,7 @@ def test_a_copied_module_holds_together_and_grades(place: Path, tmp_path: Path) 
         exercise = read.exercises["l21e2/gain"]
         judgement = exercise.grader.grade(exercise.grader.solution.encode(), LOCAL, seed=3, version="x")
         assert (judgement.verdict.exercise, judgement.verdict.score) == ("l21e2/gain", 1.0)
-    with pytest.raises(NameRefused):
+    with pytest.raises(SkeletonRefused):
         editions.copy_to_next_edition("l18", course)
 
 

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import pytest
 
-from server.authoring.families import faults
+from server.authoring.families import find_family_faults
 from tests.support.quick import the_course
 from tests.support.small_course import CourseFolder
 
@@ -32,7 +32,7 @@ def test_unknown_names_are_faults(course_folder: CourseFolder, family: str, fili
     course_folder.write("curriculum/m9/exercices/a/families.toml", filing)
     course = course_folder.load(render=False)
     assert course.problems == ()
-    messages = [problem.message for problem in faults(course)]
+    messages = [problem.message for problem in find_family_faults(course)]
     assert len(messages) == len(expected)
     assert all(part in message for part, message in zip(expected, messages, strict=True))
 
@@ -50,7 +50,7 @@ def test_malformed_files_are_told_with_their_place(course_folder: CourseFolder) 
 
 def test_every_misconception_of_the_course_is_filed() -> None:
     course = the_course()
-    assert [*faults(course)] == []
+    assert [*find_family_faults(course)] == []
     exercises = course.exercises.values()
     shared = {name: {it.id for it in exercises if name in it.filing.families.values()} for name in course.families}
     assert len(shared["angle_non_ramene"]) >= 5, "the angle that one forgets to wrap is one family across exercises"
@@ -65,7 +65,7 @@ def test_a_misconception_that_is_filed_nowhere_is_a_fault() -> None:
     unfiled = replace(poses, filing=replace(poses.filing, families=families))
     exercises = tuple(unfiled if exercise is poses else exercise for exercise in module.exercises)
     modules = {**course.modules, "l20": replace(module, exercises=exercises)}
-    (problem,) = faults(replace(course, modules=modules))
+    (problem,) = find_family_faults(replace(course, modules=modules))
     assert problem.path.parent.name == "poses"
     assert "« angle_jamais_ramene » n’a pas de famille" in problem.message
 
@@ -74,5 +74,5 @@ def test_a_mistake_of_one_exercise_alone_has_a_name_of_its_own(course_folder: Co
     course_folder.write("curriculum/families.toml", FAMILIES.format("signe", 'slips = ["oppose"]'))
     for slug, reason in (("a", "propre à cet exercice"), ("b", "même nom, autre erreur")):
         course_folder.write(f"curriculum/m9/exercices/{slug}/families.toml", f'[apart]\n"{reason}" = ["perdue"]\n')
-    found = [(fault.path.parent.name, fault.message) for fault in faults(course_folder.load(render=False))]
+    found = [(fault.path.parent.name, fault.message) for fault in find_family_faults(course_folder.load(render=False))]
     assert [folder for folder, message in found if "« b » a une erreur du même nom" in message] == ["a"]

@@ -12,7 +12,7 @@ from server.cli import main
 from server.course import load_course
 from server.grading.sandbox_grader import SandboxPrograms
 from server.sandbox import Sandbox
-from server.studio.import_drafts import Draft, ImportRefused
+from server.studio.import_drafts import ImportDraft, ImportRefused
 from server.studio.imports import read_drafts
 from tests.support.outside import taken_in
 
@@ -61,7 +61,7 @@ NOTEBOOK = {
 }
 
 
-def drafts(folder: Path, name: str, text: str) -> list[Draft]:
+def drafts(folder: Path, name: str, text: str) -> list[ImportDraft]:
     path = folder / name
     path.write_text(text, encoding="utf-8")
     return read_drafts(path.name, path.read_bytes())
@@ -148,14 +148,14 @@ def test_a_suite_of_tested(tmp_path: Path) -> None:
     assert draft.left == [
         "onglet 1, contexte 1, test 5 : « return » est comparé par un programme (« oracle »), qui n’est pas repris"
     ]
-    read_declaration(draft.declaration() | {"solution": ""})
+    read_declaration(draft.build_declaration() | {"solution": ""})
     (whole,) = drafts(tmp_path, "suite.yml", WHOLE)
     assert whole.functions == ["programme"]
     assert [check["cas"] for check in whole.checks] == [
         ["arguments('-v')\nprogramme('3', '4')"],
         ["programme()\nTOTAL"],
     ]
-    read_declaration(whole.declaration() | {"solution": ""})
+    read_declaration(whole.build_declaration() | {"solution": ""})
 
 
 def test_cells_of_nbgrader(tmp_path: Path) -> None:
@@ -220,7 +220,7 @@ def test_no_text_of_a_file_is_run(tmp_path: Path) -> None:
         try:
             for draft in drafts(tmp_path, name, text):
                 if draft.checks:
-                    read_declaration({**draft.declaration(), "solution": draft.solution})
+                    read_declaration({**draft.build_declaration(), "solution": draft.solution})
         except ImportRefused:
             continue
     assert not witness.exists()

@@ -98,6 +98,6 @@ def test_a_course_is_a_package_that_names_itself(place: Path) -> None:
 )
 def test_a_name_that_does_not_do_is_told_and_nothing_is_written(place: Path, kind: str, name: str, said: str) -> None:
     before = sorted(place.rglob("*"))
-    with pytest.raises(new.NameRefused, match=said):
+    with pytest.raises(new.SkeletonRefused, match=said):
         new.write_skeleton(kind, name, place)
     assert sorted(place.rglob("*")) == before

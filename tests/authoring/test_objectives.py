@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from server.authoring.objectives import faults
+from server.authoring.objectives import find_objective_faults
 from server.course.practice import practised_objectives
 from tests.support.quick import the_course
 from tests.support.small_course import CourseFolder
@@ -18,7 +18,7 @@ def found(course_folder: CourseFolder, *entries: str) -> list[tuple[str, int | N
     course_folder.write("curriculum/m9/seances/une.md", head + "".join(entries) + "+++\nDu texte.\n")
     course = course_folder.load(render=False)
     assert course.problems == ()
-    return [(problem.path.name, problem.line, problem.message) for problem in faults(course)]
+    return [(problem.path.name, problem.line, problem.message) for problem in find_objective_faults(course)]
 
 
 def entry(rest: str, id: str = "doubler") -> str:
@@ -60,5 +60,5 @@ def test_an_exercise_without_objective_is_a_fault(course_folder: CourseFolder) -
 
 def test_the_objectives_of_the_course_carry_all_exercises_and_mistakes() -> None:
     course = the_course()
-    assert [*faults(course)] == []
+    assert [*find_objective_faults(course)] == []
     assert all(len(practised_objectives(module)) >= 5 for module in course.modules.values())

@@ -16,7 +16,7 @@ import pytest
 from server.app import create_app
 from server.authoring.preview.pages import PreviewMiddleware, ServedVersion, router
 from server.authoring.preview.serving import preview_settings
-from server.authoring.preview.supervising import PreviewSession, Supervisor, _stop
+from server.authoring.preview.supervising import PreviewSession, PreviewSupervisor, _stop_version
 from server.course import Course, Problem
 from server.database import Database
 from server.submissions.models import Submission
@@ -126,16 +126,16 @@ def test_a_version_that_does_not_come_up_leaves_the_one_before_it(tmp_path: Path
             with socket.create_connection(listener.getsockname()) as one:
                 return one.recv(100).decode()
 
-        supervisor = Supervisor(tmp_path, listener, serve, lambda session: time.sleep(60), said.append)
+        supervisor = PreviewSupervisor(tmp_path, listener, serve, lambda session: time.sleep(60), said.append)
         supervisor.data_dir = tmp_path
         text.write_text("one")
-        running = supervisor._start()
+        running = supervisor._start_version()
         answers = [asked()]
         for written in ("bad", "two"):
             text.write_text(written)
-            supervisor._restart(running)
+            supervisor._restart_version(running)
             answers += [asked()]
-        _stop(running)
+        _stop_version(running)
     assert answers == ["1 one", "1 one", "3 two"]
     assert [line for line in said if "ne démarre pas" in line]
     with pytest.raises(ProcessLookupError):

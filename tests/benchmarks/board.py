@@ -27,7 +27,7 @@ from server.course import Course, load_course
 from server.database import Database, utc_now
 from server.database.migrate import upgrade
 from server.identity.models import Account, BrowserSession, Role
-from server.identity.secrets import new_token, sha256_hex
+from server.identity.secrets import draw_secret_token, sha256_hex
 from tests.benchmarks.measure import figure, median, p95, table
 from tests.support.classes import new_class
 from tests.support.client import TestClient
@@ -67,7 +67,7 @@ def site(data: Path, course: Course) -> Iterator[tuple[TestClient, Database, Acc
     database.close()
     app = create_app(settings, course=course)
     with TestClient(app) as client:
-        database, cookie = get_service(app, Database), new_token()
+        database, cookie = get_service(app, Database), draw_secret_token()
         with database.write() as db:
             teacher = Account(role=Role.teacher, name="Banc")
             db.add(teacher)

@@ -15,7 +15,7 @@ from server.course import Course
 from server.database import Database, table_of, utc_now
 from server.database.migrate import upgrade
 from server.identity.models import Account, BrowserSession, Role
-from server.identity.secrets import new_token, sha256_hex
+from server.identity.secrets import draw_secret_token, sha256_hex
 from server.lesson.models import LiveLesson
 from tests.benchmarks.crowd.plan import MODULE
 from tests.support.classes import assign, new_class
@@ -60,7 +60,7 @@ def _lesson(
     store(database, lessons(accounts, names, mistakes, now - timedelta(days=1), number), VERDICT)
     today = [f"{MODULE}/{slug}" for slug in TODAY]
     assign(database, made, *names, *today, opened=timedelta(days=20), title="Devoir")
-    cookies = {account: new_token() for account in (teacher.id, *accounts)}
+    cookies = {account: draw_secret_token() for account in (teacher.id, *accounts)}
     with database.write() as db:
         later = now.replace(year=2100)
         sessions = [

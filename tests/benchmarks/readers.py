@@ -21,7 +21,7 @@ from server.database import Database, utc_now
 from server.database.migrate import upgrade
 from server.gradebook.models import Standing
 from server.identity.models import Account, ApiToken, BrowserSession, Role
-from server.identity.secrets import new_token, sha256_hex
+from server.identity.secrets import draw_secret_token, sha256_hex
 from server.submissions.models import Submission
 from tests.benchmarks.bench_http import PROJECT
 from tests.support.classes import assign, new_class
@@ -61,8 +61,8 @@ def school(data: Path, course: Course) -> School:
         assign(database, made, *names[start : start + 6], opened=timedelta(days=20 - start), title=f"Devoir {start}").id
         for start in range(0, EXERCISES, 6)
     )
-    cookies = {"student": new_token(), "teacher": new_token()}
-    token = new_token()
+    cookies = {"student": draw_secret_token(), "teacher": draw_secret_token()}
+    token = draw_secret_token()
     with database.write() as db:
         for model in (Submission, Standing):  # the first student's attempts there are to be real ones
             db.execute(delete(model).where(model.account_id == students[0], model.exercise == EXERCISE))

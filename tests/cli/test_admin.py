@@ -51,7 +51,7 @@ def log_in(site: Site, login: str = "ada") -> Any:
 
 def account(site: Site, login: str) -> Account:
     with site.database.read() as db:
-        return links.find_account_by_login(db, login)
+        return links.find_account_by_login_or_id(db, login)
 
 
 def test_a_first_teacher_is_made_or_invited_from_the_command_line(site: Site, admin: Admin) -> None:
@@ -77,7 +77,7 @@ def test_a_first_teacher_is_made_or_invited_from_the_command_line(site: Site, ad
 
 def test_an_invitation_ends(site: Site) -> None:
     with site.database.write() as db:
-        late = links.invite(db, Role.teacher, timedelta(seconds=-1))
+        late = links.create_invitation(db, Role.teacher, timedelta(seconds=-1))
     assert site.client.get(f"/bienvenue/{late}").status_code == 404
     form = {"name": "Bob", "login": "bob", "password": PASSWORD}
     assert site.client.post(f"/bienvenue/{late}", data=form).status_code == 404
@@ -87,7 +87,7 @@ def test_nobody_enters_by_a_disabled_account_until_it_is_enabled(site: Site, adm
     link = admin("create", "ada", "--name", "Ada")["link"]
     site.client.post(link, data={"new_password": PASSWORD})
     with site.database.write() as db:
-        _, secret = tokens.create_token(db, links.find_account_by_login(db, "ada"), "essai", site.settings)
+        _, secret = tokens.create_token(db, links.find_account_by_login_or_id(db, "ada"), "essai", site.settings)
     api = {"Authorization": f"Bearer {secret}"}
     waiting = admin("reset-link", "ada")["link"]
     assert admin("disable", "ada")["disabled_at"]
@@ -107,7 +107,7 @@ def test_a_session_opened_beside_a_disabling_does_not_serve(site: Site) -> None:
         opened = site.accounts.open_session(db, ada)
         db.execute(update(Account).values(disabled_at=utc_now()))
     with site.database.read() as db:
-        assert service.account_of_session(db, opened.token) is None
+        assert service.find_account_by_session_token(db, opened.token) is None
 
 
 def test_the_last_administrator_who_can_enter_stays(admin: Admin) -> None:
@@ -123,7 +123,7 @@ def test_sessions_and_tokens_are_listed_without_their_secrets_and_revoked(site: 
     site.client.post(admin("create", "ada", "--name", "Ada")["link"], data={"new_password": PASSWORD})
     cookie = site.client.cookies["balise_session"]
     with site.database.write() as db:
-        token, secret = tokens.create_token(db, links.find_account_by_login(db, "ada"), "portable", site.settings)
+        token, secret = tokens.create_token(db, links.find_account_by_login_or_id(db, "ada"), "portable", site.settings)
         digests = [token.token_digest, db.execute(select(BrowserSession.token_digest)).scalar_one()]
     listed = [admin("sessions", "ada"), admin("tokens", "ada")]
     assert listed[1]["tokens"][0]["label"] == "portable"
@@ -263,7 +263,7 @@ def test_administrators_read_the_log_on_a_page(site: Site, admin: Admin) -> None
 
 def test_the_log_has_the_account_that_an_invitation_made(site: Site, admin: Admin) -> None:
     with site.database.write() as db:
-        token = links.invite(db, Role.teacher, timedelta(days=1))
+        token = links.create_invitation(db, Role.teacher, timedelta(days=1))
     form = {"name": "Marie", "login": "marie", "password": "une phrase bien longue"}
     assert site.client.post(f"/bienvenue/{token}", data=form).status_code == 303
     (event,) = admin("log")["actions"]

@@ -29,7 +29,7 @@ def test_a_name_that_no_database_can_look_for_is_nobody_s(database: Database) ->
         with pytest.raises(NotFound):
             behaviour.find_group(db, made, EXERCISE, ZERO)
         with pytest.raises(NotFound):
-            links.find_account_by_login(db, ZERO)
+            links.find_account_by_login_or_id(db, ZERO)
         assert not notes_repository.load_student_ids_with_misconception(db, made.id, EXERCISE, ZERO)
 
 

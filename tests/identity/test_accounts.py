@@ -21,7 +21,7 @@ from tests.support.service import Site
 
 FORM = {"name": "Ada L.", "login": "Ada@Example.org", "password": "notes sur la machine"}
 POST = "/l20/exercices/poses/soumissions"
-FULL_STRENGTH = secrets._hasher  # before a fixture puts a weaker one there
+FULL_STRENGTH = secrets._password_hash  # before a fixture puts a weaker one there
 
 
 def send(site: Site, code: str = "pass") -> None:
@@ -67,7 +67,7 @@ def test_signing_up_keeps_the_guest_s_work_and_changes_the_session(site: Site) -
     assert owners(site) == [named.id]
     assert site.client.cookies["balise_session"] != old
     with site.database.read() as db:
-        assert service.account_of_session(db, old) is None
+        assert service.find_account_by_session_token(db, old) is None
 
 
 def test_a_guest_who_logs_in_brings_the_work_along(site: Site) -> None:
@@ -141,9 +141,9 @@ def test_an_unknown_login_reads_like_a_wrong_password(site: Site) -> None:
 
 def test_the_one_time_link_makes_one_teacher(site: Site) -> None:
     with site.database.write() as db:
-        first = links.invite_administrator(db)
+        first = links.create_administrator_invitation(db)
     with site.database.write() as db:
-        token = links.invite_administrator(db)
+        token = links.create_administrator_invitation(db)
     assert site.client.get(f"/bienvenue/{first}").status_code == 404, "a newer link replaces it"
     assert site.client.get(f"/bienvenue/{token}").status_code == 200
     assert site.client.post(f"/bienvenue/{token}", data={**FORM, "password": "court"}).status_code == 422
@@ -155,12 +155,12 @@ def test_the_one_time_link_makes_one_teacher(site: Site) -> None:
     assert site.client.post(f"/bienvenue/{token}", data={**FORM, "login": "bob"}).status_code == 404
     assert len(accounts(site)) == 1
     with site.database.write() as db:
-        assert links.invite_administrator(db) is None
+        assert links.create_administrator_invitation(db) is None
 
 
 def test_a_refused_form_does_not_use_the_link(site: Site) -> None:
     with site.database.write() as db:
-        token = links.invite_administrator(db)
+        token = links.create_administrator_invitation(db)
         db.add(Account(name="Bob", login="bob"))
     wanted = validate_new_account("Ada", "bob", FORM["password"])
     with pytest.raises(RefusedForm):
@@ -202,14 +202,14 @@ def test_what_is_stored_opens_nothing(site: Site) -> None:
     with site.database.read() as db:
         stored = db.execute(select(BrowserSession.token_digest)).scalar_one()
         hashed = db.execute(select(Account.password_hash)).scalar_one()
-        assert service.account_of_session(db, stored) is None
-        assert service.account_of_session(db, cookie) is not None
+        assert service.find_account_by_session_token(db, stored) is None
+        assert service.find_account_by_session_token(db, cookie) is not None
     assert hashed is not None
     assert hashed.startswith("$argon2id$")
 
 
 def test_passwords_are_stored_at_full_strength(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(secrets, "_hasher", FULL_STRENGTH)
+    monkeypatch.setattr(secrets, "_password_hash", FULL_STRENGTH)
     stored = secrets.hash_password(FORM["password"])
     assert stored.startswith("$argon2id$v=19$m=65536,t=3,p=4$")
     assert secrets.verify_password(FORM["password"], stored)
@@ -264,7 +264,7 @@ def test_ended_sessions_open_nothing_and_are_forgotten(site: Site) -> None:
         db.execute(update(BrowserSession).values(expires_at=utc_now() - timedelta(seconds=1)))
     assert site.client.get("/compte").status_code == 303
     with site.database.write() as db:
-        service.delete_expired(db)
+        service.delete_expired_credentials(db)
     with site.database.read() as db:
         assert db.execute(select(BrowserSession)).first() is None
 

@@ -49,7 +49,7 @@ class Slip:
                 links.find_link_owner(db, self.token, is_password_link_in_force)
             except NotFound:
                 with pytest.raises(Conflict):
-                    links.use_password_link(db, self.token, is_password_link_in_force)
+                    links.consume_password_link(db, self.token, is_password_link_in_force)
                 return False
             return True
 
@@ -163,7 +163,7 @@ def test_slips_that_a_page_makes_end_with_the_right_of_their_maker(site: Site) -
 @pytest.mark.parametrize("how", ["create", "role"])
 def test_the_first_administrator_s_link_ends_once_there_is_one(site: Site, how: str) -> None:
     with site.database.write() as db:
-        token = links.invite_administrator(db)
+        token = links.create_administrator_invitation(db)
         db.add(Account(role=Role.student, name="Ada", login="ada"))
     assert site.client.get(f"/bienvenue/{token}").status_code == 200
     data = ["--data", str(site.settings.data_dir)]
@@ -177,11 +177,11 @@ def test_the_first_administrator_s_link_ends_once_there_is_one(site: Site, how: 
 def test_an_invitation_that_ends_stays_valid_until_then(sqlite: Database) -> None:
     new_account(sqlite, Role.administrator)
     with sqlite.write() as db:
-        token = links.invite(db, Role.administrator, timedelta(days=1))
-        assert links.check_invitation(db, token).role == Role.administrator
+        token = links.create_invitation(db, Role.administrator, timedelta(days=1))
+        assert links.find_open_invitation(db, token).role == Role.administrator
         db.execute(update(Invitation).values(expires_at=utc_now()))
         with pytest.raises(NotFound):
-            links.check_invitation(db, token)
+            links.find_open_invitation(db, token)
 
 
 def test_a_link_of_an_administrator_has_no_class_and_ends_with_the_role_alone(sqlite: Database) -> None:

@@ -187,6 +187,6 @@ def test_a_frame_has_a_session_of_its_own_in_a_partitioned_cookie(site: Site) ->
 def test_an_account_without_a_login_is_named_by_its_id_to_administrators(site: Site) -> None:
     opened = come(site, name="Ada")
     with site.database.read() as db:
-        assert links.find_account_by_login(db, str(opened.account.id)).id == opened.account.id
+        assert links.find_account_by_login_or_id(db, str(opened.account.id)).id == opened.account.id
         with pytest.raises(NotFound):
-            links.find_account_by_login(db, str(uuid4()))
+            links.find_account_by_login_or_id(db, str(uuid4()))

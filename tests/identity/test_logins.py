@@ -16,7 +16,7 @@ from server.database import Database
 from server.database.engine import writing_engine
 from server.database.migrate import upgrade
 from server.identity import repository
-from server.identity.logins import latin_look_alike, login_problem, normalise_login
+from server.identity.logins import find_latin_look_alike, login_problem, normalise_login
 from tests.support.service import Site
 
 PASSWORD = "notes sur la machine"
@@ -62,8 +62,8 @@ def test_a_whole_login_of_look_alike_letters_is_taken_with_its_twin(site: Site) 
     assert site.client.post("/inscription", data=form).status_code == 303
     twin = site.client.post("/inscription", data={**form, "login": "\u0430\u0441\u0430"})
     assert (twin.status_code, "n’est pas disponible" in twin.text) == (422, True)
-    assert latin_look_alike("\u0430\u0441\u0430") == "aca"
-    assert latin_look_alike("иван") == "иван"
+    assert find_latin_look_alike("\u0430\u0441\u0430") == "aca"
+    assert find_latin_look_alike("иван") == "иван"
 
 
 def test_a_mixed_login_is_refused_at_sign_up_and_the_pasted_one_logs_in(site: Site) -> None:

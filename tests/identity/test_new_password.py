@@ -107,9 +107,9 @@ def test_a_link_gives_a_new_password_once_and_closes_all_that_was_open(ada: Site
 def test_of_two_uses_at_once_one_only_succeeds(ada: Site) -> None:
     token = link(ada)
     with ada.database.write() as db:
-        assert links.use_password_link(db, token).login == "ada"
+        assert links.consume_password_link(db, token).login == "ada"
         with pytest.raises(Conflict):
-            links.use_password_link(db, token)
+            links.consume_password_link(db, token)
 
 
 def test_a_link_ends_is_replaced_and_goes_with_a_change(ada: Site) -> None:
@@ -122,7 +122,7 @@ def test_a_link_ends_is_replaced_and_goes_with_a_change(ada: Site) -> None:
     assert ada.client.get(f"/nouveau-mot-de-passe/{second}").status_code == 404
     assert ada.client.post(f"/nouveau-mot-de-passe/{second}", data={"new_password": NEW}).status_code == 404
     with ada.database.write() as db:
-        service.delete_expired(db)
+        service.delete_expired_credentials(db)
     assert count(ada, PasswordLink) == 0
     third = link(ada)
     ada.client.post("/compte/mot-de-passe", data=CHANGE)

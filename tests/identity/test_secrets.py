@@ -266,13 +266,13 @@ def test_both_databases_forget_browsers(database: Database, both: Settings) -> N
     with database.write() as db:
         made = [devices.remember_device(db, account.id, "", now - timedelta(days=days)) for days in range(30)]
         assert len(repository.load_devices(db, account.id)) == devices.MAX_DEVICES
-        assert devices.is_known(db, made[0], account)
-        assert not devices.is_known(db, made[0], None)
-        assert not devices.is_known(db, made[-1], account)
+        assert devices.is_known_device(db, made[0], account)
+        assert not devices.is_known_device(db, made[0], None)
+        assert not devices.is_known_device(db, made[-1], account)
         assert devices.remember_device(db, account.id, made[0], now) == made[0]
         devices.forget_stale_devices(db, now + timedelta(days=devices.DEVICE_DAYS - 5))
         assert len(repository.load_devices(db, account.id)) == 6
-        administration.disable(db, db.get_one(Account, account.id))
+        administration.disable_account(db, db.get_one(Account, account.id))
         assert repository.load_devices(db, account.id) == []
 
 

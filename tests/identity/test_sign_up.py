@@ -63,7 +63,7 @@ def test_a_login_that_is_taken_costs_no_hash_and_asking_is_slow(site: Site, hash
 
 def test_of_two_who_take_a_login_at_once_one_is_told(site: Site, monkeypatch: pytest.MonkeyPatch) -> None:
     assert sign_up(site).status_code == 303
-    monkeypatch.setattr("server.identity.service.require_free", lambda _db, _login: None)
+    monkeypatch.setattr("server.identity.service.require_login_free", lambda _db, _login: None)
     answer = sign_up(site)
     assert (answer.status_code, "pas disponible" in answer.text) == (422, True)
 

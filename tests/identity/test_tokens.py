@@ -33,11 +33,11 @@ def test_both_databases_know_them_and_the_links(database: Database, both: Settin
         assert owner.id == account.id
     with database.write() as db:
         assert [token.last_used_at is not None for token in tokens.load_tokens(db, account)] == [True]
-        assert links.use_password_link(db, second).id == account.id
+        assert links.consume_password_link(db, second).id == account.id
         for token in (first, second):
             with pytest.raises(NotFound):
                 links.find_link_owner(db, token)
-        service.delete_expired(db)
+        service.delete_expired_credentials(db)
 
 
 def create(site: Site, label: str = "portable") -> Any:
@@ -89,7 +89,7 @@ def test_a_token_ends_and_makes_room(site: Site) -> None:
     assert create(site, "autre").status_code == 200
     change(site, expires_at=utc_now() - timedelta(seconds=1))
     with site.database.write() as db:
-        service.delete_expired(db)
+        service.delete_expired_credentials(db)
     assert stored(site) == []
 
 

@@ -159,7 +159,7 @@ def test_a_teacher_reads_the_correction_of_the_draw_that_is_looked_at(
     seed = stored(site.database, Submission)[0].seed
     grader: Any = course.exercises[ODOMETRY].answers
     with site.database.write() as db:
-        token = links.invite_administrator(db)
+        token = links.create_administrator_invitation(db)
     site.client.cookies.clear()
     form = {"name": "Mme Martin", "login": "martin", "password": "une phrase assez longue"}
     site.client.post(f"/bienvenue/{token}", data=form)

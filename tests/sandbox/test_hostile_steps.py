@@ -36,7 +36,7 @@ def test_a_hostile_program_is_followed_to_the_end_that_it_must_have(sandbox: San
     with patch("server.sandbox.connection.GRACE_SECONDS", GRACE.get(filed, 60.0)):
         with sandbox.open(source, policy=policy) as session:
             followed = session.trace("suivre")
-        end, reply = run.read_trace(told, followed, shows_value=True)
+        end, reply = run.read_trace_result(told, followed, shows_value=True)
     kinds = {"returned": "returned", "cut": "cut"}
     assert end.kind == kinds.get(filed, "fault"), end
     if filed == "returned":

@@ -25,7 +25,7 @@ def followed(
     waits = function is None
     told = TraceReader(len(source.split("\n")))
     with sandbox.open(source.encode(), kit=kit, policy=POLICY, deferred=waits, echo_last=waits) as session:
-        end, _ = run.read_trace(told, session.trace(function, *args, named=named), shows_value=not waits)
+        end, _ = run.read_trace_result(told, session.trace(function, *args, named=named), shows_value=not waits)
     return told, end, session.stdout()
 
 
@@ -203,7 +203,7 @@ def test_following_takes_nothing_from_the_answers_of_other_calls(sandbox: Sandbo
 
 def test_a_cell_is_answered_as_its_page_gets_it(sandbox: Sandbox) -> None:
     asked = CellTraceRequest(module="trousse", code="x = rng.integers(10)\nprint('a\\x1b')\n")
-    trace, again = (run.answer_question(sandbox, TraceQuestion(steps=asked)) for _ in range(2))
+    trace, again = (run.trace_question(sandbox, TraceQuestion(steps=asked)) for _ in range(2))
     assert (trace.lines, trace.filename, trace.call) == (
         ["x = rng.integers(10)", "print('a\\x1b')", ""],
         run.CELL,
@@ -211,5 +211,5 @@ def test_a_cell_is_answered_as_its_page_gets_it(sandbox: Sandbox) -> None:
     )
     assert (trace.end.kind, trace.stdout, trace.mark) == ("returned", "a␛\n", None)
     assert trace.steps == again.steps
-    broken = run.answer_question(sandbox, TraceQuestion(steps=CellTraceRequest(module="trousse", code="x = (")))
+    broken = run.trace_question(sandbox, TraceQuestion(steps=CellTraceRequest(module="trousse", code="x = (")))
     assert (broken.steps, broken.end.kind, broken.end.line) == ([], "fault", 1)

@@ -55,7 +55,7 @@ def replayed(exercise: Exercise, source: bytes) -> Iterator[tuple[CheckResult, R
         if can_replay(exercise, check):
             assert check.counterexample is not None
             inputs = check.counterexample.inputs
-            yield check, replaying.find_case(definition, check.id, inputs, source, LOCAL, seed=SEED)  # type: ignore[arg-type]
+            yield check, replaying.find_replay_case(definition, check.id, inputs, source, LOCAL, seed=SEED)  # type: ignore[arg-type]
 
 
 @pytest.mark.parametrize(("name", "mistake", "expected"), WRONG)
@@ -86,7 +86,7 @@ def test_a_simplified_case_is_found_on_a_slow_machine_too(course: Course, monkey
     for check in shown:
         inputs = check.counterexample.inputs  # type: ignore[union-attr]
         definition = load_definition(exercise.id)
-        assert replaying.find_case(definition, check.id, inputs, source, LOCAL, seed=SEED), check.id  # type: ignore[arg-type]
+        assert replaying.find_replay_case(definition, check.id, inputs, source, LOCAL, seed=SEED), check.id  # type: ignore[arg-type]
 
 
 def test_arguments_are_of_the_types_that_the_check_gives(course: Course) -> None:
@@ -124,7 +124,7 @@ def test_a_case_that_the_check_does_not_come_to_is_not_found(course: Course) -> 
         ("rien", {"a": [1.5]}, SEED),
         ("composer_exemples", {}, SEED),
     ):
-        assert replaying.find_case(definition, check, inputs, source, LOCAL, seed=seed) is None  # type: ignore[arg-type]
+        assert replaying.find_replay_case(definition, check, inputs, source, LOCAL, seed=seed) is None  # type: ignore[arg-type]
 
 
 def test_looking_for_a_case_ends(course: Course, monkeypatch: pytest.MonkeyPatch) -> None:

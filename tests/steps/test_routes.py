@@ -22,7 +22,7 @@ from server.gradebook.schemas import GradingResult
 from server.identity.models import Role
 from server.sandbox import Sandbox
 from server.steps.questions import CallTraceRequest, CellTraceRequest, ReplayTraceRequest, TraceQuestion
-from server.steps.run import answer_question
+from server.steps.run import trace_question
 from server.steps.schemas import EndOut, NumberOut, TraceOut
 from server.steps.service import StepService
 from server.submissions.models import Submission
@@ -261,7 +261,7 @@ def test_a_small_program_uses_the_class_that_an_exercise_asks_for(site: Site, co
     assert 'name="after"' in page.split("<noscript>")[1].split("</noscript>")[0]
 
     async def run(question: bytes, *, reader: str, flow: str, rank: int = 0) -> bytes:
-        return answer_question(course_sandbox, TraceQuestion.model_validate_json(question)).model_dump_json().encode()
+        return trace_question(course_sandbox, TraceQuestion.model_validate_json(question)).model_dump_json().encode()
 
     add_services(site.app, replace(get_service(site.app, StepService), trace_program=run))
     code = "class ArretUrgence:\n    def __init__(self, d):\n        self.d = 1 / d\n"

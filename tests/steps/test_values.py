@@ -14,7 +14,7 @@ from server.sandbox.child import codec
 from server.sandbox.child.frames import STEP_LIMITS
 from server.sandbox.child.value_descriptions import ValueDescriber
 from server.steps import values
-from server.steps.run import _read_returned
+from server.steps.run import _read_returned_value
 from server.steps.schemas import TraceOut
 from server.steps.trace_reader import MAX_TRACE_BYTES, TraceReader
 from server.steps.values import MalformedTrace
@@ -109,11 +109,11 @@ def test_whatever_is_told_is_read_or_refused_and_makes_a_trace_within_its_bounds
         ("step", "return", 0, 3, (), (), (described,), ("", "")),
         ("left", "steps"),
     ]
-    TraceReader(3).read(sound)
+    TraceReader(3).read_records(sound)
     for _ in range(1500):
         told, place = TraceReader(3), chance.randrange(len(sound))
         with suppress(MalformedTrace):
-            told.read([*sound[:place], _mangled(sound[place], chance), *sound[place + 1 :]])
+            told.read_records([*sound[:place], _mangled(sound[place], chance), *sound[place + 1 :]])
         assert all(1 <= step.line <= 3 and 0 <= step.frame < len(told.frames) for step in told.steps)
         assert all(frame.parent is None or frame.parent < k for k, frame in enumerate(told.frames))
         assert all(len(change.name) <= 200 for step in told.steps for change in step.changes)
@@ -122,17 +122,19 @@ def test_whatever_is_told_is_read_or_refused_and_makes_a_trace_within_its_bounds
 def test_a_trace_of_which_every_character_is_spelled_out_stays_within_what_an_answer_may_hold() -> None:
     items: Any = ("sequence", "list", None, 250, (("text", "\x7f" * 200, 200),) * 250)
     told = TraceReader(1)
-    told.read([("frame", "f", 1, None), *(("step", "line", 0, 1, (("a", items),), (), (), ("", "")),) * 100])
+    told.read_records([("frame", "f", 1, None), *(("step", "line", 0, 1, (("a", items),), (), (), ("", "")),) * 100])
     assert 1 < len(told.steps) < 100
     assert told.omissions == ["nodes"]
     assert sum(len(step.model_dump_json().encode()) for step in told.steps) <= MAX_TRACE_BYTES
     with pytest.raises(MalformedTrace):
-        _read_returned(((*items[:4], items[4] * 2), ()), shows_value=False)
+        _read_returned_value(((*items[:4], items[4] * 2), ()), shows_value=False)
 
 
 def test_a_trace_is_json_that_the_schema_reads() -> None:
     told = TraceReader(2)
-    told.read([("frame", "f", 1, None), ("step", "call", 0, 1, (("a", arrived([np.eye(2)])),), (), (), ("", ""))])
+    told.read_records(
+        [("frame", "f", 1, None), ("step", "call", 0, 1, (("a", arrived([np.eye(2)])),), (), (), ("", ""))]
+    )
     trace = TraceOut.model_validate(
         {"lines": ["a", "b"], "filename": "f", "call": "", "frames": told.frames, "steps": told.steps, "mark": None}
         | {"end": {"kind": "cut"}, "left_out": [], "stdout": "", "milliseconds": 1}

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from server.steps.schemas import ArrayOut, OtherOut, SequenceOut, TextOut, Value
-from server.steps.writing import write_value
+from server.steps.writing import format_traced_value
 
 
 @pytest.mark.parametrize(
@@ -23,4 +23,4 @@ from server.steps.writing import write_value
     ],
 )  # fmt: skip
 def test_a_value_is_written_as_python_does_and_says_what_was_cut(value: Value, text: str) -> None:
-    assert write_value(value) == text
+    assert format_traced_value(value) == text

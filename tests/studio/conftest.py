@@ -157,7 +157,7 @@ def studio(site: Site, course_sandbox: Sandbox, monkeypatch: pytest.MonkeyPatch)
         TRYOUT_JOB: ProgramTryoutTask(service.queue, partial(SandboxPrograms, course_sandbox)),
         GRADE: GradingTask(course, grade),
     }
-    course.exercises.find_authored = AuthoredExercises(site.database, course, clock=Ticks()).find
+    course.exercises.find_authored = AuthoredExercises(site.database, course, clock=Ticks()).find_published
     teacher = person(site, Role.teacher, "Grace")
     yield Studio(site, teacher, teacher.browser(site), Worker(site.database, service.queue, site.settings, tasks))
     course.exercises.find_authored = lambda _: None

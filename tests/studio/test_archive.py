@@ -12,15 +12,15 @@ import pytest
 from graders.core.declared.declaration import read_declaration
 from server.cli import main
 from server.identity.models import Role
-from server.studio.archive import exercise_files, read_archive, unpack_texts, write_archive
+from server.studio.archive import iter_exercise_files, read_archive, unpack_texts, write_archive
 from server.studio.authored import LIMITS
 from server.studio.completion import complete_draft
 from server.studio.dodona import read_exercise
 from server.studio.drafts import ExerciseDraft
 from server.studio.import_drafts import ImportRefused
-from server.studio.importing import import_file
+from server.studio.importing import import_exercise_file
 from server.studio.publication import version_content, version_digest
-from server.studio.service import find_own, read_draft
+from server.studio.service import find_own_exercise, read_draft
 from tests.graders.declared.kinds import KINDS, Kind
 from tests.support.classes import person
 from tests.support.outside import taken_in
@@ -104,11 +104,13 @@ def test_an_exported_exercise_is_checked_as_it_is_and_comes_back_the_same(
     draft = read_draft(studio.stored(path))
     assert draft.hints[0] == RICH["indice-1"]
     with studio.site.database.write() as db:
-        found = find_own(db, studio.teacher.account, path.rpartition("/")[2], to_change=True)
+        found = find_own_exercise(db, studio.teacher.account, path.rpartition("/")[2], to_change=True)
         from server.base.app_services import get_service
         from server.studio.service import StudioService
 
-        get_service(studio.site.app, StudioService).save(db, studio.teacher.account, found, draft, publish=True)
+        get_service(studio.site.app, StudioService).save_draft_and_try(
+            db, studio.teacher.account, found, draft, publish=True
+        )
     studio.work()
     first, second = studio.versions()
     assert first.exercise_id != second.exercise_id
@@ -167,7 +169,7 @@ def test_an_exercise_of_dodona_is_taken_with_the_files_beside_its_suite(studio: 
     with zipfile.ZipFile(packed, "w", zipfile.ZIP_DEFLATED) as archive:
         for path, content in files.items():
             archive.writestr(path, content)
-    (whole,) = import_file("somme.zip", packed.getvalue())
+    (whole,) = import_exercise_file("somme.zip", packed.getvalue())
     assert not whole.left
     assert not whole.to_look_at
     assert (whole.draft.title, whole.draft.statement) == ("Somme des notes", "Écrivez `somme(nom)`.")
@@ -188,7 +190,7 @@ def test_an_exercise_of_dodona_is_taken_with_the_files_beside_its_suite(studio: 
         },
     )
     assert "Exemples ✓" in studio.report(path)
-    (alone,) = import_file("suite.yaml", SUITE.encode())
+    (alone,) = import_exercise_file("suite.yaml", SUITE.encode())
     assert "« notes.txt » manque : importez un ZIP de l’exercice où il est" in alone.left[0]
     with pytest.raises(ImportRefused, match="2 suites de tests"):
         list(read_exercise({"a/suite.yaml": SUITE, "b/suite.yaml": SUITE}))
@@ -235,4 +237,4 @@ def test_colleagues_copy_by_a_code_and_from_the_bank(studio: Studio) -> None:
 def test_an_archive_is_repeatable() -> None:
     content = completed(ExerciseDraft(solution=SOLUTION))
     assert write_archive("l20", "a", content, LIMITS) == write_archive("l20", "a", content, LIMITS)
-    assert dict(exercise_files("l20", "a", content, LIMITS))["graders/l20/a/solution.py"] == SOLUTION
+    assert dict(iter_exercise_files("l20", "a", content, LIMITS))["graders/l20/a/solution.py"] == SOLUTION

@@ -17,7 +17,7 @@ from server.grading.trial_task import TRIAL_POLICY
 from server.sandbox import Sandbox
 from server.studio.drafts import EXAMPLES_TITLE, MORE_EXAMPLES_TITLE, ExerciseDraft
 from server.studio.models import AuthoredExercise
-from server.studio.service import find_own, read_draft
+from server.studio.service import find_own_exercise, read_draft
 
 from .conftest import FORM, MISTAKE, SOLUTION, Studio
 
@@ -305,7 +305,7 @@ def test_a_draft_is_its_author_s_alone(studio: Studio) -> None:
     with studio.site.database.read() as db:
         assert db.query(AuthoredExercise).count() == 0
         with pytest.raises(Exception, match="n’existe plus"):
-            find_own(db, studio.teacher.account, path.rpartition("/")[2])
+            find_own_exercise(db, studio.teacher.account, path.rpartition("/")[2])
 
 
 BISECTION = """def dichotomie(f, a, b, {name}):

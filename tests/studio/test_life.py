@@ -32,7 +32,7 @@ def test_published_exercises_outlive_their_author_and_drafts_do_not(studio: Stud
     with studio.site.database.write() as db:
         db.execute(delete(Account).where(Account.id == studio.teacher.id))
     with studio.site.database.write() as db:
-        repository.delete_abandoned(db)
+        repository.delete_abandoned_exercises(db)
     with studio.site.database.read() as db:
         (left,) = db.query(AuthoredExercise).all()
         assert (left.id, left.author_id) == (published.id, None)
@@ -155,7 +155,7 @@ def test_a_mistake_that_no_case_refuses_has_its_case_proposed(studio: Studio) ->
     fields = dict(re.findall(r'name="(version)" value="([^"]*)"', page))
     picked = [unescape(case) for case in re.findall(r'name="cas" value="([^"]*)"', page)]
     studio.save(path, **form, **fields, action="cas", cas=picked)
-    written = [case.call for check in read_draft(studio.stored(path)).checks for case in check.written]
+    written = [case.call for check in read_draft(studio.stored(path)).checks for case in check.nonempty_cases]
     assert len(written) >= 4
     assert "0 acceptée à tort" in studio.report(path)
     assert "n’est pas refusée" not in studio.report(path)

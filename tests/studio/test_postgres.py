@@ -13,7 +13,7 @@ from server.course import Course
 from server.gradebook.models import Grading
 from server.identity.models import Role
 from server.regrades.service import RegradeService
-from server.studio.service import find_own, read_draft
+from server.studio.service import find_own_exercise, read_draft
 from tests.support.classes import new_class, person, seat
 from tests.support.client import TestClient
 from tests.support.quick import standing_app
@@ -62,7 +62,7 @@ def test_the_life_of_an_exercise(studio: Studio) -> None:
     studio.save(path, **MISTAKE, action="publier", **{"v-0-c-3-appel": 'compter_mots("z z z")'})
     with studio.site.database.read() as db:
         assert [each.exercise for each in regrades.load_outdated_exercises(db, made)] == [exercise.name]
-        assert [len(read_draft(find_own(db, studio.teacher.account, exercise.id)).checks[0].cases)] == [4]
+        assert [len(read_draft(find_own_exercise(db, studio.teacher.account, exercise.id)).checks[0].cases)] == [4]
     asked = studio.browser.post(f"/classes/{made.id}/recalculs", data={"exercice": exercise.name})
     assert asked.status_code == 303, asked.text
     studio.work()

@@ -11,7 +11,7 @@ from server.base.app_services import add_services, get_service
 from server.identity.models import Role
 from server.sandbox import Sandbox
 from server.steps.questions import ProgramRunRequest, TraceQuestion
-from server.steps.run import answer_question
+from server.steps.run import trace_question
 from server.steps.service import StepService
 from server.submissions.models import Submission
 from tests.support.classes import person
@@ -62,7 +62,7 @@ def test_a_program_runs_with_and_without_scripts_on_what_is_typed(studio: Studio
         read = TraceQuestion.model_validate_json(question)
         assert isinstance(read.steps, ProgramRunRequest)
         asked.append(read.steps)
-        return answer_question(course_sandbox, read).model_dump_json().encode()
+        return trace_question(course_sandbox, read).model_dump_json().encode()
 
     add_services(studio.site.app, replace(get_service(studio.site.app, StepService), trace_program=follow))
     ada = person(studio.site, Role.student, "Ada").browser(studio.site)

@@ -14,7 +14,7 @@ from server.classes.models import ClassRole, Membership, SchoolClass, Status
 from server.database import Database, utc_now
 from server.identity import tokens
 from server.identity.models import Account, BrowserSession, Role
-from server.identity.secrets import new_token, sha256_hex
+from server.identity.secrets import draw_secret_token, sha256_hex
 from tests.support.client import TestClient
 from tests.support.service import Site, new_account
 
@@ -67,7 +67,7 @@ class Person:
 
 def person(site: Site, role: Role = Role.student, name: str = "Ada", account: Account | None = None) -> Person:
     account = account or new_account(site.database, role, name)
-    cookie = new_token()
+    cookie = draw_secret_token()
     with site.database.write() as db:
         _, secret = tokens.create_token(db, account, "essai", site.settings)
         ends = service.utc_now().replace(year=2100)

@@ -63,7 +63,7 @@ from server.federation.rules import Rule
 from server.federation.tokens import read_header
 from server.hunts.service import MAX_TYPED_CHARACTERS
 from server.identity.schemas import validate_new_account, validate_new_password, validate_token_label
-from server.identity.secrets import normalize_token, sha256_hex
+from server.identity.secrets import normalise_typed_token, sha256_hex
 from server.mails.service import parse_address
 from server.marks.cells import ascii_slug, write_french_csv, write_plain_csv
 from server.marks.rubric_items import RubricItem, parse_rubric_item
@@ -73,10 +73,10 @@ from server.routers import ROUTERS
 from server.sandbox.foreign_characters import describe_odd_letters, find_foreign_characters, latin_spelling
 from server.sandbox.policy import Policy
 from server.sandbox.sources import import_set_of_program, require_text
-from server.steps.calls import MAX_CHARACTERS, parse_call, parse_value, read_stdin
+from server.steps.calls import MAX_CHARACTERS, parse_call, parse_stdin_lines, parse_value
 from server.studio.drafts import ExerciseDraft
 from server.studio.import_drafts import ImportRefused
-from server.studio.importing import import_file
+from server.studio.importing import import_exercise_file
 from server.submissions.service import code_digest
 from server.text.lines import require_line, tidy_lines
 from server.text.python_colours import colour_lines_uncached
@@ -152,7 +152,7 @@ def _large_form(text: str) -> object:
 def _imported_file(text: str) -> None:
     for ending in ("zip", "xml", "yaml", "json", "ipynb"):
         with suppress(ImportRefused):
-            import_file(f"a.{ending}", text.encode("utf-8", "replace"))
+            import_exercise_file(f"a.{ending}", text.encode("utf-8", "replace"))
 
 
 @cache
@@ -251,7 +251,7 @@ READERS: tuple[Reader, ...] = (
     Reader("a token's label", validate_token_label, BODY, TEXTS, "form:label"),
     Reader(
         "a token",
-        lambda text: sha256_hex(normalize_token(text)),
+        lambda text: sha256_hex(normalise_typed_token(text)),
         BODY,
         TEXTS,
         "path:token query:code query:state form:state",
@@ -384,7 +384,7 @@ READERS: tuple[Reader, ...] = (
     ),
     Reader("a list written again", lambda text: to_csv(read_rows(text.encode("utf-8", "replace")).rows), BODY, TEXTS),
     Reader("a call", parse_call, MAX_CHARACTERS, {**TEXTS, **PROGRAMS}, "body:CallBody.call"),
-    Reader("a standard input", read_stdin, MAX_CHARACTERS, TEXTS, "body:CallBody.stdin"),
+    Reader("a standard input", parse_stdin_lines, MAX_CHARACTERS, TEXTS, "body:CallBody.stdin"),
     Reader(
         "a value",
         parse_value,

@@ -83,7 +83,7 @@ def pytest_runtest_setup() -> None:
 @pytest.fixture(autouse=True, scope="session")
 def _passwords_are_hashed_quickly() -> Iterator[None]:
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(secrets, "_hasher", weak_hasher)
+        patch.setattr(secrets, "_password_hash", weak_hasher)
         yield
 
 

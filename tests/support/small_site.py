@@ -84,6 +84,6 @@ class SmallSite:
 
     def become_teacher(self) -> None:
         with self.database.write() as db:
-            token = links.invite_administrator(db)
+            token = links.create_administrator_invitation(db)
         form = {"name": "Mme Martin", "login": "martin", "password": "une phrase assez longue"}
         assert self.client.post(f"/bienvenue/{token}", data=form).status_code == 200

@@ -49,7 +49,7 @@ class CheckTrace:
     failure: str = ""
     figure: str = ""
 
-    def record(self, function: str, args: Arguments, answer: Answer) -> None:
+    def record_call(self, function: str, args: Arguments, answer: Answer) -> None:
         self.count += 1
         if len(self.calls) < MAX_SHOWN_CALLS:
             given = ", ".join(map(words.text, args))
@@ -79,11 +79,11 @@ def trace_solution_checks(
 
 def _describe_figure(grader: CodeGrader, check_id: str, seed: int, figure_descriptions: Mapping[str, str]) -> str:
     """Return what a check's figure on its first case shows, in words; empty where it draws nothing."""
-    data = first_case_figure(grader, check_id, seed)
+    data = draw_first_case_figure(grader, check_id, seed)
     return "" if data is None else figure_descriptions.get(str(data.get("kind")), NO_WORDS)
 
 
-def first_case_figure(grader: CodeGrader, check_id: str, seed: int) -> FigureData | None:
+def draw_first_case_figure(grader: CodeGrader, check_id: str, seed: int) -> FigureData | None:
     """The data of a check's figure on its first case, the right answer being given; None where it draws nothing."""
     check = next((candidate for candidate in grader.checks if candidate.id == check_id), None)
     if not isinstance(check, Cases):
@@ -114,13 +114,13 @@ class TracedProgram:
 
     def call(self, function: str, *args: Value, return_arguments: bool = False) -> Reply:
         reply = self._program.call(function, *args, return_arguments=return_arguments)
-        self._seen.record(function, args, reply)
+        self._seen.record_call(function, args, reply)
         return reply
 
     def call_many(self, function: str, calls: Any, *, faults: int | None = None) -> Iterator[Answer]:
         given = list(calls)
         for args, answer in zip(given, self._program.call_many(function, given, faults=faults), strict=False):
-            self._seen.record(function, args, answer)
+            self._seen.record_call(function, args, answer)
             yield answer
 
     def call_batches(self, asked: Sequence[PlannedCalls]) -> Iterator[Block]:

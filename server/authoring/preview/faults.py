@@ -9,7 +9,7 @@ from collections.abc import Iterable, Iterator
 from pathlib import Path
 
 from server.authoring import objectives, shapes
-from server.authoring.preview.reading import read_course
+from server.authoring.preview.reading import read_course_with_faults
 from server.authoring.preview.supervising import PreviewSession
 from server.base.files import write_atomically
 from server.course import Problem, retrievals
@@ -20,15 +20,15 @@ from server.replays.faults import faults as of_replays
 NICENESS = 15
 
 
-def write_faults(session: PreviewSession) -> None:
+def check_course_and_write_faults(session: PreviewSession) -> None:
     """Check the course and write its problems to the session's file."""
     os.nice(NICENESS)
     sys.dont_write_bytecode = True
-    course = read_course(session.course_folder, render=True)
+    course = read_course_with_faults(session.course_folder, render=True)
     found = [
         *course.problems,
-        *shapes.faults(course),
-        *objectives.faults(course),
+        *shapes.find_catalogue_faults(course),
+        *objectives.find_objective_faults(course),
         *(fault for module in course.modules.values() for fault in retrievals.find_faults(module)),
         *lessons.find_drawing_faults(course),
         *of_replays(course),
@@ -36,7 +36,7 @@ def write_faults(session: PreviewSession) -> None:
     write_atomically(session.faults_file, json.dumps([[str(fault.path), fault.line, fault.message] for fault in found]))
 
 
-def load_faults(session: PreviewSession, known: Iterable[Problem]) -> list[Problem]:
+def load_faults_or_known(session: PreviewSession, known: Iterable[Problem]) -> list[Problem]:
     """Return the problems found in this version, or `known` while the check is running."""
     try:
         return [*_parse_faults(session.faults_file)]

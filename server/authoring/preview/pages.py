@@ -26,7 +26,7 @@ from graders.core.code.grading import CodeGrader
 from graders.core.contract.outcomes import Outcome
 from graders.core.contract.protocol import KnownSubmission
 from server.authoring.preview import faults
-from server.authoring.preview.check_trace import CheckTrace, first_case_figure, trace_solution_checks
+from server.authoring.preview.check_trace import CheckTrace, draw_first_case_figure, trace_solution_checks
 from server.authoring.preview.supervising import PreviewSession
 from server.base.errors import NotFound
 from server.base.http import client_address
@@ -63,13 +63,13 @@ class ServedVersion:
     stopping: Event = field(default_factory=Event)
 
 
-async def _version(request: Request) -> ServedVersion:
+async def _served_version(request: Request) -> ServedVersion:
     """Return the served version. Only a preview's application has one."""
     version: ServedVersion = request.app.state.preview
     return version
 
 
-VersionOf = Annotated[ServedVersion, Depends(_version)]
+VersionOf = Annotated[ServedVersion, Depends(_served_version)]
 
 
 @dataclass(frozen=True)
@@ -99,7 +99,7 @@ class TrialPage:
 
 
 @router.get("/apercu/evenements")
-async def events(version: VersionOf) -> StreamingResponse:
+async def stream_events(version: VersionOf) -> StreamingResponse:
     return StreamingResponse(
         _event_stream(version), media_type="text/event-stream", headers={"Cache-Control": "no-store"}
     )
@@ -117,12 +117,12 @@ async def _event_stream(version: ServedVersion) -> AsyncIterator[str]:
 
 
 @router.get("/apercu/problemes")
-def problems(version: VersionOf) -> HTMLResponse:
+def show_problems(version: VersionOf) -> HTMLResponse:
     return HTMLResponse(render_footer(version, "", None), headers={"Cache-Control": "no-store"})
 
 
 @router.get("/apercu/{module:module}/{slug}")
-def trial_page(
+def show_trial_page(
     request: Request, module: str, slug: str, course: CourseOf, account: OptionalAccount, graine: int = SEED
 ) -> HTMLResponse:
     exercise = find_exercise(course, module, slug)
@@ -168,12 +168,14 @@ def submit_trial(
 
 
 @router.get("/apercu/{module:module}/{slug}/figures/{check}.svg")
-async def figure(
+async def draw_check_figure(
     request: Request, module: str, slug: str, check: str, course: CourseOf, figures: FiguresOf, theme: Theme = "light"
 ) -> Response:
     exercise = find_exercise(course, module, slug)
     grader = exercise.grader
-    data = await run_in_threadpool(first_case_figure, grader, check, SEED) if isinstance(grader, CodeGrader) else None
+    data = (
+        await run_in_threadpool(draw_first_case_figure, grader, check, SEED) if isinstance(grader, CodeGrader) else None
+    )
     if data is None:
         raise NotFound("Cette vérification ne dessine rien.")
     picture = await figures.pictures.load_or_render(
@@ -197,12 +199,12 @@ def _describe_expected(known: KnownSubmission) -> str:
 
 def render_footer(version: ServedVersion, path: str, course: Course | None) -> str:
     """What stands at the foot of each page; `path` is its address, from which one may try its exercise."""
-    found = faults.load_faults(version.session, version.problems)
+    found = faults.load_faults_or_known(version.session, version.problems)
     place = version.session.course_folder
     views = [FaultView(_relative_path(problem.path, place), problem.line, problem.message) for problem in found]
     looked = version.session.faults_file.exists()
     context: dict[str, Any] = {"faults": views, "looked": looked, "generation": version.session.generation}
-    exercise = _trial_href(path, course)
+    exercise = _trial_href_of_page(path, course)
     return jinja_environment().get_template("preview/foot.html").render(**context, exercise=exercise)
 
 
@@ -210,7 +212,7 @@ def _relative_path(path: Path, place: Path) -> str:
     return os.path.relpath(path, place) if path.is_relative_to(place) else str(path)
 
 
-def _trial_href(path: str, course: Course | None) -> str:
+def _trial_href_of_page(path: str, course: Course | None) -> str:
     """Where one tries the exercise that a page is of; empty for others."""
     parts = path.strip("/").split("/")
     if course is None or len(parts) < 3 or parts[1] != "exercices":

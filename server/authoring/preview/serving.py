@@ -15,7 +15,7 @@ import uvicorn
 from graders.core.contract.findings import Judgement
 from server.app import create_app
 from server.authoring.preview.pages import PreviewMiddleware, ServedVersion, router
-from server.authoring.preview.reading import read_course
+from server.authoring.preview.reading import read_course_with_faults
 from server.authoring.preview.supervising import PreviewSession
 from server.base import http_protocol
 from server.base.app_services import get_service
@@ -58,25 +58,25 @@ def preview_settings(kept: Path) -> Settings:
     )
 
 
-def create_database(kept: Path) -> None:
+def create_preview_database(kept: Path) -> None:
     """Makes the database of a preview, once."""
     with closing(Database(preview_settings(kept).url)) as database:
         upgrade(database.engine)
 
 
-def serve(session: PreviewSession, listener: socket.socket, ready: Callable[[], None]) -> None:
+def serve_version(session: PreviewSession, listener: socket.socket, ready: Callable[[], None]) -> None:
     """Serve this version until the process is terminated."""
     sys.dont_write_bytecode = True  # nothing of ours among the author's files
     settings = preview_settings(session.data_dir)
     if session.generation == 1:
-        create_database(session.data_dir)
-    course = read_course(session.course_folder, StartCache(session.data_dir / CACHE_FILE))
+        create_preview_database(session.data_dir)
+    course = read_course_with_faults(session.course_folder, StartCache(session.data_dir / CACHE_FILE))
     app = create_app(settings, course=course)
     version = ServedVersion(session, course.problems, Sandbox(course.kits))
     app.state.preview = version
     app.include_router(router)
     events = get_service(app, JobEvents)
-    threading.Thread(target=_grade, args=(settings, course, version.sandbox, events), daemon=True).start()
+    threading.Thread(target=_run_grading_worker, args=(settings, course, version.sandbox, events), daemon=True).start()
 
     def stopping() -> None:
         version.stopping.set()
@@ -84,10 +84,10 @@ def serve(session: PreviewSession, listener: socket.socket, ready: Callable[[], 
 
     with version.sandbox:
         config = http_protocol.uvicorn_config(PreviewMiddleware(app, version, course), grace=SHUTDOWN_GRACE)
-        _Server(config, ready, stopping).run([listener])
+        _PreviewServer(config, ready, stopping).run([listener])
 
 
-class _Server(uvicorn.Server):
+class _PreviewServer(uvicorn.Server):
     """uvicorn, which says when it answers, and lets the streams of its pages end when it must."""
 
     def __init__(self, config: uvicorn.Config, ready: Callable[[], None], stopping: Callable[[], None]) -> None:
@@ -106,7 +106,7 @@ class _Server(uvicorn.Server):
         await super().shutdown(sockets)
 
 
-def _grade(settings: Settings, course: Course, sandbox: Sandbox, events: JobEvents) -> None:
+def _run_grading_worker(settings: Settings, course: Course, sandbox: Sandbox, events: JobEvents) -> None:
     """The worker of a preview: in a thread, with the course that the pages have."""
     grader = SandboxGrader(course, sandbox)
 

@@ -55,7 +55,7 @@ class VersionProcesses:
 
 
 @dataclass
-class Supervisor:
+class PreviewSupervisor:
     """`serve` and `look` are what the two processes of a version do; both are forked, and end with this one."""
 
     course_folder: Path
@@ -73,42 +73,44 @@ class Supervisor:
             _watch_changes(self.course_folder) as changes,
         ):
             self.data_dir = Path(kept)
-            running = self._start()
+            running = self._start_version()
             try:
                 while True:
                     changed = next(changes)
-                    self.report(f"{_describe_changes(changed, self.course_folder)} : relu en {self._restart(running)}.")
+                    self.report(
+                        f"{_describe_changes(changed, self.course_folder)} : relu en {self._restart_version(running)}."
+                    )
             except (KeyboardInterrupt, StopIteration):
                 pass
             finally:
-                _stop(running)
+                _stop_version(running)
 
-    def _restart(self, running: VersionProcesses) -> str:
+    def _restart_version(self, running: VersionProcesses) -> str:
         begun = time.monotonic()
-        _kill(running.checker)
-        fresh = self._start(instead_of=running)
+        _kill_and_reap(running.checker)
+        fresh = self._start_version(instead_of=running)
         running.server, running.checker = fresh.server, fresh.checker
         return f"{time.monotonic() - begun:.1f} s".replace(".", ",")
 
-    def _start(self, instead_of: VersionProcesses | None = None) -> VersionProcesses:
+    def _start_version(self, instead_of: VersionProcesses | None = None) -> VersionProcesses:
         """The processes of the next version; where its server does not come up, the one before it stays."""
         self.generation += 1
         session = PreviewSession(self.course_folder, self.data_dir, self.generation)
         told, tells = os.pipe()
-        server = _fork(lambda: self.serve(session, self.listener, lambda: _signal_ready(tells)), close=told)
+        server = _fork_to_run(lambda: self.serve(session, self.listener, lambda: _signal_ready(tells)), close=told)
         os.close(tells)
         up = _wait_until_ready(server, told)
         os.close(told)
         if up and instead_of is not None:
-            _kill(instead_of.server, signal.SIGTERM)
+            _kill_and_reap(instead_of.server, signal.SIGTERM)
         elif not up:
-            _kill(server)
+            _kill_and_reap(server)
             self.report("Cette version ne démarre pas : l’import du cours ne finit pas, ou arrête Python.")
             server = instead_of.server if instead_of is not None else server
-        return VersionProcesses(server, _fork(lambda: self.check(session)))
+        return VersionProcesses(server, _fork_to_run(lambda: self.check(session)))
 
 
-def _fork(work: Callable[[], None], close: int | None = None) -> int:
+def _fork_to_run(work: Callable[[], None], close: int | None = None) -> int:
     """A process that does this and ends, whatever comes of it."""
     parent = os.getpid()
     child = os.fork()
@@ -144,7 +146,7 @@ def _wait_until_ready(process: int, pipe: int) -> bool:
     return os.read(pipe, len(READY)) == READY
 
 
-def _kill(process: int, number: signal.Signals = signal.SIGKILL) -> None:
+def _kill_and_reap(process: int, number: signal.Signals = signal.SIGKILL) -> None:
     """Ends a process of ours, and waits for it where that takes no time."""
     try:
         os.kill(process, number)
@@ -154,9 +156,9 @@ def _kill(process: int, number: signal.Signals = signal.SIGKILL) -> None:
         pass  # it has ended by itself
 
 
-def _stop(running: VersionProcesses) -> None:
-    _kill(running.checker)
-    _kill(running.server, signal.SIGTERM)
+def _stop_version(running: VersionProcesses) -> None:
+    _kill_and_reap(running.checker)
+    _kill_and_reap(running.server, signal.SIGTERM)
     with suppress(ChildProcessError):
         os.waitpid(running.server, 0)
 

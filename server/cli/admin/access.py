@@ -22,7 +22,7 @@ UNKNOWN = "{login} n’a ni session ni jeton « {name} »."
 
 def list_sessions(database: Database, _settings: Settings, arguments: Namespace) -> Answer:
     with database.read() as db:
-        account = links.find_account_by_login(db, arguments.login)
+        account = links.find_account_by_login_or_id(db, arguments.login)
         open_sessions = repository.load_sessions(db, account.id)
     lines = [
         f"  {_name(session)} : depuis {iso_moment(session.created_at)}, jusqu’à {iso_moment(session.expires_at)}"
@@ -36,7 +36,7 @@ def list_sessions(database: Database, _settings: Settings, arguments: Namespace)
 
 def list_tokens(database: Database, _settings: Settings, arguments: Namespace) -> Answer:
     with database.read() as db:
-        account = links.find_account_by_login(db, arguments.login)
+        account = links.find_account_by_login_or_id(db, arguments.login)
         api_tokens = tokens.load_tokens(db, account)
     lines = [f"  {token.id} : « {token.label} », {_served(token.last_used_at)}" for token in api_tokens]
     end = f"{account_label(account)} : {plural(len(api_tokens), 'jeton')}."
@@ -48,7 +48,7 @@ def revoke(database: Database, _settings: Settings, arguments: Namespace) -> Ans
     if bool(arguments.names) == arguments.all:
         raise CannotRun("nommez ce qui est à révoquer (voyez « sessions » et « tokens »), ou --all pour tout.")
     with database.write() as db:
-        account = links.find_account_by_login(db, arguments.login)
+        account = links.find_account_by_login_or_id(db, arguments.login)
         if arguments.all:
             count = len(repository.load_sessions(db, account.id)) + len(repository.load_all_tokens(db, account.id))
             repository.delete_sessions_of(db, account.id)
@@ -56,7 +56,7 @@ def revoke(database: Database, _settings: Settings, arguments: Namespace) -> Ans
         else:
             count = len(arguments.names)
             for name in arguments.names:
-                if len(name) == NAME_LENGTH and administration.revoke_session(db, account, name):
+                if len(name) == NAME_LENGTH and administration.revoke_sessions_by_digest_prefix(db, account, name):
                     continue
                 missing = UNKNOWN.format(login=account.handle, name=name)
                 try:

@@ -41,7 +41,7 @@ def invite(database: Database, settings: Settings, arguments: Namespace) -> Answ
     days = settings.first_password_days
     role = Role(arguments.role)
     with database.write() as db:
-        token = links.invite(db, role, timedelta(days=days))
+        token = links.create_invitation(db, role, timedelta(days=days))
         journal.record(db, AuditAction.invitation_made, after={"role": role})
     line = f"Ce lien ouvre un compte d’{ROLES[role]} ; il ne sert qu’une fois, et pendant {plural(days, 'jour')}."
     return _link(line, token, arguments, {"role": role}, page="bienvenue")
@@ -56,7 +56,7 @@ def _link(
 
 def change_role(database: Database, _settings: Settings, arguments: Namespace) -> Answer:
     with database.write() as db:
-        account = links.find_account_by_login(db, arguments.login)
+        account = links.find_account_by_login_or_id(db, arguments.login)
         before = account.role
         administration.change_role(db, account, Role(arguments.role))
         journal.record(db, AuditAction.role_changed, account, before={"role": before}, after={"role": account.role})
@@ -65,8 +65,8 @@ def change_role(database: Database, _settings: Settings, arguments: Namespace) -
 
 def disable(database: Database, _settings: Settings, arguments: Namespace) -> Answer:
     with database.write() as db:
-        account = links.find_account_by_login(db, arguments.login)
-        administration.disable(db, account)
+        account = links.find_account_by_login_or_id(db, arguments.login)
+        administration.disable_account(db, account)
         journal.record(db, AuditAction.account_disabled, account)
     line = f"{account_label(account)} : suspendu. Ses sessions et ses jetons ont pris fin ; son travail reste."
     return Answer([line], account_json(account))
@@ -74,8 +74,8 @@ def disable(database: Database, _settings: Settings, arguments: Namespace) -> An
 
 def enable(database: Database, _settings: Settings, arguments: Namespace) -> Answer:
     with database.write() as db:
-        account = links.find_account_by_login(db, arguments.login)
-        administration.enable(account)
+        account = links.find_account_by_login_or_id(db, arguments.login)
+        administration.enable_account(account)
         journal.record(db, AuditAction.account_enabled, account)
     return Answer([f"{account_label(account)} : rétabli, avec le mot de passe qu’il avait."], account_json(account))
 

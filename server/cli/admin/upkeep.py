@@ -54,7 +54,7 @@ def erase(database: Database, settings: Settings, arguments: Namespace) -> Answe
     """Erase a student on request; without `--yes`, only tell what would go. With `--cancel`, cancel a request."""
     now = utc_now()
     with database.read() as db:
-        account = links.find_account_by_login(db, arguments.login)
+        account = links.find_account_by_login_or_id(db, arguments.login)
         erasures.require_student(db, account)
         shown = erasures.preview(db, account, None, now)
     person = account_label(account)

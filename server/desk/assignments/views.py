@@ -247,7 +247,7 @@ def _exercise_options(
         weight = chosen.get(each.id, "1")
         found.append(ExerciseOption(each.id, each.title, each.id in chosen, weight, "" if after == last else after))
         last = after
-    own = studio.list_class_exercises(db, access.school_class)
+    own = studio.list_exercises_of_class_teachers(db, access.school_class)
     own = dict(own) | {name: course.title_of(name) for name in chosen if name in course.exercises and name not in own}
     known = {each.id for each in exercises}
     for name, title in own.items():

@@ -22,7 +22,7 @@ from server.rights.models import Right
 from server.studio import importing, repository, service
 from server.studio.archive import write_archive
 from server.studio.authored import LIMITS
-from server.studio.completion import add_draws
+from server.studio.completion import add_proposed_draws_check
 from server.studio.drafts import ExerciseDraft, program_digest
 from server.studio.import_drafts import ImportRefused
 from server.studio.models import AuthoredExercise
@@ -52,7 +52,7 @@ def list_exercises(request: Request, reader: CurrentReader, q: ShortQuery = "", 
 @router.post(PATH)
 def create_exercise(account: SignedIn, reader: CurrentReader, studio: StudioOf, module: Field = "") -> Response:
     rights.require_server_right(account, Right.write_exercises)
-    made = studio.create(reader.db, account, find_module(reader.course, module).slug)
+    made = studio.create_exercise(reader.db, account, find_module(reader.course, module).slug)
     return redirect(views.exercise_path(made))
 
 
@@ -79,8 +79,12 @@ def import_exercises(
     module = find_module(reader.course, str(fields.get("module", ""))).slug
     name, data = forms.read_upload(fields)
     try:
-        imported = importing.import_file(name, data)
-        made = [(each, studio.create(reader.db, account, module, each.draft)) for each in imported if each.is_usable]
+        imported = importing.import_exercise_file(name, data)
+        made = [
+            (each, studio.create_exercise(reader.db, account, module, each.draft))
+            for each in imported
+            if each.is_usable
+        ]
     except (ImportRefused, Invalid) as refused:
         roll_back_then_read(reader.db)
         view = views.build_import_page(reader, problem=f"{str(refused)[:1].upper()}{str(refused)[1:]}.")
@@ -97,7 +101,7 @@ def show_bank(request: Request, reader: CurrentReader, q: ShortQuery = "", page:
     if reader.account is None:
         return redirect_to_login(request)
     rights.require_server_right(reader.account, Right.write_exercises)
-    found = service.search_exercises(repository.list_bank(reader.db), q)
+    found = service.search_exercises(repository.list_shared_bank(reader.db), q)
     view = views.build_bank_page(reader, found, query=q, page=page)
     return render_page(request, "studio/bank.html", reader.account, page=view)
 
@@ -109,13 +113,17 @@ def copy_exercise(
     """Copy an exercise into one's own library: one of the bank, or one whose author gave the code."""
     rights.require_server_right(account, Right.write_exercises)
     try:
-        source = service.find_in_bank(reader.db, exercice) if exercice else service.find_shared(reader.db, code)
+        source = (
+            service.find_exercise_in_bank(reader.db, exercice)
+            if exercice
+            else service.find_exercise_by_share_code(reader.db, code)
+        )
     except NotFound as refused:
-        studio.count_guess(reader.db, account)
+        studio.count_wrong_code(reader.db, account)
         commit_then_read(reader.db)
         view = views.build_list_page(reader, account, code=code, problem=refused.detail)
         return render_page(request, "studio/list.html", account, status=404, page=view)
-    made = studio.create(reader.db, account, source.module, service.read_draft(source))
+    made = studio.create_exercise(reader.db, account, source.module, service.read_draft(source))
     return redirect(views.exercise_path(made))
 
 
@@ -124,7 +132,7 @@ def show_exercise(request: Request, exercise_id: str, reader: CurrentReader, stu
     if reader.account is None:
         return redirect_to_login(request)
     rights.require_server_right(reader.account, Right.write_exercises)
-    exercise = service.find_own(reader.db, reader.account, exercise_id)
+    exercise = service.find_own_exercise(reader.db, reader.account, exercise_id)
     view = views.build_edit_page(StudioReader(reader, studio), exercise, service.read_draft(exercise))
     return render_page(request, "studio/edit.html", reader.account, page=view)
 
@@ -135,7 +143,7 @@ def show_trial(request: Request, exercise_id: str, reader: CurrentReader, studio
     if reader.account is None:
         return redirect_to_login(request)
     rights.require_server_right(reader.account, Right.write_exercises)
-    exercise = service.find_own(reader.db, reader.account, exercise_id)
+    exercise = service.find_own_exercise(reader.db, reader.account, exercise_id)
     return _render_report(StudioReader(reader, studio), exercise)
 
 
@@ -145,8 +153,8 @@ def download_archive(request: Request, exercise_id: str, reader: CurrentReader) 
     if reader.account is None:
         return redirect_to_login(request)
     rights.require_server_right(reader.account, Right.write_exercises)
-    exercise = service.find_own(reader.db, reader.account, exercise_id)
-    name, content = service.archived_content(exercise)
+    exercise = service.find_own_exercise(reader.db, reader.account, exercise_id)
+    name, content = service.content_to_archive(exercise)
     packed = write_archive(exercise.module, name, content, LIMITS)
     headers = {"Content-Disposition": f'attachment; filename="{name}.zip"', "Cache-Control": "private, no-store"}
     return Response(packed, media_type="application/zip", headers=headers)
@@ -158,7 +166,7 @@ def show_tryout(request: Request, exercise_id: str, reader: CurrentReader, studi
     if reader.account is None:
         return redirect_to_login(request)
     rights.require_server_right(reader.account, Right.write_exercises)
-    exercise = service.find_own(reader.db, reader.account, exercise_id)
+    exercise = service.find_own_exercise(reader.db, reader.account, exercise_id)
     view = views.build_tryout_page(StudioReader(reader, studio), exercise)
     return render_page(request, "studio/tryout.html", reader.account, page=view)
 
@@ -168,8 +176,8 @@ def try_as_student(
     exercise_id: str, account: SignedIn, reader: CurrentReader, studio: StudioOf, code: Field = ""
 ) -> Response:
     rights.require_server_right(account, Right.write_exercises)
-    exercise = service.find_own(reader.db, account, exercise_id, to_change=True)
-    studio.try_as_student(reader.db, account, exercise, code.replace("\r\n", "\n"))
+    exercise = service.find_own_exercise(reader.db, account, exercise_id, to_change=True)
+    studio.grade_as_student(reader.db, account, exercise, code.replace("\r\n", "\n"))
     return redirect(f"{views.exercise_path(exercise)}/essayer#verdict")
 
 
@@ -179,28 +187,28 @@ def save_exercise(
 ) -> Response:
     """Save what is typed and try it; with `action`, also publish it, add what a trial proposes, share or delete it."""
     rights.require_server_right(account, Right.write_exercises)
-    exercise = service.find_own(reader.db, account, exercise_id, to_change=True)
+    exercise = service.find_own_exercise(reader.db, account, exercise_id, to_change=True)
     action = str(fields.get("action", ""))
     if action == "supprimer":
         service.delete_exercise(reader.db, exercise)
         return redirect(PATH)
     stored = service.read_draft(exercise)
     typed = read_form(fields, stored)
-    require_same_version(fields, account, SUBJECT, stored.texts, typed.texts)
+    require_same_version(fields, account, SUBJECT, stored.texts_by_label, typed.texts_by_label)
     context = StudioReader(reader, studio)
     try:
         draft = _with_proposals(action, typed, exercise, fields)
         publishes = action == "publier" or (action == "cas" and bool((exercise.trial or {}).get("faults")))
         if action not in service.LENDING or draft.digest != exercise.digest:
-            studio.save(reader.db, account, exercise, draft, publish=publishes)
+            studio.save_draft_and_try(reader.db, account, exercise, draft, publish=publishes)
     except Invalid as refused:
         roll_back_then_read(reader.db)
-        exercise = service.find_own(reader.db, account, exercise_id)
+        exercise = service.find_own_exercise(reader.db, account, exercise_id)
         view = views.build_edit_page(context, exercise, typed, problem=refused.detail)
         return render_page(request, "studio/edit.html", account, status=422, page=view)
     if action == "brouillon":
         commit_then_read(reader.db)
-        return _render_report(context, service.find_own(reader.db, account, exercise_id))
+        return _render_report(context, service.find_own_exercise(reader.db, account, exercise_id))
     service.change_sharing(exercise, action)
     return redirect(f"{views.exercise_path(exercise)}#essai")
 
@@ -222,12 +230,12 @@ def _with_proposals(action: str, draft: ExerciseDraft, exercise: AuthoredExercis
     if action == "erreurs":
         picked = forms.read_picked(fields, forms.PICKED_CHANGES)
         changes = [each for each in _report(exercise).changes if program_digest(each.program) in picked]
-        service.require_picked(picked, changes, service.NO_MISTAKE_PICKED)
+        service.require_valid_picks(picked, changes, service.NO_MISTAKE_PICKED)
         return service.add_mistakes(draft, changes)
     if action == "cas":
         return service.add_cases(draft, _report(exercise), forms.read_picked(fields, forms.PICKED_CASES))
     if action == "tirages":
-        return add_draws(draft, (exercise.trial or {}).get("completed") or {})
+        return add_proposed_draws_check(draft, (exercise.trial or {}).get("completed") or {})
     if action not in {"", "enregistrer", "brouillon", "publier", *service.LENDING}:
         raise NotFound(UNKNOWN_ACTION)
     return draft

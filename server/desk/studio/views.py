@@ -126,7 +126,9 @@ def _module_label(course: Course, slug: str) -> str:
 def _state(exercise: AuthoredExercise) -> str:
     if not exercise.number:
         return "brouillon"
-    state = f"publié, version {exercise.number}" + ("" if service.is_published(exercise) else " ; modifié depuis")
+    state = f"publié, version {exercise.number}" + (
+        "" if service.is_current_draft_published(exercise) else " ; modifié depuis"
+    )
     return state + (" ; proposé à vos classes" if exercise.for_classes else "")
 
 
@@ -150,7 +152,7 @@ def build_edit_page(
         "extras": _extras(draft),
         "extra_check": _with_rows(CheckDraft(), EXAMPLE_ROWS),
         "mistakes": [*draft.mistakes, MistakeDraft()],
-        "version": version_of(service.read_draft(exercise).texts),
+        "version": version_of(service.read_draft(exercise).texts_by_label),
         "preview": render_statement(context.reader.course, exercise.module, draft.statement),
         "report": build_report(context, exercise),
         "problem": problem,
@@ -164,7 +166,7 @@ def build_edit_page(
 
 def build_tryout_page(context: StudioReader, exercise: AuthoredExercise) -> dict[str, Any]:
     """Build the page of a draft as a student sees it, with the verdict of what its author sent there."""
-    _, content = service.archived_content(exercise)
+    _, content = service.content_to_archive(exercise)
     declaration, tryout = content["declaration"], exercise.tryout or {}
     signatures = content["signatures"]
     functions = [FunctionSpec(name, signatures.get(name, name), "", "") for name in declaration["fonctions"]]
@@ -178,7 +180,7 @@ def build_tryout_page(context: StudioReader, exercise: AuthoredExercise) -> dict
         "statement": render_statement(context.reader.course, exercise.module, content["statement"]),
         "hints": [hint for hint in content["hints"] if hint.strip()],
         "code": tryout.get("code", content["starter"]),
-        "waits": context.studio.is_trying(context.reader.db, exercise, service.TRYOUT_JOB),
+        "waits": context.studio.is_trial_queued(context.reader.db, exercise, service.TRYOUT_JOB),
         "failed": tryout.get("failed", ""),
         "verdict": verdict_view(Verdict.from_json(verdict), "", functions=functions) if verdict else None,
     }
@@ -222,8 +224,8 @@ def build_report(context: StudioReader, exercise: AuthoredExercise) -> dict[str,
     is_current = trial.get("digest") == exercise.digest
     view: dict[str, Any] = {
         "path": exercise_path(exercise),
-        "version": version_of(draft.texts),
-        "trying": context.studio.is_trying(context.reader.db, exercise),
+        "version": version_of(draft.texts_by_label),
+        "trying": context.studio.is_trial_queued(context.reader.db, exercise),
         "failed": trial.get("failed", ""),
         "stale": bool(trial) and not is_current,
         "faults": trial.get("faults", ()),
@@ -233,7 +235,7 @@ def build_report(context: StudioReader, exercise: AuthoredExercise) -> dict[str,
         "tried": "completed" in trial,
         "for_classes": exercise.for_classes,
         "classes": _proposed_classes(context.reader, exercise),
-        "published_now": service.is_published(exercise),
+        "published_now": service.is_current_draft_published(exercise),
         "report": None,
     }
     if "report" in trial:

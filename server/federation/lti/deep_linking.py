@@ -20,7 +20,7 @@ from server.federation.lti.grade_services import FULL_POINTS, TAG
 from server.federation.lti.launch import LinkingClaim
 from server.federation.models import IdentityProvider, ProviderContext
 from server.identity.models import Account
-from server.identity.secrets import new_token
+from server.identity.secrets import draw_secret_token
 
 #: Within which a content is chosen.
 CHOICE_TIME = timedelta(hours=2)
@@ -139,7 +139,7 @@ def sign_linking_response(
     claims: dict[str, Any] = {
         "iss": choice.provider.client_id,
         "aud": choice.provider.issuer,
-        "nonce": new_token(),
+        "nonce": draw_secret_token(),
         f"{CLAIM}message_type": "LtiDeepLinkingResponse",
         f"{CLAIM}version": "1.3.0",
         f"{CLAIM}deployment_id": choice.details["deployment"],

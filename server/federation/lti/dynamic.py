@@ -25,7 +25,7 @@ from server.federation.models import ADDRESS_LENGTH, ID_LENGTH, NAME_LENGTH, Ide
 from server.federation.outgoing import Outgoing, is_url, origin_of_url
 from server.federation.providers import is_origin
 from server.identity.models import ISSUER_LENGTH, Account
-from server.identity.secrets import new_token, sha256_hex
+from server.identity.secrets import draw_secret_token, sha256_hex
 
 LINK_LIFETIME = timedelta(hours=24)
 TOOL = "https://purl.imsglobal.org/spec/lti-tool-configuration"
@@ -68,7 +68,7 @@ class ToolRegistration(BaseModel):
 
 def create_registration_link(db: Session, by: Account) -> str:
     """Return the token of a one-time address at which a platform registers itself."""
-    token = new_token()
+    token = draw_secret_token()
     db.add(RegistrationLink(token_digest=sha256_hex(token), created_by=by.id, expires_at=utc_now() + LINK_LIFETIME))
     audit.record_event(db, None, by.id, AuditAction.platform_link_made)
     return token

@@ -14,7 +14,7 @@ from server.federation.lti.schemas import lti_settings
 from server.federation.models import IdentityProvider, ProviderContext
 from server.federation.outgoing import with_query
 from server.federation.schemas import CourseRole, SignedPerson
-from server.identity.identities import clean_name
+from server.identity.identities import clean_name_or_empty
 
 LIST_TYPE = "application/vnd.ims.lti-nrps.v2.membershipcontainer+json"
 MAX_PAGES, MAX_PEOPLE, MAX_PAGE_BYTES, PAGE_SIZE = 60, 5000, 2 << 20, 100
@@ -83,4 +83,4 @@ def read_person(member: Any) -> SignedPerson | None:
 
 def _read_name(member: Mapping[str, Any], name: str) -> str:
     value = member.get(name)
-    return clean_name(value) if isinstance(value, str) else ""
+    return clean_name_or_empty(value) if isinstance(value, str) else ""

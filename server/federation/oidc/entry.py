@@ -13,7 +13,7 @@ from server.federation.oidc.sign_in import OidcClient, authorization_url, fetch_
 from server.federation.oidc.tokens import LogoutClaims, verify_logout_token
 from server.federation.proofs import BrowserAnswer, ProvenPerson
 from server.federation.service import Federation
-from server.identity.secrets import new_token
+from server.identity.secrets import draw_secret_token
 
 ASSERTION_SECONDS = 60
 
@@ -45,7 +45,7 @@ def prove_oidc_person(
     require_own_code(metadata, answer)
 
     def prove_ourselves(audience: str) -> str:
-        own = {"iss": provider.client_id, "sub": provider.client_id, "aud": audience, "jti": new_token()}
+        own = {"iss": provider.client_id, "sub": provider.client_id, "aud": audience, "jti": draw_secret_token()}
         return signing.sign_claims(database, own, ASSERTION_SECONDS)
 
     claims = fetch_claims(

@@ -12,7 +12,7 @@ from server.classes.models import ClassRole, Membership, Status
 from server.course import Course
 from server.database import Database, table_of, utc_now
 from server.identity.models import Account, BrowserSession, Role
-from server.identity.secrets import hash_password, new_token, sha256_hex
+from server.identity.secrets import draw_secret_token, hash_password, sha256_hex
 from tests.benchmarks.crowd.plan import MODULE, MOST_MISTAKES, Person, Programs
 from tests.support.classes import new_class
 
@@ -56,7 +56,7 @@ def enrolled(database: Database, count: int, *, with_login: bool) -> tuple[list[
 
 
 def _teacher(database: Database, number: int) -> tuple[Account, str]:
-    cookie = new_token()
+    cookie = draw_secret_token()
     with database.write() as db:
         account = Account(role=Role.teacher, name=f"Prof {number}")
         db.add(account)
@@ -77,7 +77,7 @@ def _seated(database: Database, class_id: UUID, start: int, size: int, hashed: s
         for number in range(start, start + size):
             name = uuid4()
             login = f"eleve{number}" if hashed else None
-            person = Person(login=login) if login else Person(cookie=new_token())
+            person = Person(login=login) if login else Person(cookie=draw_secret_token())
             values = {"role": Role.student, "name": f"Élève {number}", "login": login, "password_hash": hashed}
             accounts.append({"id": name, **values})
             seats.append({"class_id": class_id, "account_id": name, "role": ClassRole.student, "status": Status.active})

@@ -15,7 +15,7 @@ import pytest
 from server.base.http import SESSION_COOKIE
 from server.database import Database, utc_now
 from server.identity.models import Account, BrowserSession
-from server.identity.secrets import new_token, sha256_hex
+from server.identity.secrets import draw_secret_token, sha256_hex
 from tests.support.chromium import chromium
 from tests.support.served import Server
 
@@ -99,7 +99,7 @@ NewVisit = Callable[..., Visit]
 
 def enters(visitor: Visit, database: Database, account: Account) -> Visit:
     """Signs in by a session written in the server's own database."""
-    cookie = new_token()
+    cookie = draw_secret_token()
     with database.write() as db:
         ends = utc_now().replace(year=2100)
         db.add(BrowserSession(token_digest=sha256_hex(cookie), account_id=account.id, expires_at=ends))

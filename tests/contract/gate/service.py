@@ -21,7 +21,7 @@ from server.course import load_course
 from server.database import Database
 from server.identity import tokens
 from server.identity.models import Account, BrowserSession, Role
-from server.identity.secrets import hash_password, new_token, sha256_hex
+from server.identity.secrets import draw_secret_token, hash_password, sha256_hex
 from tests.contract.gate.attacker import Target
 from tests.support.classes import assign, new_class, seat
 from tests.support.live import Live, environment, until
@@ -165,7 +165,7 @@ def opened(addresses: tuple[str, ...], settings: Settings, web: int) -> Iterator
 
 
 def member(database: Database, settings: Settings, account: Account) -> Member:
-    cookie = new_token()
+    cookie = draw_secret_token()
     with database.write() as db:
         _, secret = tokens.create_token(db, account, "essai", settings)
         ends = utc_now().replace(year=2100)

@@ -35,7 +35,7 @@ from server.gradebook.schemas import GradingResult
 from server.health import readiness
 from server.identity import links
 from server.identity.models import Account, ApiToken, BrowserSession, Invitation, Role
-from server.identity.secrets import new_token, sha256_hex
+from server.identity.secrets import draw_secret_token, sha256_hex
 from server.lesson.models import LiveLesson
 from server.mails.models import MailSubscription
 from server.mails.service import CONFIRM, sign_link_action
@@ -197,7 +197,7 @@ class Stage:
         }
         self.tokens: dict[str, str] = {}
         self.own_tokens: dict[str, str] = {}
-        self.cookies = {who: new_token() for who in self.accounts}
+        self.cookies = {who: draw_secret_token() for who in self.accounts}
         with site.database.write() as db:
             db.add_all(self.accounts.values())
             db.flush()
@@ -206,7 +206,7 @@ class Stage:
             db.add(self.made)
             db.flush()
             for who, account in self.accounts.items():
-                self.tokens[who], self.own_tokens[who] = new_token(), str(uuid4())
+                self.tokens[who], self.own_tokens[who] = draw_secret_token(), str(uuid4())
                 token = {"id": UUID(self.own_tokens[who]), "token_digest": sha256_hex(self.tokens[who])}
                 db.add(ApiToken(**token, account_id=account.id, label="essai", expires_at=later))
                 cookie = sha256_hex(self.cookies[who])
@@ -239,7 +239,7 @@ class Stage:
             db.add(Message(thread_id=self.thread.id, author_id=ada, as_staff=False, text="Pourquoi ?"))
             self._give(db)
             self.link = links.create_password_link(db, self.accounts["stranger"], timedelta(hours=1))
-            self.invitation = new_token()
+            self.invitation = draw_secret_token()
             db.add(Invitation(token_digest=sha256_hex(self.invitation), role=Role.teacher))
             db.flush()
             self._grade(db)

@@ -12,7 +12,7 @@ from graders.core.declared.grading import DeclaredGrader
 from server.grading.sandbox_grader import SandboxPrograms
 from server.sandbox import Sandbox
 from server.steps.questions import ProgramRunRequest, ScenarioTraceRequest, TraceQuestion
-from server.steps.run import answer_question
+from server.steps.run import trace_question
 from server.steps.schemas import TraceOut
 
 from .conftest import POLICY
@@ -71,7 +71,7 @@ def replayed(sandbox: Sandbox, declaration: dict[str, Any], source: str) -> Trac
         files=scenario.files, kit=dict(grader.kit(3).parameters),
     )  # fmt: skip
     question = TraceQuestion(steps=request).model_dump_json()
-    return answer_question(sandbox, TraceQuestion.model_validate_json(question))
+    return trace_question(sandbox, TraceQuestion.model_validate_json(question))
 
 
 STACK = """class Pile:
@@ -151,7 +151,7 @@ def test_a_whole_program_reads_its_standard_input(
     kit = dict(grader.kit(3).parameters)
     request = ProgramRunRequest(source=source.encode(), function=grader.functions[0], lines=lines, kit=kit)
     question = TraceQuestion(steps=request).model_dump_json()
-    trace = answer_question(sandbox, TraceQuestion.model_validate_json(question))
+    trace = trace_question(sandbox, TraceQuestion.model_validate_json(question))
     assert trace.stdout == printed
     assert trace.steps == []
     assert trace.end.kind == ("fault" if message else "returned")
