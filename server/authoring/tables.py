@@ -104,7 +104,7 @@ FRENCH_SUMMARIES = {
     "SamePlainValue": "n’importe quelles valeurs simples : textes, dictionnaires, ensembles, listes dans un ordre "
     'libre avec `order="any"`, nombres à la tolérance près',
     "SamePose": "une pose (x, y, θ), l’angle modulo 2π (de `graders.robotics.poses`)",
-    "keep": "ne simplifie pas cet argument",
+    "keep_unchanged": "ne simplifie pas cet argument",
     "shrink_number": "un nombre plus simple : 0, 1, moins de décimales",
     "shrink_array": "un tableau plus petit, de nombres plus simples",
     "shrink_text": "un texte plus court",

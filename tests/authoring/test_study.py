@@ -46,7 +46,7 @@ SAID = "rien de ce qui échoue n’est sans nom"
 class InThisProcess:
     """Starts programs without walls: these are ours."""
 
-    def programs(self, exercise: str, policy: object) -> object:
+    def program_starter(self, exercise: str, policy: object) -> object:
         return LOCAL
 
 

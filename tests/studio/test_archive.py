@@ -50,7 +50,7 @@ RICH: dict[str, Any] = {
 class NoTrial:
     """Answers nothing, so that nothing is proposed."""
 
-    def answers(self, data: object) -> None:
+    def answer_written_cases(self, data: object) -> None:
         return None
 
     def answer_draws(self, data: object) -> list[tuple[str, str]]:
