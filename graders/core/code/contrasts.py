@@ -11,7 +11,15 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
-from graders.core.code.seen_facts import FactKind, FunctionTrial, ReturnedValue, SeenFact, sentence_subject, value_text
+from graders.core.code.seen_facts import (
+    FactKind,
+    FunctionTrial,
+    ReturnedValue,
+    SeenFact,
+    sentence_subject,
+    shown_value_pair,
+    value_text,
+)
 from graders.core.compare.changed_arguments import iter_argument_variations
 from graders.core.compare.near_calls import iter_near_calls
 from graders.core.compare.series import same
@@ -96,9 +104,9 @@ def _are_equal_to_the_digit(view: ReturnedValue, got: Sequence[Floats] | None, r
 def _contrast_fact(trial: FunctionTrial, view: ReturnedValue, number: int, words: str, answer: Floats) -> SeenFact:
     series = trial.make_series(view)
     title = f"{sentence_subject(view.words)} est faux pour un appel, et juste pour le même appel mais {words}"
+    expected, got = shown_value_pair(series.right[number], series.got[number])
     proof = (
-        f"Pour {trial.call_text(trial.calls[number])}, on attend {value_text(series.right[number])} et on obtient "
-        f"{value_text(series.got[number])}. Pour le même appel mais {words}, on attend et on obtient "
-        f"{value_text(answer)}."
+        f"Pour {trial.call_text(trial.calls[number])}, on attend {expected} et on obtient {got}. "
+        f"Pour le même appel mais {words}, on attend et on obtient {value_text(answer)}."
     )
     return SeenFact(trial.function, title, proof, _QUESTION, FactKind.CONTRAST)

@@ -21,12 +21,14 @@ from graders.core.compare.series import (
     tell_own_relations,
     tell_relations,
 )
+from graders.core.compare.told_apart import value_text_pair
 from graders.core.contract.program import KitSettings
 from graders.core.contract.values import Arguments, Floats, Value
 from graders.typography import elided
 
 #: Characters of a value that is shown.
 MAX_SHOWN = 120
+DIGITS = 5
 #: Calls in which a result must feel an argument, and does not, or the other way round.
 MIN_FELT = 2
 
@@ -167,12 +169,12 @@ def find_relation(trial: FunctionTrial, view: ReturnedValue) -> SeenFact | None:
     k = trial.plainest_call_number(number for number, wrong in enumerate(series.wrong) if wrong)
     tries, wrong, example = len(trial.calls), sum(series.wrong), "" if trial.unique else " par exemple"
     title = f"{sentence_subject(view.words)} {relation.words}"
+    right, got = shown_value_pair(series.right[k], series.got[k])
     seen = f"C’est ainsi dans les {tries} essais{f', dont {wrong} faux' if wrong < tries else ''}."
     if not relation.says_what:
         seen = f"Sur {tries} essais, {wrong} sont faux."
     proof = (
-        f"{seen} Par exemple, pour {trial.call_text(trial.calls[k])}, "
-        f"on attend{example} {value_text(series.right[k])} et on obtient {value_text(series.got[k])}."
+        f"{seen} Par exemple, pour {trial.call_text(trial.calls[k])}, on attend{example} {right} et on obtient {got}."
     )
     kind = FactKind.ANSWERS if relation.says_what else FactKind.FLAW
     return SeenFact(trial.function, title, proof, _QUESTION, kind)
@@ -184,9 +186,10 @@ def replaced_argument_fact(
     """Return the fact that a value is what is awaited for changed arguments, as in this call."""
     series, example = trial.make_series(view), "" if trial.unique else ", par exemple,"
     failed_call = trial.call_text(trial.calls[number])
+    right, got = shown_value_pair(series.right[number], series.got[number])
     proof = (
-        f"C’est ainsi dans les {len(trial.calls)} essais. Pour {failed_call}, on attend{example} "
-        f"{value_text(series.right[number])} et on obtient {value_text(series.got[number])} : ce que l’on "
+        f"C’est ainsi dans les {len(trial.calls)} essais. Pour {failed_call}, on attend{example} {right} et on obtient "
+        f"{got} : ce que l’on "
         f"attend{example} pour {trial.call_text(call)}."
     )
     title = f"{sentence_subject(view.words)} est ce que l’on attend si {change.words}"
@@ -219,9 +222,9 @@ def influence_fact(
     change = re.sub("^on ", "l’on ", row.variation.change.words)
     title = f"{sentence_subject(view.words)} {does} des {len(rows)} essais où {change} : {should}"
     before, after = trial.call_text(trial.calls[row.variation.number]), trial.call_text(row.variation.call)
+    (right, got), (wanted, mine) = shown_value_pair(row.right, row.got), shown_value_pair(row.wanted, row.mine)
     proof = (
-        f"Pour {before}, on attend {value_text(row.right)} et on obtient {value_text(row.got)} ; pour {after}, on "
-        f"attend {value_text(row.wanted)} et on obtient {value_text(row.mine)}."
+        f"Pour {before}, on attend {right} et on obtient {got} ; pour {after}, on attend {wanted} et on obtient {mine}."
     )
     return SeenFact(trial.function, title, proof, question, FactKind.FELT)
 
@@ -231,5 +234,14 @@ def sentence_subject(words: str) -> str:
 
 
 def value_text(value: Value) -> str:
-    text = render.text(value, digits=5)
+    return _cut_text(render.text(value, digits=DIGITS))
+
+
+def shown_value_pair(expected: Value, got: Value) -> tuple[str, str]:
+    """Return two values as `value_text` writes them, with the digits that tell their numbers apart."""
+    first, second = value_text_pair(expected, got, digits=DIGITS)
+    return _cut_text(first), _cut_text(second)
+
+
+def _cut_text(text: str) -> str:
     return text if len(text) <= MAX_SHOWN else f"{text[: MAX_SHOWN - 1]}…"

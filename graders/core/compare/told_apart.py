@@ -157,12 +157,12 @@ def _is_number(value: Value) -> bool:
 
 def _pair_values(value: Any, other: Any, digits: int, noise: float) -> tuple[Any, Any]:
     """Return both values with the texts of those numbers that need digits of their own in the place of these."""
+    value, other = (it.tolist() if isinstance(it, np.ndarray) and it.size <= _LARGEST else it for it in (value, other))
     if _is_number(value) and _is_number(other):
         if are_within_tolerance(value, other, noise):
             return value, other
         first, second = number_text_pair(value, other, digits)
         return NumberText(first), NumberText(second)
-    value, other = (it.tolist() if isinstance(it, np.ndarray) and it.size <= _LARGEST else it for it in (value, other))
     if isinstance(value, list | tuple) and isinstance(other, list | tuple) and len(value) == len(other):
         both = [_pair_values(left, right, digits, noise) for left, right in zip(value, other, strict=True)]
         return type(value)(left for left, _ in both), type(other)(right for _, right in both)

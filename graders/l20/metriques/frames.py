@@ -10,8 +10,8 @@ import numpy as np
 from graders.core.code.bench import Bench
 from graders.core.code.checks import Rejection
 from graders.core.code.drawable import to_drawable_array
-from graders.core.compare import words as render
 from graders.core.compare.comparison import ScalarCloseTo
+from graders.core.compare.told_apart import value_text_pair
 from graders.core.contract.program import PlannedCalls
 from graders.core.contract.values import Arguments, Value
 from graders.l20.metriques import cases
@@ -55,9 +55,10 @@ def _hold(bench: Bench, function: str, args: Arguments, expected: float) -> None
     if mismatch is None:
         return
     figure = absolute_figure if function == "ate" else relative_figure
+    right, obtained = value_text_pair(expected, value)
     raise Rejection(
         f"Dans quelque repère qu'on les raconte, ces trajectoires ont la même {function.upper()}, "
-        f"{render.number(expected)} ; {function} renvoie ici {render.text(value)}. {mismatch.message}",
+        f"{right} ; {function} renvoie ici {obtained}. {mismatch.message}",
         inputs=dict(zip(NAMES, args, strict=False)),
         expected=expected,
         got=value,

@@ -11,7 +11,7 @@ from graders.core.code.checks import Cases, Failure, Rejection
 from graders.core.code.drawable import to_drawable_array
 from graders.core.compare import words as render
 from graders.core.compare.comparison import CloseTo, Mismatch, ScalarCloseTo
-from graders.core.compare.told_apart import got_instead_of_expected_text
+from graders.core.compare.told_apart import got_instead_of_expected_text, value_text_pair
 from graders.core.contract.findings import FigureData
 from graders.core.contract.values import Arguments, Floats, UnreadableError, Value, read_scalar
 from reference.sensors.beam import plain_log_likelihood
@@ -67,7 +67,7 @@ def _asked(failure: Failure) -> str:
     z, expected, sigma, z_max, alpha, lam = failure.args
     settings = (f"σ = {render.number(sigma)}, z_max = {render.number(z_max)}, α = {render.text(tuple(alpha.tolist()))}"
                 f" et λ = {render.number(lam)}")  # fmt: skip
-    right, obtained = render.number(failure.expected), render.text(failure.got)
+    right, obtained = value_text_pair(failure.expected, failure.got)
     if len(z) > 1:
         scan = f"Pour un scan de {len(z)} rayons, {_given(z, expected)}{settings}"
         return f"{scan}, on attend {right}, et l’on obtient {obtained}."

@@ -8,7 +8,7 @@ import numpy as np
 
 from graders.core.code.bench import Bench
 from graders.core.code.checks import Rejection
-from graders.core.compare import words as render
+from graders.core.compare.told_apart import value_text_pair
 from graders.core.contract.findings import FigureData
 from graders.core.contract.values import Floats, UnreadableError, Value, read_array
 from graders.l20.odometrie.cases import pose
@@ -51,9 +51,9 @@ def _follow(bench: Bench, start: Floats, track: float, wheels: Floats) -> None:
         bench.observe("odometrie", value, ok=mismatch is None)
         if mismatch is not None:
             told = f"Les {step - 1} premiers pas sont justes, pas le suivant." if step > 1 else "Dès le premier pas."
+            right, obtained = value_text_pair(expected[step], value)
             raise Rejection(
-                f"On attend {render.text(expected[step])} et odometrie renvoie {render.text(value)}. "
-                f"{mismatch.message} {told}",
+                f"On attend {right} et odometrie renvoie {obtained}. {mismatch.message} {told}",
                 inputs=dict(zip(NAMES, args, strict=True)),
                 expected=expected[step],
                 got=value,

@@ -111,3 +111,9 @@ def test_the_sentence_tells_both_and_the_gap() -> None:
 def test_rounding_noise_is_tidied_unless_it_is_all_there_is() -> None:
     assert remove_noise_from_pair([0.0, 1.0], [6.1e-17, 2.0]) == ([0.0, 1.0], [0.0, 2.0])
     assert remove_noise_from_pair([0.0], [6.1e-17]) == ([0.0], [6.1e-17])
+
+
+@pytest.mark.parametrize("hold", [np.array, np.float64, lambda it: [np.array(it)]])
+def test_numbers_in_arrays_without_axes_are_told_apart(hold: Any) -> None:
+    left, right = value_text_pair(hold(1.0), hold(1.000003))
+    assert left != right

@@ -5,6 +5,7 @@ from __future__ import annotations
 import itertools
 import json
 import math
+import re
 from functools import partial
 from typing import Any
 
@@ -260,3 +261,16 @@ def test_figures_draw(theme: str) -> None:
 def test_each_map_that_is_drawn_has_a_wall() -> None:
     """A map without any is not asked: there is no distance then. This seed drew one."""
     assert all(not libres.all() for (libres,) in cases.any_maps(stream(77, "champ_cartes")))
+
+
+def test_a_sum_that_is_hardly_wrong_is_shown_with_the_digits_that_differ() -> None:
+    """Sums of four hundred logarithms, which print alike with six digits."""
+    near = (
+        GRADER.solution
+        + "\n\n_sum = log_vraisemblance\n\n\ndef log_vraisemblance(*args):\n    return _sum(*args) * (1 + 1e-6)\n"
+    )
+    found = verdict(near, 7)
+    shown = [re.search(r"on attend (\S+), et l’on obtient (\S+)\.", check.message or "") for check in found.checks]
+    pairs = [match.groups() for match in shown if match]
+    assert pairs
+    assert all(expected != obtained for expected, obtained in pairs)
