@@ -6,7 +6,16 @@ from itertools import pairwise
 
 import numpy as np
 
-from graders.core.code.probes import ProbeAnswer, ProbeResults, Probes, measurement_rule, to_finite_array, undo_rule
+from graders.core.code.probes import (
+    ProbeAnswer,
+    ProbeResults,
+    Probes,
+    ProgramTrial,
+    experiment_rule,
+    measurement_rule,
+    to_finite_array,
+    undo_rule,
+)
 from graders.core.contract.values import Arguments, Floats, UnreadableError, Value, read_array, read_indices
 from graders.l20 import world
 from graders.l20.boucles.asked import AKIN, AT_END, LOOKED, MIDDLE, REPEATED, SAME, SIGNED, TIED, TINY, TURNED, A
@@ -155,6 +164,34 @@ def same_for_all(shown: ProbeResults) -> str | None:
     return "signature_constante" if same and found is not None and np.any(found[0] != 0.0) else None
 
 
+def _ramp_over_the_ends() -> list[Arguments]:
+    """Scans whose first and last rays differ as all neighbours around them, turned so that all of these come first."""
+    k = np.arange(len(RAMP))
+    slopes = []
+    for low, step in ((2.0, 0.25), (7.5, -0.2)):
+        scan = 4.0 + 2.0 * np.cos(1.7 * k**1.3)
+        scan[np.arange(-8, 8)] = low + step * np.arange(16)
+        slopes += [(np.roll(scan, turn),) for turn in (0, -5, -2, 1, 4, 6)]
+    return slopes
+
+
+def is_the_same_where_neighbours_differ_alike(trial: ProgramTrial) -> bool:
+    """Does the signature ignore the heading where the last and the first ray differ as their neighbours do?"""
+    asked = _ramp_over_the_ends()
+    found = [one[1] for one in trial.ask(asked) if isinstance(one, list)]
+    if len(found) < len(asked) or len({one.shape for one in found}) > 1:
+        return False
+    half = len(asked) // 2
+    same = all(_equal(found[first], one) for first in (0, half) for one in found[first : first + half])
+    return same and not _equal(found[0], found[half])
+
+
+@experiment_rule(is_the_same_where_neighbours_differ_alike)
+def leaves_the_ends_apart(shown: ProbeResults) -> str | None:
+    found = _signatures(shown)
+    return None if found is None or _invariant(found) else "bouts_a_part"
+
+
 @measurement_rule
 def follows_the_heading(shown: ProbeResults) -> str | None:
     """A shift changes it: what no better known mistake explains."""
@@ -274,7 +311,7 @@ PROBES = (
             keeps_the_order,
             fourier_without_modulus,
         ),
-        last_rules=(one_ray_forgotten, follows_the_heading),
+        last_rules=(one_ray_forgotten, leaves_the_ends_apart, follows_the_heading),
     ),
     Probes(
         function="candidats_boucle",
