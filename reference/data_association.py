@@ -69,12 +69,12 @@ class ExpectedSightings:
             seen = belief.predict_sighting(belief.slots[identity], np.zeros(SIZE))
             means[k] = -seen.innovation.difference
             jacobian[SIZE * k : SIZE * k + SIZE, seen.columns] = seen.H
-        return cls(means, jacobian @ belief.covariance @ jacobian.T, belief.noise.sighting), identities
+        return cls(means, jacobian @ belief.covariance @ jacobian.T, belief.noise.sighting_covariance), identities
 
     def __len__(self) -> int:
         return len(self.means)
 
-    def differences(self, measurements: ArrayLike) -> Floats:
+    def measurement_differences(self, measurements: ArrayLike) -> Floats:
         """What was measured, (m, 2), less what was expected: (m, l, 2). Raises AssociationError."""
         z = np.asarray(measurements, dtype=np.float64)
         if z.ndim != 2 or z.shape[1] != SIZE or not np.all(np.isfinite(z)):
@@ -84,9 +84,9 @@ class ExpectedSightings:
             away[..., component] = wrap_angle(away[..., component])
         return np.asarray(away)
 
-    def distances(self, measurements: ArrayLike) -> Floats:
+    def mahalanobis_distances(self, measurements: ArrayLike) -> Floats:
         """The squared Mahalanobis distances (m, l) of each measurement from each landmark, alone.              (1)"""
-        away = self.differences(measurements)
+        away = self.measurement_differences(measurements)
         found = np.empty(away.shape[:2])
         for k in range(len(self)):
             block = slice(SIZE * k, SIZE * k + SIZE)
@@ -119,7 +119,7 @@ def joint_distance(expected: ExpectedSightings, measurements: ArrayLike, landmar
     paired = np.flatnonzero(chosen != SPURIOUS)
     if not len(paired):
         return 0.0
-    away = expected.differences(measurements)[paired, chosen[paired]].ravel()
+    away = expected.measurement_differences(measurements)[paired, chosen[paired]].ravel()
     columns = (SIZE * chosen[paired][:, None] + np.arange(SIZE)).ravel()
     C = expected.covariance[np.ix_(columns, columns)] + np.kron(np.eye(len(paired)), expected.noise)
     return float(away @ np.linalg.solve(C, away))
@@ -133,7 +133,7 @@ def nearest_neighbours(
     The gate is the quantile `confidence` of chi-square with 2 degrees: of true pairs it loses 1 - `confidence`. Raises
     AssociationError.
     """
-    distances, gate = expected.distances(measurements), _gate_threshold(confidence, 1)
+    distances, gate = expected.mahalanobis_distances(measurements), _gate_threshold(confidence, 1)
     found = np.full(len(distances), SPURIOUS)
     free = np.ones(distances.shape, dtype=np.bool_)
     while np.any(free) and np.min(distances, where=free, initial=np.inf) <= gate:
@@ -169,8 +169,8 @@ class _CompatibilitySearch:
 
     def run(self) -> Association:
         expected = self.expected
-        self._away = expected.differences(self.measurements)
-        distances = expected.distances(self.measurements)
+        self._away = expected.measurement_differences(self.measurements)
+        distances = expected.mahalanobis_distances(self.measurements)
         self._order = [
             [int(k) for k in np.argsort(row, kind="stable") if row[k] <= _gate_threshold(self.confidence, 1)]
             for row in distances

@@ -48,11 +48,11 @@ class SlamNoise:
                 raise InvalidArgumentError(argument, f"{value} is not a standard deviation")
 
     @property
-    def motion(self) -> Floats:
+    def motion_covariance(self) -> Floats:
         return np.diag([self.advance**2, self.turn**2])
 
     @property
-    def sighting(self) -> Floats:
+    def sighting_covariance(self) -> Floats:
         return np.diag([self.range**2, self.bearing**2])
 
 
@@ -115,7 +115,7 @@ class EkfSlam:
     def pose(self) -> Floats:
         return self.mean[:3].copy()
 
-    def landmark(self, identity: int) -> Floats:
+    def landmark_position(self, identity: int) -> Floats:
         """Where a landmark (2,) is. Raises InvalidArgumentError for one never seen."""
         if identity not in self.slots:
             raise InvalidArgumentError("identity", f"{identity} was never seen")
@@ -137,7 +137,7 @@ class EkfSlam:
         P = self.covariance
         P[:3, 3:] = F @ P[:3, 3:]
         P[3:, :3] = P[:3, 3:].T
-        P[:3, :3] = F @ P[:3, :3] @ F.T + V @ self.noise.motion @ V.T
+        P[:3, :3] = F @ P[:3, :3] @ F.T + V @ self.noise.motion_covariance @ V.T
 
     def observe(self, identity: int, measurement: ArrayLike) -> float:
         """Take in the (range, bearing) of a landmark: the first time it enters the map, then it corrects.
@@ -162,7 +162,9 @@ class EkfSlam:
         larger[:size, :size] = self.covariance
         larger[size:, :size] = by_pose @ self.covariance[:3]
         larger[:size, size:] = larger[size:, :size].T
-        larger[size:, size:] = by_pose @ self.covariance[:3, :3] @ by_pose.T + by_z @ self.noise.sighting @ by_z.T
+        larger[size:, size:] = (
+            by_pose @ self.covariance[:3, :3] @ by_pose.T + by_z @ self.noise.sighting_covariance @ by_z.T
+        )
         self.slots[identity] = size
         self.mean = np.concatenate([self.mean, self.mean[:2] + z[0] * ray])
         self.covariance = larger
@@ -173,7 +175,7 @@ class EkfSlam:
         PHt = self.covariance[:, sighting.columns] @ sighting.H.T
         self.mean += PHt @ np.linalg.solve(sighting.innovation.covariance, sighting.innovation.difference)
         self.mean[2] = wrap_angle(float(self.mean[2]))
-        self.covariance = self.update(self.covariance, sighting, self.noise.sighting)
+        self.covariance = self.update(self.covariance, sighting, self.noise.sighting_covariance)
         self.innovation = sighting.innovation
         return evidence
 
@@ -190,7 +192,7 @@ class EkfSlam:
         r = np.sqrt(q)
         expected = np.array([r, np.arctan2(dy, dx) - self.mean[2]])
         H = np.array([[-dx / r, -dy / r, 0.0, dx / r, dy / r], [dy / q, -dx / q, -1.0, -dy / q, dx / q]])
-        S = H @ self.covariance[np.ix_(columns, columns)] @ H.T + self.noise.sighting
+        S = H @ self.covariance[np.ix_(columns, columns)] @ H.T + self.noise.sighting_covariance
         away = z - expected
         away[1] = wrap_angle(float(away[1]))
         return Sighting(columns, H, Innovation(away, S))

@@ -81,7 +81,7 @@ class FastSlam:
         heading = np.arctan2(w @ np.sin(self.poses[:, 2]), w @ np.cos(self.poses[:, 2]))
         return np.array([*(w @ self.poses[:, :2]).tolist(), float(heading)])
 
-    def landmark(self, identity: int) -> Floats:
+    def landmark_position(self, identity: int) -> Floats:
         """Where a landmark (2,) is on average. Raises InvalidArgumentError for one never seen."""
         if identity not in self.ranks:
             raise InvalidArgumentError("identity", f"{identity} was never seen")
@@ -120,14 +120,14 @@ class FastSlam:
     def _move_by_odometry_and_sightings(self, u: Floats, known: Mapping[int, Floats]) -> Floats:
         """By odometry and the sightings of known landmarks, (1) and (2): the logarithms (n,) of what particles gain."""
         n = len(self.poses)
-        m, C, gains = np.zeros((n, 2)), np.tile(self.noise.motion, (n, 1, 1)), np.zeros(n)
+        m, C, gains = np.zeros((n, 2)), np.tile(self.noise.motion_covariance, (n, 1, 1)), np.zeros(n)
         for rank, z in known.items():
             there = move_poses(self.poses, u + m)
             expected, by_pose, by_landmark = _expected_sightings_and_jacobians(there, self.means[:, rank])
             by_noise = by_pose @ _motion_noise_jacobians(self.poses, u + m)
             away = z - expected
             away[:, 1] = wrap_angle(away[:, 1])
-            own = by_landmark @ self.covariances[:, rank] @ _transpose(by_landmark) + self.noise.sighting
+            own = by_landmark @ self.covariances[:, rank] @ _transpose(by_landmark) + self.noise.sighting_covariance
             S = by_noise @ C @ _transpose(by_noise) + own
             K = C @ _transpose(by_noise) @ np.linalg.inv(S)
             gains += _log_normal_density(away, S)
@@ -143,7 +143,7 @@ class FastSlam:
         P = self.covariances[:, rank]
         away = z - expected
         away[:, 1] = wrap_angle(away[:, 1])
-        S = H @ P @ _transpose(H) + self.noise.sighting
+        S = H @ P @ _transpose(H) + self.noise.sighting_covariance
         K = P @ _transpose(H) @ np.linalg.inv(S)
         self.means[:, rank] += np.einsum("nij,nj->ni", K, away)
         self.covariances[:, rank] = P - K @ S @ _transpose(K)
@@ -157,7 +157,7 @@ class FastSlam:
         place = self.poses[:, :2] + z[0] * np.column_stack([c, s])
         self.ranks[identity] = self.means.shape[1]
         self.means = np.concatenate([self.means, place[:, None]], axis=1)
-        own = by_z @ self.noise.sighting @ _transpose(by_z)
+        own = by_z @ self.noise.sighting_covariance @ _transpose(by_z)
         self.covariances = np.concatenate([self.covariances, own[:, None]], axis=1)
 
     def _resample_particles(self) -> None:

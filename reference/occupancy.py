@@ -20,7 +20,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from reference.errors import InvalidArgumentError
-from reference.se2 import rotation, transform
+from reference.se2 import rotation_matrix, transform
 from reference.world.grid_map import GridMap
 from reference.world.ray_cells import crossed_cells
 from reference.world.scan import Scan
@@ -49,7 +49,7 @@ def log_odds(p: ArrayLike) -> Floats:
     return np.asarray(np.log(values) - np.log1p(-values))
 
 
-def probability(l: ArrayLike) -> Floats:  # noqa: E741 the letter of the formula
+def probability_of_log_odds(l: ArrayLike) -> Floats:  # noqa: E741 the letter of the formula
     """1 / (1 + exp(-l)), elementwise, without overflow."""
     values = np.asarray(l, dtype=np.float64)
     small = np.exp(-np.abs(values))
@@ -101,7 +101,7 @@ class OccupancyGrid:
     @property
     def probabilities(self) -> Floats:
         """How likely each cell (H, W) is to be occupied."""
-        return probability(self.log_odds)
+        return probability_of_log_odds(self.log_odds)
 
     def integrate(self, scan: Scan, T_world_robot: ArrayLike) -> None:
         """Add a scan taken at a pose (3,) of the world. Raises OccupancyError.
@@ -130,7 +130,7 @@ class OccupancyGrid:
         A beam stops in the cell just behind the distance that it reads.
         """
         angle = float(self.T_world_map[2])
-        origin = (pose[:2] - self.T_world_map[:2]) @ rotation(angle) / self.resolution
+        origin = (pose[:2] - self.T_world_map[:2]) @ rotation_matrix(angle) / self.resolution
         headings = scan.angles + (pose[2] - angle)
         lengths = scan.ranges / self.resolution + np.where(scan.hit_mask, BEYOND, 0.0)
         ends = origin + lengths[:, None] * np.column_stack([np.cos(headings), np.sin(headings)])

@@ -53,7 +53,7 @@ class DifferentialDrive:
             if not 0.0 <= getattr(self, name) < np.inf:
                 raise OdometryError(name, f"{getattr(self, name)} is not a standard deviation")
 
-    def motion(self, left: float, right: float) -> Motion:
+    def motion_from_wheels(self, left: float, right: float) -> Motion:
         """ds = (right + left) / 2,  dtheta = (right - left) / track                                           (1)"""
         ds_left, ds_right = _check_wheels([left, right])
         return Motion(float(ds_right + ds_left) / 2.0, float(ds_right - ds_left) / self.track)
@@ -84,7 +84,7 @@ class DifferentialDrive:
 
     def pose_increment(self, left: float, right: float) -> se2.Pose:
         """The pose (3,) after one step in the frame before it: (2) from the origin."""
-        motion = self.motion(left, right)
+        motion = self.motion_from_wheels(left, right)
         half = motion.turn / 2.0
         return np.array([motion.distance * np.cos(half), motion.distance * np.sin(half), se2.wrap_angle(motion.turn)])
 
@@ -93,12 +93,12 @@ class DifferentialDrive:
 
         It differs from (2) by the ratio of arc to chord: a share of dtheta^2 / 24 of the step.
         """
-        motion = self.motion(left, right)
+        motion = self.motion_from_wheels(left, right)
         return se2.compose(pose, se2.exp([motion.distance, 0.0, motion.turn]))
 
     def increment_covariance(self, left: float, right: float) -> Floats:
         """The covariance (3, 3) of `pose_increment`, to first order: G Q G^T, G its Jacobian by (left, right)."""
-        motion = self.motion(left, right)
+        motion = self.motion_from_wheels(left, right)
         c, s = np.cos(motion.turn / 2.0), np.sin(motion.turn / 2.0)
         by_motion = np.array([[c, -motion.distance * s / 2.0], [s, motion.distance * c / 2.0], [0.0, 1.0]])
         G = by_motion @ np.array([[0.5, 0.5], [-1.0 / self.track, 1.0 / self.track]])
@@ -191,7 +191,7 @@ class LateralDrift:
         return self.distance * self.heading_deviation
 
     @property
-    def deviation(self) -> float:
+    def lateral_deviation(self) -> float:
         """The standard deviation (5) of the position beside the line."""
         return self.constant_error_deviation * float(np.sqrt(1.0 / 3.0 - 1.0 / (12.0 * self.steps**2)))
 

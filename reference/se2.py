@@ -46,7 +46,7 @@ def wrap_angle(angle: float | NDArray[np.float64]) -> float | NDArray[np.float64
     return np.minimum(np.maximum(angle - turns * (2.0 * np.pi), ABOVE_MINUS_PI), np.pi)
 
 
-def rotation(theta: float) -> Floats:
+def rotation_matrix(theta: float) -> Floats:
     """The 2 x 2 matrix of the rotation by theta radians."""
     c, s = np.cos(theta), np.sin(theta)
     return np.array([[c, -s], [s, c]])
@@ -87,7 +87,7 @@ def transform(T_a_b: ArrayLike, points_b: ArrayLike) -> Floats:
     pose, points = _check_pose("T_a_b", T_a_b), np.asarray(points_b, dtype=np.float64)
     if points.ndim != 2 or points.shape[1] != 2 or not np.all(np.isfinite(points)):
         raise PoseError("points_b", f"of shape {points.shape} is not an array (n, 2) of finite coordinates")
-    return points @ rotation(pose[2]).T + pose[:2]
+    return points @ rotation_matrix(pose[2]).T + pose[:2]
 
 
 def to_matrix(T_a_b: ArrayLike) -> Floats:

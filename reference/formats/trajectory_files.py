@@ -63,13 +63,13 @@ class Trajectory:
         quaternions = np.column_stack([zero, zero, np.sin(half), np.cos(half)])
         return cls(np.asarray(times, dtype=np.float64), np.column_stack([rows[:, :2], zero]), quaternions)
 
-    def planar(self) -> Floats:
+    def to_planar(self) -> Floats:
         """The poses (n, 3) = (x, y, theta) seen from above: theta in ]-pi, pi] is the direction of the x axis."""
         x, y, z, w = self.quaternions.T
         theta = np.arctan2(2.0 * (w * z + x * y), 1.0 - 2.0 * (y * y + z * z))
         return np.column_stack([self.positions[:, :2], np.where(theta == -np.pi, np.pi, theta)])
 
-    def matrices(self) -> Floats:
+    def to_matrices(self) -> Floats:
         """The homogeneous matrices (n, 4, 4) of the poses."""
         found = np.tile(np.eye(4), (len(self), 1, 1))
         if len(self):

@@ -47,17 +47,17 @@ class Route:
     order: NDArray[np.int64]
 
     @property
-    def expanded(self) -> int:
+    def expanded_count(self) -> int:
         """How many cells the search looked at."""
         return len(self.order)
 
     @property
-    def length(self) -> float:
+    def length_in_cells(self) -> float:
         """In cells, whatever they cost."""
         return float(np.hypot(*np.diff(self.cells, axis=0).T).sum())
 
     @property
-    def centres(self) -> Floats:
+    def cell_centres(self) -> Floats:
         """The centres of the cells, (k, 2) = (x, y)."""
         return np.asarray(self.cells[:, ::-1] + 0.5, dtype=np.float64)
 

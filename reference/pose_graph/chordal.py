@@ -108,7 +108,7 @@ def solve_positions(graph: PoseGraph, poses: Floats) -> tuple[Floats, Floats]:
     is_position = (equations.free >= 3 * graph.n_poses) | (equations.free % 3 != 2)
     step = np.zeros(len(equations.free))
     if is_position.any():
-        kept = sparse.csc_array(equations.pattern.upper_triangle(system.data)[is_position][:, is_position])
+        kept = sparse.csc_array(equations.pattern.upper_triangle(system.upper_entries)[is_position][:, is_position])
         factor = factorise(kept)
         if not graph.is_fully_informed and not is_positive_definite(kept, factor.lower()):
             raise SingularSystemError("the positions are not determined: some are free")

@@ -65,7 +65,7 @@ class LinearSystem:
         return float(self.shares.sum())
 
     @cached_property
-    def data(self) -> Floats:
+    def upper_entries(self) -> Floats:
         """The entries (nnz,) of the upper triangle of H."""
         return self.equations.upper_entries(self.terms)
 
@@ -156,7 +156,7 @@ class NormalEquations:
 
     def upper_triangle(self, state: Floats, weights: Weights | None = None) -> sparse.csc_array:
         """The upper triangle of H (s, s) at a state."""
-        return self.pattern.upper_triangle(self.assemble(state, weights).data)
+        return self.pattern.upper_triangle(self.assemble(state, weights).upper_entries)
 
     def upper_entries(self, terms: EdgeTerms) -> Floats:
         """The upper triangle (nnz,) of H by (8). The angle's row of A' W is W (i D) + (k, w): r, then q2."""

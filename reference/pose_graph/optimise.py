@@ -120,7 +120,7 @@ class OptimisationProblem:
 
     def solve_step(self, system: LinearSystem, damping: float = 0.0) -> Floats:
         """The step (s,): (H + damping I) step = -b. Raises SingularSystemError."""
-        data = system.data
+        data = system.upper_entries
         if damping:
             data = data.copy()
             data[self.equations.pattern.starts[1:] - 1] += damping
@@ -211,7 +211,7 @@ def levenberg_marquardt(
     history, dampings = [system.chi2], []
     if not problem.equations.pattern.size:
         return problem.make_solution(state, history, StopReason.NOTHING_FREE)
-    damping, growth = first_damping * float(system.data[problem.equations.pattern.starts[1:] - 1].max()), 2.0
+    damping, growth = first_damping * float(system.upper_entries[problem.equations.pattern.starts[1:] - 1].max()), 2.0
     reason = None
     while reason is None and len(history) <= max_iterations:
         step = problem.solve_step(system, damping)

@@ -5,7 +5,7 @@ its parts: `nearest`, `kernels`, `normals`, `observability`, `acceleration`. `co
 window, without a guess. `scan_matching`: two scans of a robot, by the two together.
 """
 
-from reference.registration.correlation import CorrelationMatch, SearchWindow, correlate
+from reference.registration.correlation import CorrelationMatch, SearchWindow, match_by_correlation
 from reference.registration.icp import IcpError, IcpResult, PairingRule, icp, icp_to_lines
 from reference.registration.kernels import Cauchy, Huber, Kernel, LeastSquares, Tukey
 from reference.registration.normals import normals_by_beams, normals_by_neighbours
@@ -29,10 +29,10 @@ __all__ = [
     "ScanMatch",
     "SearchWindow",
     "Tukey",
-    "correlate",
     "icp",
     "icp_to_lines",
     "kabsch",
+    "match_by_correlation",
     "match_clouds",
     "match_scans",
     "normals_by_beams",

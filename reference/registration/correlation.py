@@ -87,7 +87,7 @@ class ScoreLattice:
         return np.asarray(seen - self.turn_costs[nodes[:, 0]] - self.cell_cost * np.sum(away**2, axis=1))
 
 
-def correlate(P: ArrayLike, Q: ArrayLike, T_q_p: ArrayLike, window: SearchWindow) -> CorrelationMatch:
+def match_by_correlation(P: ArrayLike, Q: ArrayLike, T_q_p: ArrayLike, window: SearchWindow) -> CorrelationMatch:
     """The pose of best score for P (n, 2) on Q (m, 2) in a window around `T_q_p` (3,).
 
     Raises IcpError or InvalidCloudError.

@@ -31,7 +31,7 @@ from reference.registration.kernels import Kernel, LeastSquares
 from reference.registration.nearest import Complexes, NearestPoints
 from reference.registration.normals import check_plane_cloud
 from reference.registration.rigid import InvalidCloudError
-from reference.se2 import Pose, rotation, wrap_angle
+from reference.se2 import Pose, rotation_matrix, wrap_angle
 
 Floats = NDArray[np.float64]
 Indices = NDArray[np.int64]
@@ -98,7 +98,7 @@ class IcpResult:
 
     @property
     def R_q_p(self) -> Floats:
-        return rotation(float(self.T_q_p[2]))
+        return rotation_matrix(float(self.T_q_p[2]))
 
     @property
     def t_q_p(self) -> Floats:

@@ -1,8 +1,8 @@
 """The motion between two scans, or from a few scans laid together to one more, and how far it can be believed.
 
-From a guess near the truth, point-to-line ICP suffices; without one, `correlate` looks through a window first. The
-answer comes with its information, for the edge of a pose graph, and with what speaks against it: a direction that the
-walls do not hold, or points that find no counterpart.
+From a guess near the truth, point-to-line ICP suffices; without one, `match_by_correlation` looks through a window
+first. The answer comes with its information, for the edge of a pose graph, and with what speaks against it: a direction
+that the walls do not hold, or points that find no counterpart.
 
 The errors of the beams that end on one piece of wall are hardly independent: the map is wrong there, or the wall is
 rough, or somebody stands before it, for all of them alike. So each piece of `patch` metres counts as one measurement,
@@ -22,12 +22,12 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.spatial import cKDTree
 
-from reference.registration.correlation import SearchWindow, correlate
+from reference.registration.correlation import SearchWindow, match_by_correlation
 from reference.registration.icp import IcpError, IcpResult, PairingRule, icp_to_lines
 from reference.registration.kernels import Cauchy
 from reference.registration.normals import check_plane_cloud, normals_by_neighbours
 from reference.registration.observability import DEGENERATE, Observability, line_jacobians, observability
-from reference.se2 import Pose, rotation, transform
+from reference.se2 import Pose, rotation_matrix, transform
 from reference.world.scan import Scan
 
 Floats = NDArray[np.float64]
@@ -87,7 +87,7 @@ class LineCloud:
 
     def transform(self, T_a_b: Pose) -> LineCloud:
         """The cloud of frame b, in frame a."""
-        R = rotation(float(T_a_b[2]))
+        R = rotation_matrix(float(T_a_b[2]))
         return LineCloud(self.points @ R.T + T_a_b[:2], self.normals @ R.T)
 
     def thin(self, cell: float) -> LineCloud:
@@ -149,7 +149,7 @@ def match_clouds(
     rule, guess = matching or MatchingSettings(), np.asarray(T_a_b, dtype=np.float64)
     if window:
         close = b.points[np.linalg.norm(check_plane_cloud("b", b.points), axis=1) <= rule.reach]
-        guess = correlate(close, a.points, guess, window).T_q_p
+        guess = match_by_correlation(close, a.points, guess, window).T_q_p
     pairing = PairingRule(Cauchy(rule.scale), rule.max_distance)
     # A few points of a door frame would let a corridor slide by metres: along what is hardly seen, the guess stays.
     found = icp_to_lines(b.points, a.points, a.normals, guess, pairing=pairing, tolerance=STILL, unseen=DEGENERATE)

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from reference.errors import InvalidArgumentError
-from reference.se2 import rotation
+from reference.se2 import rotation_matrix
 from reference.sensors.rays import check_poses, check_power
 from reference.world.grid_map import GridMap
 from reference.world.scan import Scan
@@ -56,7 +56,7 @@ class LikelihoodField:
         self._table = np.pad(self.log_field, ((1, 1), (1, self._behind)), constant_values=power * np.log(noise))
         # Whole numbers of half the size, where they hold every place, even off the table by its width.
         self._place = np.int32 if self._table.size + self._table.shape[1] ** 2 < 2**31 else np.int64
-        self._to_table = rotation(-grid_map.T_world_map[2]) / grid_map.resolution
+        self._to_table = rotation_matrix(-grid_map.T_world_map[2]) / grid_map.resolution
         self._corner = 1.0 - self._to_table @ grid_map.T_world_map[:2]
 
     def log_likelihood(self, poses_world: Floats, scan: Scan) -> Floats:

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from reference.errors import InvalidArgumentError
-from reference.se2 import rotation, wrap_angle
+from reference.se2 import rotation_matrix, wrap_angle
 from reference.text import decode_lines
 from reference.world.distance_map import distances_to_cells
 from reference.world.ray_caster import RayCaster
@@ -87,19 +87,19 @@ class GridMap:
         return self.free.shape[0], self.free.shape[1]
 
     @property
-    def unknown(self) -> Grid:
+    def unknown_cells(self) -> Grid:
         """The cells (H, W) of which nothing is known."""
         return ~(self.free | self.occupied)
 
     def to_cells(self, points_world: ArrayLike) -> Floats:
         """Points (…, 2) of the world, in metres, as (x, y) in cells in the frame of the map."""
         points = _check_points("points_world", points_world)
-        return np.asarray((points - self.T_world_map[:2]) @ rotation(self.T_world_map[2]) / self.resolution)
+        return np.asarray((points - self.T_world_map[:2]) @ rotation_matrix(self.T_world_map[2]) / self.resolution)
 
     def to_world(self, points_cells: ArrayLike) -> Floats:
         """Points (…, 2) = (x, y) in cells in the frame of the map, as points of the world in metres."""
         points = _check_points("points_cells", points_cells)
-        return np.asarray(points * self.resolution @ rotation(self.T_world_map[2]).T + self.T_world_map[:2])
+        return np.asarray(points * self.resolution @ rotation_matrix(self.T_world_map[2]).T + self.T_world_map[:2])
 
     def poses_to_cells(self, poses_world: ArrayLike) -> Floats:
         """Poses (…, 3) of the world as poses in cells in the frame of the map."""

@@ -34,7 +34,7 @@ def find_misconception(course: Course, exercise_id: str, misconception: str) -> 
 def _find_catalogue_entry(exercise: Exercise, misconception: str) -> CataloguedMisconception | None:
     if exercise.answers is not None:
         mistake = exercise.answers.catalogue.get(misconception)
-        return None if mistake is None else CataloguedMisconception(mistake.diagnosis, (), mistake.question)
+        return None if mistake is None else CataloguedMisconception(mistake.to_diagnosis, (), mistake.question)
     if isinstance(exercise.grader, DeclaredGrader):
         declared = exercise.grader.declaration.mistakes
         return next((_from_declared_mistake(each) for each in declared if each.id == misconception), None)

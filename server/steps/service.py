@@ -196,7 +196,7 @@ def _build_scenario_request(
         lines=scenario.lines,
         files=scenario.files,
         kit=dict(grader.kit(seed).parameters),
-        imports=dict(grader.declaration.imports),
+        imports=dict(grader.declaration.imported_names),
     )
 
 

@@ -180,7 +180,7 @@ def one_correction(landmarks: int, update: Update) -> Callable[[], object]:
     root = rng.normal(size=(size, 8))
     robot.mean, robot.covariance = rng.normal(size=size), np.asfortranarray(root @ root.T + np.eye(size))
     sighting = robot.predict_sighting(3, np.array([3.0, 0.2]))
-    return lambda: update(robot.covariance, sighting, robot.noise.sighting)
+    return lambda: update(robot.covariance, sighting, robot.noise.sighting_covariance)
 
 
 def slam(rounds: int) -> None:

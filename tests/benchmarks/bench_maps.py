@@ -141,7 +141,7 @@ def bench_astar() -> Compared:
     free = parse_map(gzip.decompress((DATA / "astar/AR0011SR.map.gz").read_bytes()).decode())
     cases = parse_scenarios((DATA / "astar/AR0011SR.map.scen").read_text())[::160]
     grid = SearchGrid(free)
-    cells = sum(grid.astar(c.start, c.goal).expanded for c in cases)
+    cells = sum(grid.astar(c.start, c.goal).expanded_count for c in cases)
     times = interleaved(
         5,
         naive=lambda: [naive_astar(free, c.start, c.goal) for c in cases],

@@ -50,11 +50,11 @@ def test_the_plain_files_give_what_the_text_says(journey: dict[str, bytes]) -> N
     )
     assert (wheels.shape, scans.shape, len(truth)) == ((1044, 3), (1045, 181), 1045)
     assert scans[:, 1:].max() == 8.0
-    told = integrate_poses(DifferentialDrive(0.3), wheels[:, 1:], truth.planar()[0])
-    assert absolute_trajectory_error(truth.planar(), told).rmse == pytest.approx(0.58, abs=0.006)
-    assert np.hypot(*(told[-1] - truth.planar()[-1])[:2]) == pytest.approx(1.10, abs=0.006)
+    told = integrate_poses(DifferentialDrive(0.3), wheels[:, 1:], truth.to_planar()[0])
+    assert absolute_trajectory_error(truth.to_planar(), told).rmse == pytest.approx(0.58, abs=0.006)
+    assert np.hypot(*(told[-1] - truth.to_planar()[-1])[:2]) == pytest.approx(1.10, abs=0.006)
     world = read_map(journey["carte.yaml"].decode(), journey["carte.pgm"]).to_grid_map()
-    assert world.is_free(truth.planar()[:, :2]).all()
+    assert world.is_free(truth.to_planar()[:, :2]).all()
 
 
 def test_the_bag_leaves_the_localisation_to_its_reader(journey: dict[str, bytes], tmp_path: Path) -> None:

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from reference.se2 import rotation, wrap_angle
+from reference.se2 import rotation_matrix, wrap_angle
 
 Floats = NDArray[np.float64]
 
@@ -28,7 +28,7 @@ class Gestures:
     def after(self, first: float, stretch: float, last: float) -> Floats:
         """The matrix (2, 2) when each gesture is done in part, from 0 to 1."""
         widths = 1.0 + stretch * (np.array([self.long, self.short]) - 1.0)
-        return np.asarray(rotation(last * self.last) @ np.diag(widths) @ rotation(first * self.first))
+        return np.asarray(rotation_matrix(last * self.last) @ np.diag(widths) @ rotation_matrix(first * self.first))
 
 
 def gestures(matrix: Floats) -> Gestures:

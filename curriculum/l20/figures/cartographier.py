@@ -23,7 +23,7 @@ from curriculum.l20.figures._slam_scenes import (
     world,
 )
 from graders.plotting import Palette
-from reference.occupancy import InverseSensorModel, probability
+from reference.occupancy import InverseSensorModel, probability_of_log_odds
 from reference.world.ray_cells import crossed_cells
 
 Floats = NDArray[np.float64]
@@ -36,15 +36,15 @@ def draw_sigmoid(figure: Figure, palette: Palette) -> None:
     l = np.linspace(-6.2, 6.2, 300)
     axes.axvspan(-6.2, -5, color=palette.faint, alpha=0.35, lw=0)
     axes.axvspan(5, 6.2, color=palette.faint, alpha=0.35, lw=0)
-    axes.plot(l, probability(l), color=palette.truth, lw=2.2)
+    axes.plot(l, probability_of_log_odds(l), color=palette.truth, lw=2.2)
     steps = HIT * np.arange(-5, 6)
-    axes.plot(steps, probability(steps), "o", color=palette.estimate, ms=6, zorder=4)
+    axes.plot(steps, probability_of_log_odds(steps), "o", color=palette.estimate, ms=6, zorder=4)
     for a, b in pairwise(steps[5:]):
         height = -0.045
         axes.annotate("", (b, height), (a, height), arrowprops={"arrowstyle": "->", "color": palette.estimate})
     axes.text(2.1, -0.15, "+0,847 à chaque « touché »", color=palette.estimate, ha="center", va="center")
     for count in (0, 1, 2, 3):
-        p = float(probability(HIT * count))
+        p = float(probability_of_log_odds(HIT * count))
         text = f"{p:.3g}".replace(".", ",")
         axes.text(HIT * count + 0.25, p - 0.045, text, color=palette.ink, fontsize=9.5)
     axes.text(5.6, 0.35, "saturé", rotation=90, ha="center", va="center", color=palette.ink, fontsize=9.5)

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from graders.plotting import Palette
 from reference import se2
-from reference.occupancy import log_odds, probability
+from reference.occupancy import log_odds, probability_of_log_odds
 from reference.odometry import DifferentialDrive
 from reference.registration.rigid import kabsch
 
@@ -89,7 +89,7 @@ def draw_composition(figure: Figure, palette: Palette) -> None:
         (first, "robot 1", palette.truth),
         (composed, "2", palette.estimate),
     ):
-        turn = se2.rotation(float(pose[2]))
+        turn = se2.rotation_matrix(float(pose[2]))
         for axis in (0, 1):
             _arrow(axes, pose[:2], pose[:2] + 0.55 * turn[:, axis], colour, 2.2)
         below = pose[:2] + turn @ np.array([-0.05, -0.2])
@@ -109,16 +109,16 @@ def draw_composition(figure: Figure, palette: Palette) -> None:
 def draw_log_odds(figure: Figure, palette: Palette) -> None:
     axes = figure.add_subplot()
     levels = np.linspace(-7, 7, 300)
-    axes.plot(levels, probability(levels), color=palette.truth, lw=2.2)
+    axes.plot(levels, probability_of_log_odds(levels), color=palette.truth, lw=2.2)
     for bound in (-5.0, 5.0):
         axes.axvline(bound, color=palette.alert, lw=1.2, ls=(0, (4, 3)))
         axes.text(
             bound, 0.5, " borne " if bound > 0 else "borne ", color=palette.alert, ha="left" if bound > 0 else "right"
         )
     touches = TOUCH * np.arange(7)
-    axes.plot(touches, probability(touches), "o", color=palette.estimate, ms=6, zorder=4)
+    axes.plot(touches, probability_of_log_odds(touches), "o", color=palette.estimate, ms=6, zorder=4)
     for start, end in pairwise(touches[:4]):
-        low, high = float(probability(start)), float(probability(end))
+        low, high = float(probability_of_log_odds(start)), float(probability_of_log_odds(end))
         axes.plot([start, end, end], [low, low, high], color=palette.estimate, lw=1)
     axes.annotate(
         "un touché : +0,847",
@@ -134,7 +134,7 @@ def draw_log_odds(figure: Figure, palette: Palette) -> None:
 def draw_centred(figure: Figure, palette: Palette) -> None:
     shape = np.array([[0.0, 0.0], [1.9, 0.1], [2.0, 1.0], [1.0, 1.1], [0.9, 2.2]])
     noise = 0.05 * np.array([[1, -1], [-1, 1], [0, 1], [1, 0], [-1, -1]])
-    moved = shape @ se2.rotation(np.radians(55.0)).T + np.array([3.9, 0.5]) + noise
+    moved = shape @ se2.rotation_matrix(np.radians(55.0)).T + np.array([3.9, 0.5]) + noise
     best = kabsch(shape, moved)
     before, after = figure.subplots(1, 2)
     centred = (shape - shape.mean(axis=0), moved - moved.mean(axis=0))

@@ -119,7 +119,8 @@ def draw_drift(figure: Figure, palette: Palette) -> None:
     axes.scatter(*paths[:, -1].T, s=7, color=palette.estimate, linewidths=0, zorder=3, label="arrivées (400 essais)")
     axes.plot([0, 115], [0, 0], color=palette.truth, lw=2.4, zorder=4, label="ce que le robot croit faire")
     lengths = np.linspace(1, 1000, 100)
-    band = np.array([LateralDrift(int(n), 0.115 * int(n), np.sqrt(2.0) * 1e-3 / 0.3).deviation for n in lengths])
+    drifts = [LateralDrift(int(n), 0.115 * int(n), np.sqrt(2.0) * 1e-3 / 0.3) for n in lengths]
+    band = np.array([drift.lateral_deviation for drift in drifts])
     for sign in (1, -1):
         axes.plot(
             0.115 * lengths,
@@ -142,7 +143,7 @@ def draw_drift(figure: Figure, palette: Palette) -> None:
     axes.text(
         116.5, end.constant_error_deviation, "17,1 m", color=palette.alert, va="center", fontsize=11, weight="bold"
     )
-    axes.text(116.5, -end.deviation, "9,9 m", color=palette.ink, va="center", fontsize=11, weight="bold")
+    axes.text(116.5, -end.lateral_deviation, "9,9 m", color=palette.ink, va="center", fontsize=11, weight="bold")
     axes.set(xlim=(0, 128), ylim=(-34, 34), xlabel="avancée (m)", ylabel="écart latéral (m)")
     figure.legend(loc="outside lower center", ncols=2, fontsize=9.5)
 

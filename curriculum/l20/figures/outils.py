@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from curriculum.l20.figures._gestes import gestures
 from graders.plotting import Palette
-from reference.se2 import rotation
+from reference.se2 import rotation_matrix
 
 Floats = NDArray[np.float64]
 
@@ -84,7 +84,7 @@ def draw_trace(figure: Figure, palette: Palette) -> None:
     """The trace of R(angle) H, whose greatest value is the angle that Kabsch looks for."""
     axes = figure.subplots()
     angles = np.linspace(-np.pi, np.pi, 361)
-    traces = [float(np.trace(rotation(float(angle)) @ CROSS)) for angle in angles]
+    traces = [float(np.trace(rotation_matrix(float(angle)) @ CROSS)) for angle in angles]
     best = float(np.arctan2(CROSS[0, 1] - CROSS[1, 0], np.trace(CROSS)))
     axes.plot(np.degrees(angles), traces, color=palette.truth, lw=2.2)
     axes.plot([np.degrees(best)] * 2, [-5.6, 5], color=palette.estimate, lw=1.2, ls=(0, (4, 3)))
@@ -115,7 +115,7 @@ def draw_svd(figure: Figure, palette: Palette) -> None:
         axes.set_title(title, fontsize=10)
         axes.plot(*(circle @ matrix.T).T, color=palette.truth, lw=1.6)
         _flag(axes, matrix, palette.second)
-        for axis, colour in zip(rotation(found.first), (palette.estimate, palette.measure), strict=True):
+        for axis, colour in zip(rotation_matrix(found.first), (palette.estimate, palette.measure), strict=True):
             _arrow(axes, matrix @ axis, colour)
 
 

@@ -145,8 +145,8 @@ def draw_inflation(figure: Figure, palette: Palette) -> None:
         (inflated.costs, palette.estimate, "-", "avec coût"),
     ):
         route = SearchGrid(inflated.free, costs).astar(start, goal)
-        label = f"{text} : {french(route.length / FINE)} cases"
-        axes.plot(*(route.centres.T / FINE), color=colour, ls=line, lw=2.4, label=label, zorder=6)
+        label = f"{text} : {french(route.length_in_cells / FINE)} cases"
+        axes.plot(*(route.cell_centres.T / FINE), color=colour, ls=line, lw=2.4, label=label, zorder=6)
     axes.scatter([2.5], [12.5], s=60, color=palette.ink, zorder=7)
     axes.scatter([21.5], [2.5], s=120, marker="*", color=palette.ink, zorder=7)
     figure.legend(loc="outside lower center", ncols=2)

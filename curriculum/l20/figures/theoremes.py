@@ -46,7 +46,7 @@ def _half_steps(p: Floats, q: Floats, rounds: int) -> Floats:
 def draw_staircase(figure: Figure, palette: Palette) -> None:
     axes = figure.add_subplot()
     q = _outline()
-    p = (q - np.array([2.95, 1.97])) @ se2.rotation(np.radians(14.0)).T + np.array([3.5, 2.3])
+    p = (q - np.array([2.95, 1.97])) @ se2.rotation_matrix(np.radians(14.0)).T + np.array([3.5, 2.3])
     costs = _half_steps(p, q, 16)
     halves = np.arange(1, len(costs) + 1) / 2
     axes.step(halves, costs, where="mid", color=palette.faint, lw=1.4)
@@ -136,7 +136,7 @@ def draw_drift(figure: Figure, palette: Palette) -> None:
     axes.plot(paths[:, ::25, 0].T, paths[:, ::25, 1].T, color=palette.estimate, lw=0.6, alpha=0.5)
     turn = drive.turn_deviation(length, length)
     counts = np.arange(25, steps + 1, 25)
-    band = np.array([LateralDrift(int(n), n * length, turn).deviation for n in counts])
+    band = np.array([LateralDrift(int(n), n * length, turn).lateral_deviation for n in counts])
     axes.fill_between(counts * length, -band, band, color=palette.truth, alpha=0.25, lw=0, zorder=1)
     axes.plot(counts * length, band, color=palette.truth, lw=2, zorder=3)
     axes.plot(counts * length, -band, color=palette.truth, lw=2, zorder=3)
@@ -150,7 +150,7 @@ def draw_drift(figure: Figure, palette: Palette) -> None:
             ls=(0, (5, 3)),
             zorder=4,
         )
-    for height, colour in ((end.deviation, palette.truth), (end.constant_error_deviation, palette.alert)):
+    for height, colour in ((end.lateral_deviation, palette.truth), (end.constant_error_deviation, palette.alert)):
         axes.text(116.5, height, f"{height:.1f} m".replace(".", ","), color=colour, va="center", fontsize=10)
     axes.set(xlabel="distance (m)", ylabel="écart latéral (m)", xlim=(0, 130), ylim=(-28, 28))
 

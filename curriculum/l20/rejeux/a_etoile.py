@@ -118,7 +118,7 @@ def compute(values: Values, rng: np.random.Generator) -> Replay:
     over: list[Layer] = []
     path = np.zeros((0, 2))
     if result.route is not None:
-        path = result.route.centres / FINE
+        path = result.route.cell_centres / FINE
         over.append(Polyline(path, "estimate", 4.0, until=walked))
     target = (np.array(goal[::-1]) + 0.5) / FINE
     robot = (np.array(start[::-1]) + 0.5) / FINE
@@ -178,7 +178,8 @@ def pictures(result: Search) -> tuple[list[Frame], list[int], list[int]]:
         frames[-1] = Frame(caption=f"{total} cellules explorées : tout ce qui est accessible. Aucun chemin.")
         return frames, waves, walked
     steps = np.unique(np.linspace(1, len(result.route.cells), WALK + 1).round().astype(int)).tolist()
-    text = f"But atteint après {total} cellules explorées : le chemin mesure {en_cases(result.route.length / FINE, 1)}."
+    length = en_cases(result.route.length_in_cells / FINE, 1)
+    text = f"But atteint après {total} cellules explorées : le chemin mesure {length}."
     return [*frames, *(Frame(caption=text) for _ in steps)], [*waves, *(255 for _ in steps)], [*walked, *steps]
 
 

@@ -147,13 +147,13 @@ class ChoiceGrader(AnswersGrader):
         if question.several and len(ticked) > 1:
             yield TOO_MANY
         if false.misconception:
-            yield f"Erreur reconnue : {self.catalogue[false.misconception].brief}"
+            yield f"Erreur reconnue : {self.catalogue[false.misconception].brief_text}"
 
     def _choose_diagnosis(self, findings: Sequence[Finding]) -> Diagnosis | None:
         """Return the misconception common to all wrong answers, if any; each question reports its own."""
         slips = {finding.slip for finding in findings if finding.cause is Outcome.WRONG_ANSWER}
         slip = slips.pop() if len(slips) == 1 else None
-        return self.catalogue[slip].diagnosis if slip else None
+        return self.catalogue[slip].to_diagnosis if slip else None
 
     def wrong_answers(self) -> Iterator[tuple[str, str | None, Callable[[int], Answers]]]:
         for question in self.questions:

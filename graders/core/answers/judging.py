@@ -142,7 +142,7 @@ class AnswersGrader(ABC):
     def _choose_diagnosis(self, findings: Sequence[Finding]) -> Diagnosis | None:
         """Return the misconception of most failed checks; the first one of several."""
         slips = Counter(finding.slip for finding in findings if finding.slip and not finding.passed)
-        return self.catalogue[slips.most_common(1)[0][0]].diagnosis if slips else None
+        return self.catalogue[slips.most_common(1)[0][0]].to_diagnosis if slips else None
 
     def warm_up(self) -> None:
         self.grade(canonical_json(self.right_answers(0)).encode(), seed=0, version="")

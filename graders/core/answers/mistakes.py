@@ -23,12 +23,12 @@ class Mistake:
     question: str
 
     @property
-    def brief(self) -> str:
+    def brief_text(self) -> str:
         """The short text for a check; the diagnosis has the explanation."""
         return f"{self.title.strip().rstrip('.')}. {self.question.strip()}"
 
     @property
-    def diagnosis(self) -> Diagnosis:
+    def to_diagnosis(self) -> Diagnosis:
         return Diagnosis(self.id, self.title, f"{self.explanation.strip()}\n\n{self.question.strip()}")
 
 

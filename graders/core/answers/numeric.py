@@ -181,7 +181,7 @@ class NumericGrader(AnswersGrader):
             return check.without_hint.failed(message, points=points, **{**shown_as, "expected": wanted})
         slip = self._find_slip(quantity, value, dealt, own)
         if slip:
-            return check.failed(self.catalogue[slip].brief, slip=slip, **shown_as)
+            return check.failed(self.catalogue[slip].brief_text, slip=slip, **shown_as)
         return check.failed(_wrong_value_message(quantity, value, right), **shown_as)
 
     def _judge_rounded_value(

@@ -86,22 +86,22 @@ class MendedPlace:
     is_borne_out: bool = False
 
     @property
-    def lines(self) -> list[int]:
+    def changed_lines(self) -> list[int]:
         together = [number for change in self.changes for number in (change.line, *change.further_lines)]
         return list(dict.fromkeys(together))
 
     @property
     def alternative_lines(self) -> list[int]:
         """The lines of which one is to be changed; those that must be changed together."""
-        if len(self.lines) > 1:
-            return self.lines
-        others = {other.line for other in self.others if not other.further_lines}.difference(self.lines)
-        return sorted([*self.lines, *sorted(others)[: MAX_LINES - 1]])
+        if len(self.changed_lines) > 1:
+            return self.changed_lines
+        others = {other.line for other in self.others if not other.further_lines}.difference(self.changed_lines)
+        return sorted([*self.changed_lines, *sorted(others)[: MAX_LINES - 1]])
 
     def lines_text(self) -> str:
         """« la ligne 6 ou 7 », « les lignes 2 et 3 »."""
-        if len(self.lines) > 1:
-            return f"les lignes {' et '.join(map(str, sorted(self.lines)))}"
+        if len(self.changed_lines) > 1:
+            return f"les lignes {' et '.join(map(str, sorted(self.changed_lines)))}"
         return f"la ligne {' ou '.join(map(str, self.alternative_lines))}"
 
 
@@ -110,8 +110,8 @@ def list_places(mendings: Sequence[Mending]) -> list[MendedPlace]:
     of several functions."""
     places: dict[tuple[int, ...], MendedPlace] = {}
     for place in (place for mending in mendings for place in _places_of_mending(mending)):
-        known = places.setdefault(tuple(place.lines), place)
-        places[tuple(place.lines)] = replace(known, mended=known.mended | place.mended)
+        known = places.setdefault(tuple(place.changed_lines), place)
+        places[tuple(place.changed_lines)] = replace(known, mended=known.mended | place.mended)
     return list(places.values())
 
 
@@ -141,12 +141,16 @@ def describe_place(
         f"Changer {'ensuite ' if place.is_second else ''}{place.lines_text()} {_outcome_text(place, is_all)}{others}"
     )
     where = " ".join(f"Ligne {number} : « {_quote_line(source, number)} »." for number in place.alternative_lines)
-    seen = f" {values[place.lines[0]]}" if place.lines[0] in values and len(place.alternative_lines) == 1 else ""
+    seen = (
+        f" {values[place.changed_lines[0]]}"
+        if place.changed_lines[0] in values and len(place.alternative_lines) == 1
+        else ""
+    )
     aspect = _common_aspect((*place.changes, *place.others))
     is_borne_out = place.is_borne_out and aspect not in _OVERRIDING
     related = ""
-    if functions is not None and set(place.alternative_lines) == set(place.lines):
-        related = related_lines_sentence(source, place.lines, functions, is_borne_out)
+    if functions is not None and set(place.alternative_lines) == set(place.changed_lines):
+        related = related_lines_sentence(source, place.changed_lines, functions, is_borne_out)
     look = (
         f" {related}"
         if related
@@ -168,7 +172,7 @@ def _outcome_text(place: MendedPlace, is_all: bool) -> str:
 
 def _proof_text(place: MendedPlace, titles: Mapping[str, str], is_all: bool) -> str:
     begin, mends = "Écrite autrement", "cette seule ligne fait"
-    if len(place.lines) > 1:
+    if len(place.changed_lines) > 1:
         begin, mends = "Écrites autrement ensemble", "ces lignes font"
     elif len(place.alternative_lines) > 1:
         begin, mends = "Écrite autrement", "une seule de ces lignes fait"

@@ -221,9 +221,9 @@ def _add_places_to_diagnosis(
     named = _remove_remainder_text(named)
     lines = set[int]()
     for found in list_places(mendings):
-        if found.lines[0] in lines:
+        if found.changed_lines[0] in lines:
             continue
-        lines.add(found.lines[0])
+        lines.add(found.changed_lines[0])
         is_explained = found.mended <= explained
         place = describe_place(found, source, titles, values, failed, None if is_explained else functions)
         if is_explained:

@@ -108,7 +108,7 @@ class ProbeScreen:
             )
             for number, after in zip(hits, answers, strict=True):
                 if _is_improvement(before, after):
-                    gains[number] = gains.get(number, 0.0) + _gain(before, after) / max(1, len(wrong))
+                    gains[number] = gains.get(number, 0.0) + _count_mended_answers(before, after) / max(1, len(wrong))
 
     def _iter_calls_of_failed_checks(
         self, source: str, function: str, failed: Sequence[Check]
@@ -219,6 +219,6 @@ def _is_improvement(before: Sequence[NDArray[np.bool_]], after: Sequence[NDArray
     )
 
 
-def _gain(before: Sequence[NDArray[np.bool_]], after: Sequence[NDArray[np.bool_]]) -> float:
+def _count_mended_answers(before: Sequence[NDArray[np.bool_]], after: Sequence[NDArray[np.bool_]]) -> float:
     """Return how many answers are mended; the part of the numbers where one is mended in part."""
     return sum(float(new.mean()) - float(old.mean()) for old, new in zip(before, after, strict=True))

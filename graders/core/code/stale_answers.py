@@ -78,7 +78,7 @@ def fail_checks_with_stale_answers(
         places = [k for k, check in enumerate(checks) if function in check.functions]
         if places and all(held[k].passed for k in places):
             place = max(places, key=lambda k: (not checks[k].requires_other_check, k))
-            held[place] = make_failed_finding(checks[place], _rejection(stale, names.get(function, ())))
+            held[place] = make_failed_finding(checks[place], _stale_answer_rejection(stale, names.get(function, ())))
     return held
 
 
@@ -106,7 +106,7 @@ def find_stale_answers(runner: Runner, probed: Sequence[Probes]) -> Mapping[str,
     return found
 
 
-def _rejection(answer: StaleAnswer, known: Sequence[str]) -> Rejection:
+def _stale_answer_rejection(answer: StaleAnswer, known: Sequence[str]) -> Rejection:
     names = [known[k] if k < len(known) else f"argument {k + 1}" for k in range(len(answer.args))]
     return Rejection(
         f"Après un appel où seul {names[answer.index]} était différent, {answer.function} renvoie de nouveau le "

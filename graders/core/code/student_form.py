@@ -161,7 +161,7 @@ class _StudentHabits(ast.NodeTransformer):
         return [stored, ast.Return(ast.Name(self._result, ast.Load()))]
 
     def visit_Assign(self, node: ast.Assign) -> ast.AST | list[ast.stmt]:
-        pair = _MultipleAssignment.of(node) if self._splits else None
+        pair = _MultipleAssignment.from_node(node) if self._splits else None
         return node if pair is None or not pair.is_free else pair.assignments
 
 
@@ -172,7 +172,7 @@ class _MultipleAssignment:
         self._targets, self._values = targets, values
 
     @classmethod
-    def of(cls, node: ast.Assign) -> _MultipleAssignment | None:
+    def from_node(cls, node: ast.Assign) -> _MultipleAssignment | None:
         target = node.targets[0]
         if len(node.targets) != 1 or not isinstance(target, ast.Tuple) or not isinstance(node.value, ast.Tuple):
             return None

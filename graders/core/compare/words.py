@@ -35,7 +35,7 @@ class _RemainingRoom:
         self.characters = MAX_CHARACTERS
         self.cut = False
 
-    def taken(self, values: Iterable[T]) -> Iterator[T]:
+    def take_while_room(self, values: Iterable[T]) -> Iterator[T]:
         """Yield the values of one level while there is room."""
         for index, value in enumerate(values):
             if index >= self.level or self.items <= 0 or self.characters <= 0:
@@ -44,7 +44,7 @@ class _RemainingRoom:
             self.items -= 1
             yield value
 
-    def text(self, text: str, max_length: int = MAX_TEXT) -> str:
+    def cut_to_room(self, text: str, max_length: int = MAX_TEXT) -> str:
         self.cut = self.cut or len(text) > max_length
         text = _cut_text(text, max_length)
         self.characters -= len(text)
@@ -79,11 +79,11 @@ def _to_bounded_json(value: Value, room: _RemainingRoom) -> Any:
     if isinstance(value, np.generic):
         return _to_bounded_json(value.item(), room)
     if isinstance(value, dict):
-        members = room.taken(value.items())
-        written = {room.text(str(key), MAX_KEY): _to_bounded_json(item, room) for key, item in members}
+        members = room.take_while_room(value.items())
+        written = {room.cut_to_room(str(key), MAX_KEY): _to_bounded_json(item, room) for key, item in members}
         return written if len(written) == len(value) else written | {MORE: MORE}
     if isinstance(value, list | tuple):
-        items = [_to_bounded_json(item, room) for item in room.taken(value)]
+        items = [_to_bounded_json(item, room) for item in room.take_while_room(value)]
         return items if len(items) == len(value) else [*items, MORE]
     return _scalar_to_json(value, room)
 
@@ -117,10 +117,10 @@ def _scalar_to_json(value: Value, room: _RemainingRoom) -> Any:
     if isinstance(value, int):
         if abs(value) < 2**53:
             return value
-        return room.text(str(value) if value.bit_length() < 4000 else "entier immense")
+        return room.cut_to_room(str(value) if value.bit_length() < 4000 else "entier immense")
     if isinstance(value, float):
         return value if math.isfinite(value) else str(value)
-    return room.text(str(value))
+    return room.cut_to_room(str(value))
 
 
 def _cut_text(text: str, max_length: int = MAX_TEXT) -> str:
@@ -207,12 +207,12 @@ def _value_text(value: Value, digits: int, room: _RemainingRoom) -> str:
     if isinstance(value, list | tuple):
         return _items_text(value, digits, room)
     if isinstance(value, NumberText):
-        return room.text(str(value))
+        return room.cut_to_room(str(value))
     return number(value.item() if isinstance(value, np.generic) else value, digits)
 
 
 def _items_text(value: list[Value] | tuple[Value, ...], digits: int, room: _RemainingRoom) -> str:
-    pieces = [_value_text(item, digits, room) for item in room.taken(value)]
+    pieces = [_value_text(item, digits, room) for item in room.take_while_room(value)]
     line = " ; ".join(pieces + [MORE] * (len(pieces) < len(value)))
     return f"[{line}]" if isinstance(value, list) else f"({line})"
 

@@ -35,70 +35,70 @@ class ObjectReader:
 
     def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, _: TracebackType | None) -> None:
         if error is None and self._left:
-            raise MalformedVerdictError(self.place(str(min(self._left, key=str))), "is not expected")
+            raise MalformedVerdictError(self.place_of(str(min(self._left, key=str))), "is not expected")
 
-    def place(self, name: str) -> str:
+    def place_of(self, name: str) -> str:
         return f"{self._place}/{name}" if self._place else name
 
-    def has(self, name: str) -> bool:
+    def has_member(self, name: str) -> bool:
         """Whether an optional member is present."""
         return name in self._left
 
-    def any(self, name: str) -> Any:
+    def read_any(self, name: str) -> Any:
         """Take a member of any strict JSON."""
-        return _check_strict_json(self._take_member(name), self.place(name))
+        return _check_strict_json(self._take_member(name), self.place_of(name))
 
-    def text(self, name: str) -> str:
+    def read_text(self, name: str) -> str:
         return str(self._take_typed_member(name, (str,), "a text"))
 
-    def texts(self, name: str) -> tuple[str, ...]:
-        return self.items(name, _check_text)
+    def read_texts(self, name: str) -> tuple[str, ...]:
+        return self.read_items(name, _check_text)
 
-    def flag(self, name: str) -> bool:
+    def read_flag(self, name: str) -> bool:
         return bool(self._take_typed_member(name, (bool,), "true or false"))
 
-    def whole(self, name: str) -> int:
+    def read_whole_number(self, name: str) -> int:
         return int(self._take_typed_member(name, (int,), "a whole number"))
 
-    def number(self, name: str) -> float:
+    def read_number(self, name: str) -> float:
         """A finite number, kept as it is written: 4 stays 4, and 4.0 stays 4.0."""
         value: float = self._take_typed_member(name, (int, float), "a number")
         if not math.isfinite(value):
-            raise MalformedVerdictError(self.place(name), "is not finite")
+            raise MalformedVerdictError(self.place_of(name), "is not finite")
         return value
 
-    def items(self, name: str, read: Callable[[Any, str], T]) -> tuple[T, ...]:
+    def read_items(self, name: str, read: Callable[[Any, str], T]) -> tuple[T, ...]:
         """A list, each item read with its place."""
         items = self._take_typed_member(name, (list,), "a list")
-        return tuple(read(item, f"{self.place(name)}/{index}") for index, item in enumerate(items))
+        return tuple(read(item, f"{self.place_of(name)}/{index}") for index, item in enumerate(items))
 
-    def numbers(self, name: str) -> dict[str, float]:
+    def read_numbers(self, name: str) -> dict[str, float]:
         """An object whose members are all numbers."""
         value = self._take_member(name)
-        with ObjectReader(value, self.place(name)) as members:
-            return {key: members.number(key) for key in value}
+        with ObjectReader(value, self.place_of(name)) as members:
+            return {key: members.read_number(key) for key in value}
 
-    def object(self, name: str) -> dict[str, Any]:
+    def read_object(self, name: str) -> dict[str, Any]:
         """An object of strict JSON."""
-        return dict(_check_strict_json(self._take_typed_member(name, (dict,), "an object"), self.place(name)))
+        return dict(_check_strict_json(self._take_typed_member(name, (dict,), "an object"), self.place_of(name)))
 
-    def maybe(self, name: str, read: Callable[[Any, str], T]) -> T | None:
+    def read_optional(self, name: str, read: Callable[[Any, str], T]) -> T | None:
         """null, or what `read` makes of the value and its place."""
         value = self._take_member(name)
-        return None if value is None else read(value, self.place(name))
+        return None if value is None else read(value, self.place_of(name))
 
-    def maybe_text(self, name: str) -> str | None:
-        return self.maybe(name, _check_text)
+    def read_optional_text(self, name: str) -> str | None:
+        return self.read_optional(name, _check_text)
 
     def _take_member(self, name: str) -> Any:
         if name not in self._left:
-            raise MalformedVerdictError(self.place(name), "is missing")
+            raise MalformedVerdictError(self.place_of(name), "is missing")
         return self._left.pop(name)
 
     def _take_typed_member(self, name: str, types: tuple[type, ...], wanted: str) -> Any:
         value = self._take_member(name)
         if type(value) not in types:
-            raise MalformedVerdictError(self.place(name), f"is {_type_text(value)}, not {wanted}")
+            raise MalformedVerdictError(self.place_of(name), f"is {_type_text(value)}, not {wanted}")
         return value
 
 

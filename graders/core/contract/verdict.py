@@ -42,7 +42,7 @@ class Counterexample:
     @classmethod
     def from_json(cls, value: Any, place: str = "") -> Counterexample:
         with ObjectReader(value, place) as members:
-            return cls(members.object("inputs"), members.any("expected"), members.any("got"))
+            return cls(members.read_object("inputs"), members.read_any("expected"), members.read_any("got"))
 
 
 @dataclass(frozen=True)
@@ -102,20 +102,20 @@ class CheckResult:
     def from_json(cls, value: Any, place: str = "") -> CheckResult:
         with ObjectReader(value, place) as members:
             read: dict[str, Any] = {
-                "id": members.text("id"),
-                "title": members.text("title"),
-                "passed": members.flag("passed"),
-                "points": members.number("points"),
-                "max_points": members.number("max_points"),
-                "message": members.text("message"),
-                "counterexample": members.maybe("counterexample", Counterexample.from_json),
-                "hint": members.maybe_text("hint"),
-                "figure": members.maybe_text("figure"),
-                "cause": _read_outcome(members, "cause") if members.has("cause") else None,
-                "repeats": members.text("repeats") if members.has("repeats") else None,
-                "neutral": members.flag("neutral") if members.has("neutral") else False,
-                "kit": members.object("kit") if members.has("kit") else None,
-                "case": members.text("case") if members.has("case") else None,
+                "id": members.read_text("id"),
+                "title": members.read_text("title"),
+                "passed": members.read_flag("passed"),
+                "points": members.read_number("points"),
+                "max_points": members.read_number("max_points"),
+                "message": members.read_text("message"),
+                "counterexample": members.read_optional("counterexample", Counterexample.from_json),
+                "hint": members.read_optional_text("hint"),
+                "figure": members.read_optional_text("figure"),
+                "cause": _read_outcome(members, "cause") if members.has_member("cause") else None,
+                "repeats": members.read_text("repeats") if members.has_member("repeats") else None,
+                "neutral": members.read_flag("neutral") if members.has_member("neutral") else False,
+                "kit": members.read_object("kit") if members.has_member("kit") else None,
+                "case": members.read_text("case") if members.has_member("case") else None,
             }
         try:
             return cls(**read)
@@ -170,10 +170,10 @@ class Diagnosis:
     @classmethod
     def from_json(cls, value: Any, place: str = "") -> Diagnosis:
         with ObjectReader(value, place) as members:
-            source = members.text("source") if members.has("source") else None
-            explains = members.items("explains", _read_check_ids) if members.has("explains") else ()
-            certain = members.has("certain") and members.flag("certain")
-            texts = (members.text("id"), members.text("title"), members.text("explanation"))
+            source = members.read_text("source") if members.has_member("source") else None
+            explains = members.read_items("explains", _read_check_ids) if members.has_member("explains") else ()
+            certain = members.has_member("certain") and members.read_flag("certain")
+            texts = (members.read_text("id"), members.read_text("title"), members.read_text("explanation"))
             return cls(*texts, source, tuple(explains), certain)
 
 
@@ -263,18 +263,18 @@ class Verdict:
         """Read what `to_json` made, by this version or an earlier one. Raises MalformedVerdictError, with the place."""
         with ObjectReader(value) as members:
             read: dict[str, Any] = {
-                "exercise": members.text("exercise"),
-                "exercise_version": members.text("exercise_version"),
+                "exercise": members.read_text("exercise"),
+                "exercise_version": members.read_text("exercise_version"),
                 "outcome": _read_outcome(members),
-                "checks": members.items("checks", CheckResult.from_json),
-                "diagnosis": members.maybe("diagnosis", Diagnosis.from_json),
-                "stdout": members.text("stdout"),
-                "seed": members.whole("seed"),
-                "timings": members.numbers("timings"),
-                "remarks": members.texts("remarks") if members.has("remarks") else (),
-                "load_error": members.text("load_error") if members.has("load_error") else "",
+                "checks": members.read_items("checks", CheckResult.from_json),
+                "diagnosis": members.read_optional("diagnosis", Diagnosis.from_json),
+                "stdout": members.read_text("stdout"),
+                "seed": members.read_whole_number("seed"),
+                "timings": members.read_numbers("timings"),
+                "remarks": members.read_texts("remarks") if members.has_member("remarks") else (),
+                "load_error": members.read_text("load_error") if members.has_member("load_error") else "",
             }
-            stated = {name: members.number(name) for name in ("score", "points", "max_points")}
+            stated = {name: members.read_number(name) for name in ("score", "points", "max_points")}
         try:
             verdict = cls(**read)
         except ValueError as error:
@@ -286,11 +286,11 @@ class Verdict:
 
 
 def _read_outcome(members: ObjectReader, member: str = "outcome") -> Outcome:
-    name = members.text(member)
+    name = members.read_text(member)
     try:
         return Outcome(name)
     except ValueError as error:
-        raise MalformedVerdictError(members.place(member), f"is no outcome: {name}") from error
+        raise MalformedVerdictError(members.place_of(member), f"is no outcome: {name}") from error
 
 
 def internal_error_verdict(exercise: str, version: str, seed: int) -> Verdict:

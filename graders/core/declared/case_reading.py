@@ -42,7 +42,7 @@ def parse_scenario(
     tree = _parse_case(text)
     reader = _CaseReader(frozenset(functions), dict(variables or {}), {**ALWAYS, **imports})
     try:
-        statements = tuple(reader.statement(node) for node in tree.body)
+        statements = tuple(reader.read_statement(node) for node in tree.body)
     except RecursionError as error:
         raise MalformedDeclaration("ce cas est trop imbriqué") from error
     if not any(statement.called_program_name for statement in statements):
@@ -62,7 +62,7 @@ def parse_expected(text: str) -> Value:
     tree = _parse_case(text)
     if len(tree.body) != 1 or not isinstance(tree.body[0], ast.Expr):
         raise MalformedDeclaration(f"« {text.strip()[:80]} » n’est pas une valeur")
-    return _CaseReader(frozenset(), {}, {}).value(tree.body[0].value)
+    return _CaseReader(frozenset(), {}, {}).read_value(tree.body[0].value)
 
 
 def _parse_case(text: str) -> ast.Module:
@@ -92,12 +92,12 @@ class _CaseReader:
         self._imports = imports
         self._is_program, self._has_run = functions == {PROGRAM}, False
 
-    def statement(self, node: ast.stmt) -> Statement:
+    def read_statement(self, node: ast.stmt) -> Statement:
         into = ""
         if isinstance(node, ast.Assign) and len(node.targets) == 1 and isinstance(node.targets[0], ast.Attribute):
             path = self._callee_text(node.targets[0])
             if path is not None:
-                return Statement("set", path, value=self.value(node.value))
+                return Statement("set", path, value=self.read_value(node.value))
         if isinstance(node, ast.Assign) and len(node.targets) == 1 and isinstance(node.targets[0], ast.Name):
             into, expression = node.targets[0].id, node.value
         elif isinstance(node, ast.Expr):
@@ -114,7 +114,7 @@ class _CaseReader:
         node = unwrap_call(node, self._functions)
         callee = self._callee_text(node.func) if isinstance(node, ast.Call) else None
         if callee is None:
-            return Statement("value", into, value=self.value(node))
+            return Statement("value", into, value=self.read_value(node))
         assert isinstance(node, ast.Call)
         arguments, named = self._read_arguments(node)
         kind = self._statement_kind(callee)
@@ -126,8 +126,8 @@ class _CaseReader:
     def _read_arguments(self, node: ast.Call) -> tuple[tuple[Value, ...], tuple[tuple[str, Value], ...]]:
         if any(isinstance(argument, ast.Starred) for argument in node.args) or not all(it.arg for it in node.keywords):
             raise refusal_error(node, "« * » et « ** » ne se lisent pas ici")
-        named = tuple((str(key.arg), self.value(key.value)) for key in node.keywords)
-        return tuple(map(self.value, node.args)), named
+        named = tuple((str(key.arg), self.read_value(key.value)) for key in node.keywords)
+        return tuple(map(self.read_value, node.args)), named
 
     def _statement_kind(self, callee: str) -> str:
         if callee == PROGRAM and self._is_program:
@@ -156,7 +156,7 @@ class _CaseReader:
             raise refusal_error(node, "pas de nom qui commence par deux soulignés")
         return ".".join([node.id, *path])
 
-    def value(self, node: ast.expr) -> Value:
+    def read_value(self, node: ast.expr) -> Value:
         """Return the value that an expression writes."""
         readers: dict[type[ast.expr], Callable[[Any], Value]] = {
             ast.Constant: self._read_constant,
@@ -199,10 +199,11 @@ class _CaseReader:
         if None in node.keys:
             raise refusal_error(node, "« ** » ne se lit pas ici")
         pairs = zip(node.keys, node.values, strict=True)
-        return {_require_hashable(node, self.value(key)): self.value(item) for key, item in pairs if key is not None}
+        read = self.read_value
+        return {_require_hashable(node, read(key)): read(item) for key, item in pairs if key is not None}
 
     def _read_items(self, node: ast.List | ast.Tuple | ast.Set) -> Value:
-        items = [self.value(item) for item in node.elts]
+        items = [self.read_value(item) for item in node.elts]
         if isinstance(node, ast.Set):
             return {_require_hashable(node, item) for item in items}
         return tuple(items) if isinstance(node, ast.Tuple) else items
@@ -210,11 +211,11 @@ class _CaseReader:
     def _read_number_expression(self, node: ast.UnaryOp | ast.BinOp) -> Value:
         """Return -3, 1 + 2j, 2 ** 0.5 or 3 / 4: arithmetic of two small numbers."""
         if isinstance(node, ast.UnaryOp):
-            operand = self.value(node.operand)
+            operand = self.read_value(node.operand)
             if isinstance(node.op, ast.USub) and _is_number(operand):
                 return -operand
             raise refusal_error(node, "seul le signe « - » se lit devant un nombre")
-        left, right = self.value(node.left), self.value(node.right)
+        left, right = self.read_value(node.left), self.read_value(node.right)
         if not (_is_number(left) and _is_number(right)):
             raise refusal_error(node, "un calcul n’a ici que des nombres")
         if isinstance(node.op, ast.Add):
@@ -283,7 +284,7 @@ class _CaseReader:
         if nested is not None:
             return nested
         maker = ast.unparse(node.func).removeprefix("np.")
-        arguments = [self.value(argument) for argument in node.args]
+        arguments = [self.read_value(argument) for argument in node.args]
         try:
             if maker == "set" and len(arguments) <= 1:
                 return set(*arguments)

@@ -113,7 +113,7 @@ class Declaration:
     data: Mapping[str, Any] = field(compare=False)
 
     @cached_property
-    def imports(self) -> dict[str, tuple[str, str]]:
+    def imported_names(self) -> dict[str, tuple[str, str]]:
         """The names that the solution imports: cases may use them."""
         return read_imports(self.solution)
 
@@ -138,61 +138,62 @@ class _TableReader:
         if error is None and self._left:
             raise MalformedDeclaration(f"clé inconnue : « {min(self._left)} »", self.place)
 
-    def at(self, key: str) -> str:
+    def place_of(self, key: str) -> str:
         return f"{self.place}.{key}" if self.place else key
 
-    def text(self, key: str, default: str | None = None, *, longest: int = MAX_WORDS) -> str:
+    def read_text(self, key: str, default: str | None = None, *, longest: int = MAX_WORDS) -> str:
         value = self._left.pop(key, default)
         if not isinstance(value, str):
-            raise MalformedDeclaration("il manque ce texte" if value is None else "il faut un texte", self.at(key))
+            reason = "il manque ce texte" if value is None else "il faut un texte"
+            raise MalformedDeclaration(reason, self.place_of(key))
         if len(value) > longest:
-            raise MalformedDeclaration(f"{len(value)} caractères ; {longest} au plus", self.at(key))
+            raise MalformedDeclaration(f"{len(value)} caractères ; {longest} au plus", self.place_of(key))
         return value
 
-    def number(self, key: str, default: float) -> float:
+    def read_number(self, key: str, default: float) -> float:
         value = self._left.pop(key, default)
         if isinstance(value, bool) or not isinstance(value, int | float) or not 0 <= value < 1e12:
-            raise MalformedDeclaration("il faut un nombre positif", self.at(key))
+            raise MalformedDeclaration("il faut un nombre positif", self.place_of(key))
         return float(value)
 
-    def expression(self, key: str) -> str:
+    def read_expression(self, key: str) -> str:
         """Return a text in place of a number; empty for a number."""
-        return self.text(key) if isinstance(self._left.get(key), str) else ""
+        return self.read_text(key) if isinstance(self._left.get(key), str) else ""
 
-    def flag(self, key: str, default: bool) -> bool:
+    def read_flag(self, key: str, default: bool) -> bool:
         value = self._left.pop(key, default)
         if not isinstance(value, bool):
-            raise MalformedDeclaration("il faut true ou false", self.at(key))
+            raise MalformedDeclaration("il faut true ou false", self.place_of(key))
         return value
 
-    def choice(self, key: str, options: Mapping[str, Any], default: str) -> Any:
-        value = self.text(key, default)
+    def read_choice(self, key: str, options: Mapping[str, Any], default: str) -> Any:
+        value = self.read_text(key, default)
         if value not in options:
-            raise MalformedDeclaration(f"« {value} » : {', '.join(options)}", self.at(key))
+            raise MalformedDeclaration(f"« {value} » : {', '.join(options)}", self.place_of(key))
         return options[value]
 
-    def texts(self, key: str, *, most: int) -> tuple[str, ...]:
+    def read_texts(self, key: str, *, most: int) -> tuple[str, ...]:
         values = self._left.pop(key, [])
         if not isinstance(values, list) or not all(isinstance(value, str) for value in values):
-            raise MalformedDeclaration("il faut une liste de textes", self.at(key))
+            raise MalformedDeclaration("il faut une liste de textes", self.place_of(key))
         if len(values) > most:
-            raise MalformedDeclaration(f"{len(values)} éléments ; {most} au plus", self.at(key))
+            raise MalformedDeclaration(f"{len(values)} éléments ; {most} au plus", self.place_of(key))
         return tuple(values)
 
-    def tables(self, key: str, *, most: int) -> list[tuple[str, object]]:
+    def read_tables(self, key: str, *, most: int) -> list[tuple[str, object]]:
         values = self._left.pop(key, [])
         if not isinstance(values, list) or len(values) > most:
-            raise MalformedDeclaration(f"il faut au plus {most} tables", self.at(key))
-        return [(f"{self.at(key)}[{index}]", value) for index, value in enumerate(values)]
+            raise MalformedDeclaration(f"il faut au plus {most} tables", self.place_of(key))
+        return [(f"{self.place_of(key)}[{index}]", value) for index, value in enumerate(values)]
 
-    def files(self, key: str) -> tuple[tuple[str, str], ...]:
+    def read_files(self, key: str) -> tuple[tuple[str, str], ...]:
         values = self._left.pop(key, {})
         if not isinstance(values, dict) or not all(isinstance(it, str) for pair in values.items() for it in pair):
-            raise MalformedDeclaration("il faut des noms de fichiers et leurs textes", self.at(key))
+            raise MalformedDeclaration("il faut des noms de fichiers et leurs textes", self.place_of(key))
         return tuple(values.items())
 
-    def lines(self, key: str) -> tuple[str, ...] | None:
-        return self.texts(key, most=MAX_CASES) if key in self._left else None
+    def read_lines(self, key: str) -> tuple[str, ...] | None:
+        return self.read_texts(key, most=MAX_CASES) if key in self._left else None
 
 
 _ORDERS = {"oui": "same", "non": "any", "ensemble": "set"}
@@ -207,20 +208,20 @@ def is_whole_program(functions: Sequence[str]) -> bool:
 def read_declaration(data: Mapping[str, Any]) -> Declaration:
     """Read a declaration. Raises MalformedDeclaration, with the place of what is wrong."""
     with _TableReader(dict(data), "") as table:
-        functions = table.texts("fonctions", most=MAX_CHECKS)
+        functions = table.read_texts("fonctions", most=MAX_CHECKS)
         if not functions or not all(FUNCTION.fullmatch(name) for name in functions):
             raise MalformedDeclaration("au moins une fonction, par son nom", "fonctions")
-        solution = table.text("solution", longest=MAX_PROGRAM)
+        solution = table.read_text("solution", longest=MAX_PROGRAM)
         imports = read_imports(solution)
         checks = tuple(
             _read_check(*entry, functions, solution, imports)
-            for entry in table.tables("verifications", most=MAX_CHECKS)
+            for entry in table.read_tables("verifications", most=MAX_CHECKS)
         )
         rules = (
-            *_read_rules(table.texts("interdits", most=MAX_CASES), "interdits", required=False),
-            *_read_rules(table.texts("demandes", most=MAX_CASES), "demandes", required=True),
+            *_read_rules(table.read_texts("interdits", most=MAX_CASES), "interdits", required=False),
+            *_read_rules(table.read_texts("demandes", most=MAX_CASES), "demandes", required=True),
         )
-        mistakes = tuple(_read_mistake(*entry) for entry in table.tables("erreurs", most=MAX_MISTAKES))
+        mistakes = tuple(_read_mistake(*entry) for entry in table.read_tables("erreurs", most=MAX_MISTAKES))
     _require_distinct([check.id for check in checks], "verifications")
     _require_distinct([mistake.id for mistake in mistakes], "erreurs")
     total = sum(check.points for check in checks)
@@ -232,9 +233,9 @@ def read_declaration(data: Mapping[str, Any]) -> Declaration:
 def _read_check(place: str, data: object, functions: tuple[str, ...], solution: str, imports: Imports) -> DeclaredCheck:
     with _TableReader(data, place) as table:
         identity = _read_identifier(table)
-        lines, files = table.lines("entrees"), table.files("fichiers")
-        written = table.texts("cas", most=MAX_CASES)
-        expected = table.texts("attendus", most=MAX_CASES) or ("",) * len(written)
+        lines, files = table.read_lines("entrees"), table.read_files("fichiers")
+        written = table.read_texts("cas", most=MAX_CASES)
+        expected = table.read_texts("attendus", most=MAX_CASES) or ("",) * len(written)
         if len(expected) != len(written):
             raise MalformedDeclaration(f"{len(expected)} pour {len(written)} cas", f"{place}.attendus")
         cases = tuple(
@@ -243,7 +244,7 @@ def _read_check(place: str, data: object, functions: tuple[str, ...], solution: 
         )
         drawn = _read_drawn_cases(table, functions, imports)
         prints = is_whole_program(functions) and all(case.ends_with_program for case in cases)
-        watched = table.choice("regarder", _WATCHED, "affichage" if prints else "valeur")
+        watched = table.read_choice("regarder", _WATCHED, "affichage" if prints else "valeur")
         cases = tuple(
             replace(
                 case, lines=() if lines is None and watched == "written" else lines,
@@ -253,35 +254,35 @@ def _read_check(place: str, data: object, functions: tuple[str, ...], solution: 
         )  # fmt: skip
         if not cases and drawn is None:
             raise MalformedDeclaration("il faut au moins un cas, ou des tirages", place)
-        tolerance = table.expression("tolerance")
+        tolerance = table.read_expression("tolerance")
         comparator = SamePlainValue(
-            tolerance=TOLERANCE if tolerance else table.number("tolerance", TOLERANCE),
-            absolute=table.flag("absolue", False),
-            order=table.choice("ordre", _ORDERS, "oui"),
-            strict=table.flag("types_stricts", False),
-            spaces=table.flag("espaces", True),
+            tolerance=TOLERANCE if tolerance else table.read_number("tolerance", TOLERANCE),
+            absolute=table.read_flag("absolue", False),
+            order=table.read_choice("ordre", _ORDERS, "oui"),
+            strict=table.read_flag("types_stricts", False),
+            spaces=table.read_flag("espaces", True),
         )
-        points = table.number("points", MAX_POINTS)
+        title, hint = table.read_text("titre"), table.read_text("indice", "")
         return DeclaredCheck(
-            identity, table.text("titre"), points, table.text("indice", ""), cases, drawn, comparator, watched,
-            _read_tolerance(tolerance, solution, table.at("tolerance")),
+            identity, title, table.read_number("points", MAX_POINTS), hint, cases, drawn, comparator, watched,
+            _read_tolerance(tolerance, solution, table.place_of("tolerance")),
         )  # fmt: skip
 
 
 def _read_drawn_cases(table: _TableReader, functions: tuple[str, ...], imports: Imports) -> DrawnCases | None:
-    text, call = table.text("tirages", ""), table.text("appel", "")
-    conditions, count = table.texts("conditions", most=MAX_CASES), int(table.number("combien", DEFAULT_DRAWS))
+    text, call = table.read_text("tirages", ""), table.read_text("appel", "")
+    conditions, count = table.read_texts("conditions", most=MAX_CASES), int(table.read_number("combien", DEFAULT_DRAWS))
     if not text and not call:
         return None
     if not (text and call):
         raise MalformedDeclaration("« tirages » et « appel » vont ensemble", table.place)
     if not 0 < count <= MAX_DRAWS:
-        raise MalformedDeclaration(f"de 1 à {MAX_DRAWS}", table.at("combien"))
+        raise MalformedDeclaration(f"de 1 à {MAX_DRAWS}", table.place_of("combien"))
     try:
         drawn = DrawnCases(parse_draws(text, conditions), call, count, functions, imports)
         next(drawn.draw(np.random.default_rng(0)))
     except MalformedDeclaration as error:
-        raise error.below_place(table.at("tirages")) from error
+        raise error.below_place(table.place_of("tirages")) from error
     return drawn
 
 
@@ -327,18 +328,18 @@ def _read_mistake(place: str, data: object) -> DeclaredMistake:
     with _TableReader(data, place) as table:
         return DeclaredMistake(
             _read_identifier(table),
-            table.text("titre"),
-            table.text("explication"),
-            table.text("question"),
-            table.text("programme", longest=MAX_PROGRAM),
+            table.read_text("titre"),
+            table.read_text("explication"),
+            table.read_text("question"),
+            table.read_text("programme", longest=MAX_PROGRAM),
         )
 
 
 def _read_identifier(table: _TableReader) -> str:
-    identity = table.text("id")
+    identity = table.read_text("id")
     if not IDENTITY.fullmatch(identity):
         raise MalformedDeclaration(
-            f"« {identity} » : des minuscules sans accent, des chiffres et « _ »", table.at("id")
+            f"« {identity} » : des minuscules sans accent, des chiffres et « _ »", table.place_of("id")
         )
     return identity
 

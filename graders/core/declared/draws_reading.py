@@ -41,7 +41,7 @@ def parse_draws(text: str, conditions: Sequence[str] = ()) -> Draws:
         if not (isinstance(node, ast.Assign) and len(node.targets) == 1 and isinstance(node.targets[0], ast.Name)):
             raise refusal_error(node, "écrivez « nom = entier(0, 9) »")
         name = node.targets[0].id
-        generators.append((name, _DrawsReader(known).generator(node.value)))
+        generators.append((name, _DrawsReader(known).read_generator(node.value)))
         known.add(name)
     return Draws(tuple(generators), tuple(_compile_condition(condition, known) for condition in conditions))
 
@@ -63,7 +63,7 @@ def parse_expression_of(
     body = _parse_draws_text(text).body
     if len(body) != 1 or not isinstance(body[0], ast.Expr):
         raise MalformedDeclaration(f"« {text} » n’est pas {what}")
-    return _DrawsReader(set(names)).expression(body[0].value)
+    return _DrawsReader(set(names)).compile_expression(body[0].value)
 
 
 class _DrawsReader:
@@ -72,7 +72,7 @@ class _DrawsReader:
     def __init__(self, known: set[str]) -> None:
         self._known = frozenset(known)
 
-    def generator(self, node: ast.expr) -> Generator:
+    def read_generator(self, node: ast.expr) -> Generator:
         if not (isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and node.func.id in _GENERATORS):
             raise refusal_error(node, f"de générateurs, il y a {', '.join(_GENERATORS)}")
         reader = _GENERATORS[node.func.id]
@@ -82,13 +82,13 @@ class _DrawsReader:
         except (IndexError, KeyError, TypeError, ValueError) as error:
             raise refusal_error(node, f"paramètres de {node.func.id} : {_USAGE[node.func.id]}") from error
 
-    def bounds(self, nodes: Sequence[ast.expr], default: tuple[float, float] | None = None) -> tuple[Bound, Bound]:
+    def read_bounds(self, nodes: Sequence[ast.expr], default: tuple[float, float] | None = None) -> tuple[Bound, Bound]:
         if not nodes and default is not None:
             return (lambda _: default[0]), (lambda _: default[1])
-        low, high = (self.expression(node) for node in nodes)
+        low, high = (self.compile_expression(node) for node in nodes)
         return low, high
 
-    def expression(self, node: ast.expr) -> Callable[[Mapping[str, Value]], Any]:
+    def compile_expression(self, node: ast.expr) -> Callable[[Mapping[str, Value]], Any]:
         """Return what evaluates arithmetic, comparisons and `len` over the variables."""
         readers: dict[type[ast.expr], Callable[[Any], Callable[[Mapping[str, Value]], Any] | None]] = {
             ast.Constant: self._compile_constant,
@@ -115,30 +115,33 @@ class _DrawsReader:
         return (lambda variables: variables[name]) if name in self._known else None
 
     def _compile_operation(self, node: ast.BinOp) -> Callable[[Mapping[str, Value]], Any] | None:
-        operation, parts = _OPERATIONS.get(type(node.op)), (self.expression(node.left), self.expression(node.right))
+        operation, parts = (
+            _OPERATIONS.get(type(node.op)),
+            (self.compile_expression(node.left), self.compile_expression(node.right)),
+        )
         if operation is None:
             return None
         return lambda variables: operation(parts[0](variables), parts[1](variables))
 
     def _compile_negation(self, node: ast.UnaryOp) -> Callable[[Mapping[str, Value]], Any] | None:
-        operand, negates = self.expression(node.operand), isinstance(node.op, ast.USub)
+        operand, negates = self.compile_expression(node.operand), isinstance(node.op, ast.USub)
         if not isinstance(node.op, ast.USub | ast.Not):
             return None
         return lambda variables: -operand(variables) if negates else not operand(variables)
 
     def _compile_conjunction(self, node: ast.BoolOp) -> Callable[[Mapping[str, Value]], Any]:
-        values, every = [self.expression(value) for value in node.values], isinstance(node.op, ast.And)
+        values, every = [self.compile_expression(value) for value in node.values], isinstance(node.op, ast.And)
         return lambda variables: (all if every else any)(value(variables) for value in values)
 
     def _compile_function_call(self, node: ast.Call) -> Callable[[Mapping[str, Value]], Any] | None:
         function = _FUNCTIONS.get(node.func.id) if isinstance(node.func, ast.Name) else None
-        arguments = [self.expression(argument) for argument in node.args]
+        arguments = [self.compile_expression(argument) for argument in node.args]
         if function is None:
             return None
         return lambda variables: function(*(argument(variables) for argument in arguments))
 
     def _compile_comparison(self, node: ast.Compare) -> Callable[[Mapping[str, Value]], bool]:
-        parts = [self.expression(part) for part in (node.left, *node.comparators)]
+        parts = [self.compile_expression(part) for part in (node.left, *node.comparators)]
         known = [_COMPARISONS[type(comparison)] for comparison in node.ops if type(comparison) in _COMPARISONS]
         if len(known) < len(node.ops):
             raise refusal_error(node, "comparez par <, <=, >, >=, ==, != ou in")
@@ -195,33 +198,33 @@ def _read_list(
     named: Mapping[str, ast.expr],
     kind: type[Any],
 ) -> Generator:
-    shortest, longest = reader.bounds(nodes[1:], (0, 8))
+    shortest, longest = reader.read_bounds(nodes[1:], (0, 8))
     flags = (_read_flag(named, "triee"), _read_flag(named, "distincts"))
-    return DrawnList(reader.generator(nodes[0]), shortest, longest, kind, *flags)
+    return DrawnList(reader.read_generator(nodes[0]), shortest, longest, kind, *flags)
 
 
 def _read_text(reader: _DrawsReader, nodes: Sequence[ast.expr], named: Mapping[str, ast.expr]) -> Generator:
     alphabet = ast.literal_eval(nodes[0])
     if not isinstance(alphabet, str) or not alphabet:
         raise ValueError("no alphabet")
-    return DrawnText(alphabet, *reader.bounds(nodes[1:], (0, 12)))
+    return DrawnText(alphabet, *reader.read_bounds(nodes[1:], (0, 12)))
 
 
 def _read_words(reader: _DrawsReader, nodes: Sequence[ast.expr], named: Mapping[str, ast.expr]) -> Generator:
     words = tuple(ast.literal_eval(nodes[0]).split())
     if not words:
         raise ValueError("no word")
-    return DrawnWords(words, *reader.bounds(nodes[1:], (0, 6)), _read_flag(named, "espaces"))
+    return DrawnWords(words, *reader.read_bounds(nodes[1:], (0, 6)), _read_flag(named, "espaces"))
 
 
 def _read_array(reader: _DrawsReader, nodes: Sequence[ast.expr], named: Mapping[str, ast.expr]) -> Generator:
     shape = nodes[0].elts if isinstance(nodes[0], ast.Tuple) else [nodes[0]]
-    return DrawnArray(tuple(map(reader.expression, shape)), *reader.bounds(nodes[1:], (-10.0, 10.0)))
+    return DrawnArray(tuple(map(reader.compile_expression, shape)), *reader.read_bounds(nodes[1:], (-10.0, 10.0)))
 
 
 def _reader_of_fixed_array(size: int) -> Callable[..., Generator]:
     def read(reader: _DrawsReader, nodes: Sequence[ast.expr], named: Mapping[str, ast.expr]) -> Generator:
-        return DrawnArray((lambda _: size,), *reader.bounds(nodes, (-10.0, 10.0)))
+        return DrawnArray((lambda _: size,), *reader.read_bounds(nodes, (-10.0, 10.0)))
 
     return read
 
@@ -243,20 +246,20 @@ _USAGE = {
     "choix": 'choix("a", "b", 3)',
 }
 _GENERATORS: dict[str, Callable[[_DrawsReader, Sequence[ast.expr], Mapping[str, ast.expr]], Generator]] = {
-    "entier": lambda reader, nodes, named: DrawnInteger(*reader.bounds(nodes)),
-    "reel": lambda reader, nodes, named: DrawnReal(*reader.bounds(nodes)),
+    "entier": lambda reader, nodes, named: DrawnInteger(*reader.read_bounds(nodes)),
+    "reel": lambda reader, nodes, named: DrawnReal(*reader.read_bounds(nodes)),
     "booleen": lambda reader, nodes, named: DrawnBoolean(),
     "texte": _read_text,
     "mots": _read_words,
     "liste": lambda reader, nodes, named: _read_list(reader, nodes, named, list),
-    "nuplet": lambda reader, nodes, named: DrawnTuple(tuple(map(reader.generator, nodes))),
+    "nuplet": lambda reader, nodes, named: DrawnTuple(tuple(map(reader.read_generator, nodes))),
     "ensemble": lambda reader, nodes, named: _read_list(reader, nodes, named, set),
     "dictionnaire": lambda reader, nodes, named: DrawnDictionary(
-        reader.generator(nodes[0]), reader.generator(nodes[1]), *reader.bounds(nodes[2:], (0, 5))
+        reader.read_generator(nodes[0]), reader.read_generator(nodes[1]), *reader.read_bounds(nodes[2:], (0, 5))
     ),
     "tableau": _read_array,
     "point": _reader_of_fixed_array(2),
     "pose": _reader_of_fixed_array(3),
-    "grille": lambda reader, nodes, named: DrawnGrid(*map(reader.expression, nodes)),
+    "grille": lambda reader, nodes, named: DrawnGrid(*map(reader.compile_expression, nodes)),
     "choix": lambda reader, nodes, named: DrawnChoice(_read_literals(nodes)),
 }

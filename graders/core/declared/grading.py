@@ -232,7 +232,7 @@ class DeclaredGrader:
         """Return what a counterexample gives: the arguments by name for one call of a function, else the whole case."""
         given: dict[str, Value] = {}
         first = scenario.statements[0]
-        names = self.parameters.get(first.callee, ())
+        names = self.parameters_by_function.get(first.callee, ())
         if scenario.runs_program:
             given = {"ce que l’on tape": list(scenario.typed_lines or ())}
         elif len(scenario.statements) == 1 and len(first.arguments) <= len(names) and not first.named:
@@ -245,7 +245,7 @@ class DeclaredGrader:
         return given
 
     @cached_property
-    def parameters(self) -> dict[str, tuple[str, ...]]:
+    def parameters_by_function(self) -> dict[str, tuple[str, ...]]:
         """The names of the parameters of the solution's functions."""
         return {
             node.name: tuple(argument.arg for argument in (*node.args.posonlyargs, *node.args.args))
@@ -271,7 +271,8 @@ class DeclaredGrader:
             return None
         written = next((case for case in check.cases if case.exact_text() == result.case), None)
         try:
-            return written or Scenario(parse_scenario(result.case, self.functions, imports=self.declaration.imports))
+            imports = self.declaration.imported_names
+            return written or Scenario(parse_scenario(result.case, self.functions, imports=imports))
         except MalformedDeclaration:
             return None
 

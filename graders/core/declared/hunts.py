@@ -104,7 +104,7 @@ def _read_value(name: str, text: str, grader: DeclaredGrader) -> Value:
     """Return one typed value, read as data. Raises InputFault."""
     functions = grader.functions
     try:
-        (statement,) = parse_scenario(f"{functions[0]}({text}\n)", functions, imports=grader.declaration.imports)
+        (statement,) = parse_scenario(f"{functions[0]}({text}\n)", functions, imports=grader.declaration.imported_names)
     except MalformedDeclaration as error:
         raise InputFault(name, f"{name} : {error.message}.") from error
     except ValueError as error:
@@ -128,7 +128,7 @@ def list_hunts(grader: DeclaredGrader) -> Iterator[DeclaredHunt]:
                     for case in cases
                     if case.scenario.called_program_name == function
                 ]
-                names = grader.parameters.get(function, ())
+                names = grader.parameters_by_function.get(function, ())
                 calls = [call for call in calls if 0 < len(call) == len(names)]
                 if calls:
                     columns = zip(names, zip(*calls, strict=True), strict=True)

@@ -115,7 +115,7 @@ class TriedInputs:
     def _interval_bracket(self) -> IntervalBracket | None:
         """The interval at whose ends a function has other signs in every example."""
         callee = self._all_written_cases[0].statements[0].callee if self._all_written_cases else ""
-        bracket = find_bracket(self._all_written_cases, self._grader.parameters.get(callee, ()))
+        bracket = find_bracket(self._all_written_cases, self._grader.parameters_by_function.get(callee, ()))
         found = bracket and self._find_crossings(bracket, self._all_written_cases)
         return bracket if found and all(case.text() in found for case in self._all_written_cases) else None
 
@@ -133,7 +133,10 @@ class TriedInputs:
         return frozenset(scenario.text() for scenario, got in played if changes_sign(got))
 
     def _find_doubt(self, at: int, scenario: Scenario) -> str:
-        names, bracket = self._grader.parameters.get(scenario.statements[0].callee, ()), self._interval_bracket
+        names, bracket = (
+            self._grader.parameters_by_function.get(scenario.statements[0].callee, ()),
+            self._interval_bracket,
+        )
         if bracket is None or scenario.statements[0].callee != bracket.name:
             return find_doubt(scenario, self._all_written_cases, names)
         doubt = find_doubt(scenario, self._all_written_cases, names, free=(bracket.low, bracket.high))

@@ -8,7 +8,7 @@ import numpy as np
 
 from graders.core.answers.numeric import numeric
 from graders.core.answers.quantity import Data, Quantity, Values
-from reference.occupancy import log_odds, probability
+from reference.occupancy import log_odds, probability_of_log_odds
 
 
 def deal(rng: np.random.Generator) -> Data:
@@ -81,13 +81,13 @@ QUANTITIES = (
     Quantity(
         "p",
         4,
-        lambda _, f: float(probability(f["l"])),
+        lambda _, f: float(probability_of_log_odds(f["l"])),
         rel=0.0,
         abs=0.0006,
         slips={
             "log_base_dix": lambda _, f: 1 / (1 + 10 ** -f["l"]),
             "rapport_au_lieu_de_probabilite": lambda _, f: math.exp(f["l"]),
-            "rapport_renverse": lambda _, f: float(probability(-f["l"])),
+            "rapport_renverse": lambda _, f: float(probability_of_log_odds(-f["l"])),
         },
     ),
     Quantity(

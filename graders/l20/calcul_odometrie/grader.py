@@ -32,11 +32,11 @@ def drive(data: Data) -> DifferentialDrive:
 
 
 def ds(data: Data, _: Values) -> float:
-    return drive(data).motion(data["dsg"], data["dsd"]).distance
+    return drive(data).motion_from_wheels(data["dsg"], data["dsd"]).distance
 
 
 def dtheta(data: Data, _: Values) -> float:
-    return drive(data).motion(data["dsg"], data["dsd"]).turn
+    return drive(data).motion_from_wheels(data["dsg"], data["dsd"]).turn
 
 
 def middle(data: Data, earlier: Values) -> float:

@@ -63,7 +63,7 @@ class Map:
         """H (s, s) and b (s,) where the map is given, no pose held: s = 3n + 2m, poses first."""
         equations = NormalEquations(self.model, free_gauge=True)
         found = equations.assemble(equations.join_state(self.poses, self.landmarks))
-        upper = equations.pattern.upper_triangle(found.data).toarray()
+        upper = equations.pattern.upper_triangle(found.upper_entries).toarray()
         return upper + np.triu(upper, 1).T, found.b
 
     @cached_property

@@ -8,7 +8,7 @@ import numpy as np
 
 from graders.core.answers.numeric import numeric
 from graders.core.answers.quantity import Data, Quantity, Values
-from reference.occupancy import log_odds, probability
+from reference.occupancy import log_odds, probability_of_log_odds
 
 
 def deal(rng: np.random.Generator) -> Data:
@@ -131,12 +131,12 @@ QUANTITIES = (
     Quantity(
         "p",
         2,
-        lambda _, f: float(probability(f["l"])),
+        lambda _, f: float(probability_of_log_odds(f["l"])),
         rel=0.0,
         abs=0.0015,
         slips={
             "rapport_au_lieu_de_probabilite": lambda _, f: math.exp(f["l"]),
-            "libre_au_lieu_d_occupee": lambda _, f: float(probability(-f["l"])),
+            "libre_au_lieu_d_occupee": lambda _, f: float(probability_of_log_odds(-f["l"])),
         },
     ),
     Quantity(

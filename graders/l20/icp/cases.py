@@ -9,7 +9,7 @@ import numpy as np
 
 from graders.core.contract.values import Floats
 from graders.l20.icp.descent import DEFAULT, Registration, Step, descend, fair
-from reference.se2 import rotation
+from reference.se2 import rotation_matrix
 
 Rng = np.random.Generator
 Draw = Callable[[Rng], Iterator[Registration]]
@@ -56,14 +56,14 @@ class Kind:
         """A cloud and its image, shuffled; a start, or none."""
         rng = np.random.default_rng(seed)
         P = cloud(rng, self.n)
-        turn = rotation(float(rng.uniform(0.15, 0.7) * rng.choice([-1.0, 1.0])))
+        turn = rotation_matrix(float(rng.uniform(0.15, 0.7) * rng.choice([-1.0, 1.0])))
         image = (P * (-1.0, 1.0) if self.mirror else P) @ turn.T + rng.uniform(-2.0, 2.0, 2)
         extra = rng.uniform(-2.0, 10.0, (self.more, 2))
         Q = np.vstack([image + self.noise * rng.normal(size=P.shape), extra])[self.fewer :]
         Q = np.round(Q[rng.permutation(len(Q))], 1) + 0.0
         R0, t0 = STILL, NOWHERE
         if self.start:
-            R0 = turn @ rotation(float(rng.uniform(0.2, 0.5) * rng.choice([-1.0, 1.0])))
+            R0 = turn @ rotation_matrix(float(rng.uniform(0.2, 0.5) * rng.choice([-1.0, 1.0])))
             t0 = np.round(rng.uniform(-3.0, 3.0, 2), 1)
         return Registration(P, Q, R0, t0, self.n_iter)
 

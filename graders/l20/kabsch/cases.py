@@ -16,7 +16,7 @@ import numpy as np
 from graders.core.contract.values import Floats
 from graders.l20.kabsch.best import best_of
 from graders.l20.kabsch.checks import Pairing
-from reference.se2 import rotation
+from reference.se2 import rotation_matrix
 
 QUARTER = np.array([[0.0, -1.0], [1.0, 0.0]])
 ABOUT_Z = np.array([[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
@@ -68,7 +68,7 @@ def random_rotation(rng: np.random.Generator, d: int) -> Floats:
     """A rotation far enough from the identity and from its own inverse for a mistake to show."""
     angle = rng.uniform(0.4, 2.7) * rng.choice([-1.0, 1.0])
     if d == 2:
-        return rotation(angle)
+        return rotation_matrix(angle)
     x, y, z = axis = rng.normal(size=3)
     K = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]]) / np.linalg.norm(axis)
     return np.asarray(np.eye(3) + math.sin(angle) * K + (1.0 - math.cos(angle)) * (K @ K))

@@ -19,7 +19,7 @@ from graders.l20 import world
 from graders.l20.kabsch.cases import AXES_IN_TURN, points
 from graders.l20.kabsch.judge import NotAPairError, judge, read_pair
 from reference.registration import kabsch
-from reference.se2 import rotation
+from reference.se2 import rotation_matrix
 
 FLAT = points((1, 2), (4, 2), (5, 4), (2, 6), (1, 1))
 SOLID = points((1, 2, 3), (5, 2, 1), (3, 6, 2), (2, 1, 0), (0, 3, 5), (4, 4, 4))
@@ -30,21 +30,21 @@ FAR = points((3, -2, 1))[0]
 CROSS = points((2, 0), (-2, 0), (0, 1), (0, -1))
 JUST = "juste"
 
-EXACT_FLAT = (FLAT, FLAT @ rotation(0.7).T + (2.0, -1.0))
+EXACT_FLAT = (FLAT, FLAT @ rotation_matrix(0.7).T + (2.0, -1.0))
 EXACT_SOLID = (SOLID, SOLID @ TURN.T + FAR)
-NOISY_FLAT = (FLAT, FLAT @ rotation(-1.2).T + SHAKE + (1.0, 3.0))
+NOISY_FLAT = (FLAT, FLAT @ rotation_matrix(-1.2).T + SHAKE + (1.0, 3.0))
 NOISY_SOLID = (SOLID, SOLID @ TURN.T + np.column_stack([SHAKE[[0, 1, 2, 3, 4, 0]], SHAKE[[4, 3, 2, 1, 0, 2], 0]]) - FAR)
-MIRROR_FLAT = (FLAT, (FLAT * (-1.0, 1.0)) @ rotation(0.4).T + SHAKE + (1.0, 3.0))
+MIRROR_FLAT = (FLAT, (FLAT * (-1.0, 1.0)) @ rotation_matrix(0.4).T + SHAKE + (1.0, 3.0))
 MIRROR_SOLID = (SOLID, (SOLID * (1.0, 1.0, -1.0)) @ TURN.T + FAR)
 OTHER_MIRRORS = (
-    (FLAT + SHAKE, (FLAT * (1.0, -1.0)) @ rotation(2.1).T - SHAKE),
+    (FLAT + SHAKE, (FLAT * (1.0, -1.0)) @ rotation_matrix(2.1).T - SHAKE),
     (SOLID, (SOLID * (-1.0, 1.0, 1.0)) @ TURN @ TURN + FAR / 2.0),
-    (FLAT - 2.0 * SHAKE, (FLAT * (-1.0, 1.0)) @ rotation(-1.0).T + (5.0, 1.0)),
+    (FLAT - 2.0 * SHAKE, (FLAT * (-1.0, 1.0)) @ rotation_matrix(-1.0).T + (5.0, 1.0)),
     (SOLID + FAR, -SOLID @ TURN.T),
     (CROSS, CROSS * (1.0, -1.0) + (3.0, 1.0)),
 )
-BEYOND_FLAT = (FLAT, FLAT @ rotation(2.4).T + (1.0, 2.0))
-BEYOND_NOISY = (FLAT, FLAT @ rotation(-2.0).T + SHAKE - (2.0, 0.5))
+BEYOND_FLAT = (FLAT, FLAT @ rotation_matrix(2.4).T + (1.0, 2.0))
+BEYOND_NOISY = (FLAT, FLAT @ rotation_matrix(-2.0).T + SHAKE - (2.0, 0.5))
 POOR: tuple[tuple[Floats, Floats], ...] = (
     (points((2, 1)), points((4, -3))),
     (points((1, 2), (1, 2), (1, 2)), points((3, 1), (3, 1), (3, 1))),

@@ -11,10 +11,10 @@ from graders.core.code.checks import Cases
 from graders.core.compare.comparison import CloseTo
 from graders.core.compare.shrinking import Shrinker, keep_unchanged
 from graders.core.contract.values import Arguments, Floats, Value
-from reference.occupancy import log_odds, probability
+from reference.occupancy import log_odds, probability_of_log_odds
 
 LOG_ODDS, PROBABILITY = "vers_logodds", "vers_proba"
-REFERENCES: dict[str, Callable[[Value], Floats]] = {LOG_ODDS: log_odds, PROBABILITY: probability}
+REFERENCES: dict[str, Callable[[Value], Floats]] = {LOG_ODDS: log_odds, PROBABILITY: probability_of_log_odds}
 NAMES = {LOG_ODDS: ("p",), PROBABILITY: ("l",)}
 SIMPLE = {LOG_ODDS: (0.7, 0.5, 0.3, 0.9, 0.01, 0.999, 0.25), PROBABILITY: (0.0, 0.847, -0.847, 2.0, -5.0, 5.0, -0.3)}
 SPREAD = {LOG_ODDS: (0.02, 0.98), PROBABILITY: (-5.0, 5.0)}

@@ -27,7 +27,7 @@ from graders.scene.replay import (
     View,
     decimal,
 )
-from reference.occupancy import InverseSensorModel, OccupancyGrid, probability
+from reference.occupancy import InverseSensorModel, OccupancyGrid, probability_of_log_odds
 from reference.world.scan import Scan
 
 MINE, EXPECTED = 0, 1
@@ -117,7 +117,7 @@ def _wrong(case: Integration, grid: Floats) -> Floats:
 
 
 def _shades(grid: Floats) -> Floats:
-    return np.asarray(np.round(probability(grid) * LEVELS) / LEVELS)
+    return np.asarray(np.round(probability_of_log_odds(grid) * LEVELS) / LEVELS)
 
 
 def _robot(pose: Floats, scan: Floats) -> list[Layer]:

@@ -18,7 +18,7 @@ import numpy as np
 from scipy.ndimage import distance_transform_edt
 
 from graders.core.contract.values import Floats
-from reference.se2 import relative, rotation
+from reference.se2 import relative, rotation_matrix
 
 Proposal = tuple[int, int, Floats]
 
@@ -67,7 +67,7 @@ def _laid(walls: Floats, cloud: Floats, turn: float) -> tuple[float, Floats]:
     points = cloud[np.hypot(*cloud.T) < EXTENT + SHIFTS[0] * CELL]
     best, pose = -1.0, np.zeros(3)
     for heading in turn + TURNS:
-        x, y = np.floor((points @ rotation(heading).T + EXTENT) / CELL).astype(np.int64).T
+        x, y = np.floor((points @ rotation_matrix(heading).T + EXTENT) / CELL).astype(np.int64).T
         columns, rows = x[:, None, None] + SHIFTS, y[:, None, None] + SHIFTS[:, None]
         inside = (columns >= 0) & (columns < size) & (rows >= 0) & (rows < size)
         there = walls[np.clip(rows, 0, size - 1), np.clip(columns, 0, size - 1)]

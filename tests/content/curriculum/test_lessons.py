@@ -12,7 +12,7 @@ import server
 from curriculum.l20.figures import _slam_scenes as scenes
 from curriculum.l20.figures import defis, slam
 from curriculum.l20.figures._kidnapped import INJECTIONS, recovery
-from reference.occupancy import InverseSensorModel, probability
+from reference.occupancy import InverseSensorModel, probability_of_log_odds
 from reference.pose_graph import NormalEquations, PoseGraph, gauge_null_vectors, gauss_newton
 from reference.registration import icp, icp_to_lines, normals_by_neighbours
 from reference.se2 import transform
@@ -42,9 +42,14 @@ def free_hessian(graph: PoseGraph, poses: Floats) -> Floats:
 
 def test_a_cell_that_gathers_evidence() -> None:
     page = "seances/cartographier"
-    for value, digits in ((HIT, 3), (2 * HIT, 3), (float(probability(2 * HIT)), 3), (float(probability(5.0)), 4)):
+    for value, digits in (
+        (HIT, 3),
+        (2 * HIT, 3),
+        (float(probability_of_log_odds(2 * HIT)), 3),
+        (float(probability_of_log_odds(5.0)), 4),
+    ):
         assert states(page, value, digits)
-    assert float(probability(5 * HIT)) < 0.99 < float(probability(6 * HIT))
+    assert float(probability_of_log_odds(5 * HIT)) < 0.99 < float(probability_of_log_odds(6 * HIT))
     assert 5 - 5 * HIT > 0 > 5 - 6 * HIT
     assert np.ceil(10 / HIT) == 12
 

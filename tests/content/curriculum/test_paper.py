@@ -12,7 +12,7 @@ from scipy.stats import chi2, norm
 
 import server
 from graders.core.answers.numeric import NumericGrader
-from reference.occupancy import log_odds, probability
+from reference.occupancy import log_odds, probability_of_log_odds
 from tests.support.quick import the_course
 
 FOLDER = Path(server.__file__).parents[1] / "curriculum" / "l20" / "sujets"
@@ -74,7 +74,7 @@ def test_what_the_map_holds() -> None:
     assert copy_says("II.1", hit, 3)
     assert copy_says("II.1", miss, 3)
     assert np.exp(3 * hit + 2 * miss) == pytest.approx(256 / 9)
-    assert pytest.approx(float(probability(3 * hit + 2 * miss))) == 256 / 265
+    assert pytest.approx(float(probability_of_log_odds(3 * hit + 2 * miss))) == 256 / 265
     assert copy_says("II.3", 256 / 265, 3)
     bounded, free = int(np.floor(4 / -miss)) + 1, int(np.floor(60 * hit / -miss)) + 1
     assert copy_says("II.5", 4 / -miss, 2)
@@ -82,7 +82,7 @@ def test_what_the_map_holds() -> None:
     assert (f"faut ${bounded}$", f"faut ${free}$") == ("faut $10$", "faut $206$")
     assert f"il faut ${bounded}$ traversées" in COPY
     assert f"il en faut ${free}$" in COPY
-    assert copy_says("II.5", float(probability(4.0)), 3)
+    assert copy_says("II.5", float(probability_of_log_odds(4.0)), 3)
 
 
 def test_the_function_to_complete() -> None:

@@ -11,7 +11,7 @@ import server
 from reference import se2
 from reference.filters.resampling import comb_resampling, effective_sample_size
 from reference.metrics import absolute_trajectory_error
-from reference.occupancy import log_odds, probability
+from reference.occupancy import log_odds, probability_of_log_odds
 from reference.odometry import DifferentialDrive, LateralDrift
 from reference.registration.icp import icp
 from reference.registration.rigid import kabsch
@@ -40,7 +40,7 @@ def test_odometry_and_its_drift() -> None:
     assert states("exercices-corriges", drift.heading_deviation, 3)
     assert states("exercices-corriges", float(np.degrees(drift.heading_deviation)), 1)
     assert states("exercices-corriges", drift.constant_error_deviation, 1)
-    assert states("exercices-corriges", drift.deviation, 3)
+    assert states("exercices-corriges", drift.lateral_deviation, 3)
     turned_first = 0.115 * drift.turn_deviation * np.sqrt(1000 * 1001 * 2001 / 6)
     assert states("exercices-corriges", float(turned_first), 3)
 
@@ -53,12 +53,12 @@ def test_composition() -> None:
 def test_log_odds() -> None:
     touch = float(log_odds(0.7))
     assert states("exercices-corriges", touch, 4)
-    assert states("exercices-corriges", float(probability(2 * touch)), 4)
+    assert states("exercices-corriges", float(probability_of_log_odds(2 * touch)), 4)
     for count in (5, 6):
-        assert states("exercices-corriges", float(probability(count * touch)), 4)
-    assert states("exercices-corriges", float(probability(5.0)), 4)
+        assert states("exercices-corriges", float(probability_of_log_odds(count * touch)), 4)
+    assert states("exercices-corriges", float(probability_of_log_odds(5.0)), 4)
     assert states("exercices-corriges", 5.0 / touch, 2)
-    assert states("theoremes", float(probability(4 * log_odds(0.2))), 4)
+    assert states("theoremes", float(probability_of_log_odds(4 * log_odds(0.2))), 4)
 
 
 @pytest.mark.parametrize("range_read", [5.0, 2.0])

@@ -14,10 +14,10 @@ import server
 from curriculum.l20.figures import outils
 from curriculum.l20.figures._gestes import gestures
 from reference.filters.log_weights import normalise_log_weights
-from reference.occupancy import log_odds, probability
+from reference.occupancy import log_odds, probability_of_log_odds
 from reference.pose_graph import PoseGraph, gauss_newton
 from reference.registration import kabsch
-from reference.se2 import rotation
+from reference.se2 import rotation_matrix
 from tests.support.replays import scene, unpacked
 
 SHEETS = Path(server.__file__).parents[1] / "curriculum" / "l20" / "fiches"
@@ -46,7 +46,7 @@ def test_traces() -> None:
     assert (B @ A).tolist() == [[3, 4], [4, 6]]
     assert np.outer([1, 2], [3, 1]).tolist() == [[3, 1], [6, 2]]
     turns = np.linspace(-np.pi, np.pi, 20001)
-    traces = [float(np.trace(rotation(float(turn)) @ outils.CROSS)) for turn in turns[::20]]
+    traces = [float(np.trace(rotation_matrix(float(turn)) @ outils.CROSS)) for turn in turns[::20]]
     best = math.degrees(turns[::20][int(np.argmax(traces))])
     assert max(traces) == pytest.approx(5.0, abs=1e-4)
     assert best == pytest.approx(math.degrees(math.atan2(3, 4)), abs=0.4)
@@ -133,7 +133,12 @@ def test_a_turn_by_a_complex_number() -> None:
 
 def test_evidence_and_weights() -> None:
     touch = float(log_odds(0.7))
-    for value, digits in ((touch, 3), (3 * touch, 3), (math.exp(3 * touch), 2), (float(probability(3 * touch)), 3)):
+    for value, digits in (
+        (touch, 3),
+        (3 * touch, 3),
+        (math.exp(3 * touch), 2),
+        (float(probability_of_log_odds(3 * touch)), 3),
+    ):
         assert states("nombres", value, digits)
     assert math.exp(3 * touch) == pytest.approx(343 / 27)
     assert states("nombres", 360 * math.log(0.1), 1)

@@ -54,7 +54,7 @@ def every_hypothesis(expected: ExpectedSightings, z: np.ndarray, confidence: flo
 
 def all_growing(expected: ExpectedSightings, z: np.ndarray, choice: tuple[int, ...], confidence: float) -> bool:
     """Every pair passes its own gate, and the pairs of the first measurements pass theirs together (Neira's test)."""
-    alone = expected.distances(z)
+    alone = expected.mahalanobis_distances(z)
     if any(k >= 0 and alone[i, k] > chi2.ppf(confidence, 2) for i, k in enumerate(choice)):
         return False
     for stop in range(1, len(choice)):
@@ -123,9 +123,9 @@ def test_the_expectations_of_a_filter_are_those_that_it_corrects_with() -> None:
     z = np.array([[2.6, -0.8], [1.7, 0.1]])
     for k, identity in enumerate(identities):
         innovation = belief.predict_sighting(belief.slots[identity], z[k]).innovation
-        assert expected.distances(z)[k, k] == pytest.approx(innovation.nis)
+        assert expected.mahalanobis_distances(z)[k, k] == pytest.approx(innovation.nis)
         assert joint_distance(expected, z, [k if j == k else -1 for j in range(2)]) == pytest.approx(innovation.nis)
-    true = relative(belief.pose, [*belief.landmark(7), 0.0])
+    true = relative(belief.pose, [*belief.landmark_position(7), 0.0])
     np.testing.assert_allclose(expected.means[1], [np.hypot(*true[:2]), np.arctan2(true[1], true[0])])
     assert np.abs(expected.covariance[:2, 2:]).max() > 1e-4
 
@@ -134,7 +134,7 @@ def test_a_gate_loses_as_many_true_pairs_as_it_says() -> None:
     rng = np.random.default_rng(1)
     expected = ExpectedSightings(np.array([[2.0, 0.1]]), np.diag([0.01, 0.02]), NOISE)
     z = expected.means + rng.multivariate_normal([0, 0], expected.covariance + NOISE, 20_000)
-    lost = np.mean(expected.distances(z)[:, 0] > chi2.ppf(0.9, 2))
+    lost = np.mean(expected.mahalanobis_distances(z)[:, 0] > chi2.ppf(0.9, 2))
     assert lost == pytest.approx(0.1, abs=0.01)
 
 

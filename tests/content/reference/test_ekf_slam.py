@@ -57,8 +57,8 @@ def test_one_update_of_any_covariance_is_the_textbook_one_and_in_place(landmarks
     root = rng.normal(size=(size, size)) / math.sqrt(size)
     robot.covariance, robot.mean = np.asfortranarray(root @ root.T), rng.normal(size=size)
     sighting = robot.predict_sighting(3 + 2 * (landmarks - 1), np.array([2.0, 0.3]))
-    expected = updated_covariance_textbook(robot.covariance.copy(order="F"), sighting, NOISE.sighting)
-    updated = update_covariance_in_place(robot.covariance, sighting, NOISE.sighting)
+    expected = updated_covariance_textbook(robot.covariance.copy(order="F"), sighting, NOISE.sighting_covariance)
+    updated = update_covariance_in_place(robot.covariance, sighting, NOISE.sighting_covariance)
     assert updated is robot.covariance or np.shares_memory(updated, robot.covariance)
     assert np.max(np.abs(updated - expected)) < 1e-10
     assert np.array_equal(updated, updated.T)
@@ -98,7 +98,7 @@ def test_motion_and_first_sighting_carry_covariance_by_their_jacobians() -> None
     found = np.cov(np.hstack([states, places]).T)
     scale = np.sqrt(np.outer(np.diag(found), np.diag(found)))
     assert np.all(np.abs(robot.covariance - found) < 0.04 * scale)
-    assert np.allclose(robot.landmark(7), places.mean(axis=0), atol=0.01)
+    assert np.allclose(robot.landmark_position(7), places.mean(axis=0), atol=0.01)
 
 
 def test_errors_are_as_large_as_the_covariance_says() -> None:
@@ -117,7 +117,7 @@ def test_the_map_is_found_and_relations_grow_certain_while_places_keep_the_doubt
     robot = EkfSlam(NOISE)
     robot.covariance[:] = np.diag([0.5, 0.5, 0.0]) ** 2
     drive(robot, 6, steps=60)
-    found = np.array([robot.landmark(identity) for identity in range(len(LANDMARKS))])
+    found = np.array([robot.landmark_position(identity) for identity in range(len(LANDMARKS))])
     assert np.max(np.hypot(*((found - found.mean(axis=0)) - (LANDMARKS - LANDMARKS.mean(axis=0))).T)) < 0.25
     difference = np.zeros((2, robot.mean.size))
     difference[:, robot.slots[0] : robot.slots[0] + 2] = np.eye(2)
@@ -144,7 +144,7 @@ def test_input_without_meaning_is_named() -> None:
         ("control", lambda: robot.predict([1.0])),
         ("measurement", lambda: robot.observe(0, [math.nan, 0.0])),
         ("measurement", lambda: robot.observe(0, [0.0, 0.0])),
-        ("identity", lambda: robot.landmark(9)),
+        ("identity", lambda: robot.landmark_position(9)),
         ("range", lambda: SlamNoise(0.1, 0.1, 0.0, 0.1)),
         ("advance", lambda: SlamNoise(-0.1, 0.1, 0.1, 0.1)),
     ):

@@ -39,7 +39,7 @@ def test_where_the_robot_is_known_each_landmark_has_the_filter_of_ekf_slam(versi
     np.testing.assert_allclose(fast.poses, np.tile(pose, (3, 1)), atol=1e-12)
     for k in range(len(LANDMARKS)):
         slot = ekf.slots[k]
-        np.testing.assert_allclose(fast.means[:, k], np.tile(ekf.landmark(k), (3, 1)), atol=1e-9)
+        np.testing.assert_allclose(fast.means[:, k], np.tile(ekf.landmark_position(k), (3, 1)), atol=1e-9)
         np.testing.assert_allclose(fast.covariances[0, k], ekf.covariance[slot : slot + 2, slot : slot + 2], atol=1e-12)
     assert fast_evidence == pytest.approx(evidence)
 
@@ -72,7 +72,7 @@ def test_many_particles_have_the_posterior_of_the_filter(version: Version) -> No
         found / np.outer(spread, spread), ekf.covariance[:3, :3] / np.outer(spread, spread), atol=0.06
     )
     for k in (0, 1):
-        np.testing.assert_allclose(fast.landmark(k), ekf.landmark(k), atol=2e-3)
+        np.testing.assert_allclose(fast.landmark_position(k), ekf.landmark_position(k), atol=2e-3)
 
 
 def test_what_is_seen_moves_the_particles_where_the_sensor_is_the_better_one() -> None:
@@ -99,7 +99,7 @@ def test_a_loop_is_mapped_better_than_by_odometry(version: Version) -> None:
         fast.step(control, {k: z + rng.normal(0, [0.05, 0.03]) for k, z in seen.items()})
     assert np.hypot(*(fast.pose - truth)[:2]) < 0.25 < np.hypot(*(believed - truth)[:2])
     assert len(fast.ranks) == 8
-    errors = [np.hypot(*(fast.landmark(k) - mark)) for k, mark in enumerate(marks)]
+    errors = [np.hypot(*(fast.landmark_position(k) - mark)) for k, mark in enumerate(marks)]
     assert np.mean(errors) < 0.35
 
 
@@ -113,7 +113,7 @@ def test_a_loop_is_mapped_better_than_by_odometry(version: Version) -> None:
         ("control", lambda slam: slam.step([0.1], {})),
         ("sightings", lambda slam: slam.step([0.1, 0.0], {0: [0.0, 0.1]})),
         ("sightings", lambda slam: slam.step([0.1, 0.0], {0: [1.0, np.inf]})),
-        ("identity", lambda slam: slam.landmark(5)),
+        ("identity", lambda slam: slam.landmark_position(5)),
     ],
 )
 def test_what_cannot_be_taken_in_is_named(argument: str, call: Any) -> None:

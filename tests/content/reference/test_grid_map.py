@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from reference.se2 import compose, rotation
+from reference.se2 import compose, rotation_matrix
 from reference.world.distance_map import DistanceMapError, chessboard_distances_to_cells, distances_to_cells
 from reference.world.grid_map import GridMap, GridMapError
 
@@ -20,7 +20,7 @@ grids = st.integers(0, 2**32 - 1).map(lambda seed: np.random.default_rng(seed).r
 @given(corners, st.floats(0.01, 2.0), st.lists(st.tuples(coordinate, coordinate), min_size=1, max_size=5))
 def test_a_point_in_cells_is_where_the_matrix_says(corner: Any, resolution: float, points: Any) -> None:
     grid_map = GridMap.from_free(np.ones((3, 4)), resolution, corner)
-    expected = [rotation(corner[2]) @ np.array(p) * resolution + np.array(corner[:2]) for p in points]
+    expected = [rotation_matrix(corner[2]) @ np.array(p) * resolution + np.array(corner[:2]) for p in points]
     np.testing.assert_allclose(grid_map.to_world(points), expected, atol=1e-9)
     np.testing.assert_allclose(grid_map.to_cells(expected), points, atol=1e-6)
 
@@ -39,7 +39,7 @@ def test_free_points_are_those_on_free_cells() -> None:
     points = [[1.2, 2.2], [1.7, 2.2], [2.2, 2.2], [0.9, 2.2], [1.2, 2.6]]
     assert grid_map.is_free(points).tolist() == [True, False, False, False, False]
     assert grid_map.contains(points).tolist() == [True, True, True, False, False]
-    assert grid_map.unknown.tolist() == [[False, False, True]]
+    assert grid_map.unknown_cells.tolist() == [[False, False, True]]
     assert grid_map.distances_to_wall.tolist() == [[0.5, 0.0, 0.5]]
     assert grid_map.is_free([1.2, 2.2])
 
@@ -68,7 +68,7 @@ def test_a_drawing_starts_with_row_0() -> None:
         #?.
     """)
     assert drawn.free.tolist() == [[False, False, True], [False, False, True]]
-    assert drawn.unknown.tolist() == [[False, False, False], [False, True, False]]
+    assert drawn.unknown_cells.tolist() == [[False, False, False], [False, True, False]]
     assert drawn.to_text() == "##.\n#?.\n"
 
 

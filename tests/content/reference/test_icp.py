@@ -34,7 +34,7 @@ from reference.registration import (
 from reference.registration.fits import WeightedPoints, fit_weighted_pairs
 from reference.registration.nearest import NearestPoints
 from reference.registration.observability import observability
-from reference.se2 import compose, inverse, rotation, wrap_angle
+from reference.se2 import compose, inverse, rotation_matrix, wrap_angle
 
 Floats = NDArray[np.float64]
 seeds = st.integers(0, 2**32 - 1)
@@ -58,7 +58,7 @@ def room(n: int = 240) -> Floats:
 
 def seen_from(T_q_p: Any, cloud: Floats) -> Floats:
     """The points of Q in the frame of P."""
-    return (cloud - np.asarray(T_q_p)[:2]) @ rotation(T_q_p[2])
+    return (cloud - np.asarray(T_q_p)[:2]) @ rotation_matrix(T_q_p[2])
 
 
 def assert_same_pose(found: Any, wanted: Any, atol: float) -> None:
@@ -67,7 +67,7 @@ def assert_same_pose(found: Any, wanted: Any, atol: float) -> None:
 
 
 def brute_errors(P: Floats, Q: Floats, T: Any) -> Floats:
-    moved = P @ rotation(T[2]).T + np.asarray(T)[:2]
+    moved = P @ rotation_matrix(T[2]).T + np.asarray(T)[:2]
     return np.asarray((cdist(moved, Q).min(axis=1)) ** 2)
 
 
@@ -208,7 +208,7 @@ def test_the_closed_form_is_kabsch_with_weights(seed: int, n: int) -> None:
 
 def assert_is(wanted: RigidAlignment, T: Floats) -> None:
     if wanted.unique:
-        np.testing.assert_allclose(rotation(T[2]), wanted.R_q_p, atol=1e-6)
+        np.testing.assert_allclose(rotation_matrix(T[2]), wanted.R_q_p, atol=1e-6)
         np.testing.assert_allclose(T[:2], wanted.t_q_p, atol=1e-6)
 
 
@@ -220,7 +220,7 @@ def test_the_point_to_line_optimum_is_that_of_scipy() -> None:
     found = icp_to_lines(P, Q, normals, max_iterations=100)
 
     def gaps(T: Floats) -> Floats:
-        moved = P @ rotation(T[2]).T + T[:2]
+        moved = P @ rotation_matrix(T[2]).T + T[:2]
         return np.asarray(np.einsum("ij,ij->i", normals[found.pairs], moved - Q[found.pairs]))
 
     peer = least_squares(gaps, found.T_q_p, xtol=1e-14, ftol=1e-14, gtol=1e-14)
@@ -267,7 +267,7 @@ def test_unrelated_clouds_are_registered_or_refused_by_name(seed: int, n: int, m
 
 def test_a_corridor_holds_everything_but_the_way_along_it() -> None:
     x = np.linspace(0, 10, 200)
-    corridor = np.vstack([np.column_stack([x, 0 * x]), np.column_stack([x, 0 * x + 2])]) @ rotation(0.4).T
+    corridor = np.vstack([np.column_stack([x, 0 * x]), np.column_stack([x, 0 * x + 2])]) @ rotation_matrix(0.4).T
     normals = normals_by_neighbours(corridor)
     seen = observability(corridor, np.zeros(2), normals, np.ones(len(corridor)))
     assert seen.is_degenerate
@@ -293,8 +293,8 @@ def test_a_round_room_does_not_tell_the_heading_and_another_tells_all() -> None:
 def test_normals_are_across_the_lines(seed: int, heading: float) -> None:
     rng = np.random.default_rng(seed)
     line = np.column_stack([np.sort(rng.uniform(-3, 3, 40)), np.full(40, -2.0)])
-    wanted = np.array([0.0, 1.0]) @ rotation(heading).T
-    line = line @ rotation(heading).T
+    wanted = np.array([0.0, 1.0]) @ rotation_matrix(heading).T
+    line = line @ rotation_matrix(heading).T
     across = normals_by_neighbours(line)
     np.testing.assert_allclose(np.abs(across @ wanted), 1, atol=1e-6)
     facing = normals_by_beams(line, 10.0)

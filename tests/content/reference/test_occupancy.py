@@ -21,7 +21,7 @@ from reference.occupancy import (
     OccupancyGrid,
     build_map,
     log_odds,
-    probability,
+    probability_of_log_odds,
 )
 from reference.world.distance_map import distances_to_cells
 from reference.world.grid_map import GridMap
@@ -35,8 +35,8 @@ seeds = st.integers(0, 2**32 - 1)
 
 @given(st.floats(1e-9, 1 - 1e-9), st.floats(-700, 700))
 def test_log_odds_and_probabilities_are_inverse(p: float, value: float) -> None:
-    assert float(probability(log_odds(p))) == pytest.approx(p, rel=1e-9)
-    assert float(probability(value) + probability(-value)) == pytest.approx(1.0)
+    assert float(probability_of_log_odds(log_odds(p))) == pytest.approx(p, rel=1e-9)
+    assert float(probability_of_log_odds(value) + probability_of_log_odds(-value)) == pytest.approx(1.0)
 
 
 @given(
@@ -52,7 +52,7 @@ def test_theorem_2_the_sum_is_bayes(prior: Fraction, readings: list[tuple[int, F
         occupied, free = occupied * p_occ, free * p_free
         inverse = prior * p_occ / (prior * p_occ + (1 - prior) * p_free)
         total += float(log_odds(float(inverse))) - float(log_odds(float(prior)))
-    assert float(probability(total)) == pytest.approx(float(occupied / (occupied + free)), rel=1e-9)
+    assert float(probability_of_log_odds(total)) == pytest.approx(float(occupied / (occupied + free)), rel=1e-9)
 
 
 def test_theorem_2_over_all_maps() -> None:
@@ -65,7 +65,7 @@ def test_theorem_2_over_all_maps() -> None:
     sums = [sum(SEVENTY if seen else -SEVENTY for k, seen in readings if k == cell) for cell in range(4)]
     for cell in range(4):
         marginal = sum(w for cells, w in weights.items() if cells[cell]) / sum(weights.values())
-        assert float(probability(sums[cell])) == pytest.approx(marginal, rel=1e-12)
+        assert float(probability_of_log_odds(sums[cell])) == pytest.approx(marginal, rel=1e-12)
 
 
 def test_exercise_2_three_hits_and_a_miss_then_six_net_hits() -> None:
@@ -76,7 +76,7 @@ def test_exercise_2_three_hits_and_a_miss_then_six_net_hits() -> None:
         grid.integrate(scan, [0.5, 0.5, 0.0])
     assert grid.log_odds[0, 2] == pytest.approx(2 * SEVENTY)
     assert grid.probabilities[0, 2] == pytest.approx(0.845, abs=5e-4)
-    assert float(probability(5 * SEVENTY)) < 0.99 < float(probability(6 * SEVENTY))
+    assert float(probability_of_log_odds(5 * SEVENTY)) < 0.99 < float(probability_of_log_odds(6 * SEVENTY))
 
 
 def test_log_odds_stay_within_the_bound_and_can_come_back() -> None:

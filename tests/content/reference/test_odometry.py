@@ -24,8 +24,8 @@ LEFT, RIGHT = 0.10, 0.13
 
 
 def test_the_step_of_the_course() -> None:
-    assert ROBOT.motion(LEFT, RIGHT).distance == pytest.approx(0.115)
-    assert ROBOT.motion(LEFT, RIGHT).turn == pytest.approx(0.1)
+    assert ROBOT.motion_from_wheels(LEFT, RIGHT).distance == pytest.approx(0.115)
+    assert ROBOT.motion_from_wheels(LEFT, RIGHT).turn == pytest.approx(0.1)
     assert ROBOT.step([1.0, 2.0, 0.0], LEFT, RIGHT) == pytest.approx([1.1149, 2.0057, 0.1], abs=5e-5)
 
 
@@ -35,8 +35,8 @@ def test_the_drift_of_the_course() -> None:
     assert drift.turn_deviation == pytest.approx(math.sqrt(2) * 1e-3 / 0.3)
     assert drift.heading_deviation == pytest.approx(0.149, abs=5e-4)
     assert drift.constant_error_deviation == pytest.approx(17.14, abs=0.01)
-    assert drift.deviation == pytest.approx(9.90, abs=0.01)
-    assert drift.deviation == pytest.approx(drift.constant_error_deviation / math.sqrt(3), rel=1e-6)
+    assert drift.lateral_deviation == pytest.approx(9.90, abs=0.01)
+    assert drift.lateral_deviation == pytest.approx(drift.constant_error_deviation / math.sqrt(3), rel=1e-6)
 
 
 def test_robots_that_drive_straight_drift_as_predicted() -> None:
@@ -51,7 +51,7 @@ def test_robots_that_drive_straight_drift_as_predicted() -> None:
     drift = LateralDrift(steps, 0.1 * steps, robot.turn_deviation(0.1, 0.1))
     allowed = 6.0 / math.sqrt(2 * journeys)
     assert np.std(ends[:, 2]) == pytest.approx(drift.heading_deviation, rel=allowed)
-    assert np.std(ends[:, 1]) == pytest.approx(drift.deviation, rel=allowed)
+    assert np.std(ends[:, 1]) == pytest.approx(drift.lateral_deviation, rel=allowed)
     beyond = np.mean(np.abs(ends[:, 1]) > drift.constant_error_deviation)
     share = math.erfc(math.sqrt(1.5))  # 2 Phi(-sqrt 3): the constant error is no bound
     assert share == pytest.approx(0.083, abs=5e-4)
@@ -73,7 +73,7 @@ def test_the_linear_covariance_is_the_formula_of_the_drift() -> None:
     found = dead_reckoning(ROBOT, np.full((1000, 2), 0.115))
     drift = LateralDrift(1000, 115.0, ROBOT.turn_deviation(0.115, 0.115))
     assert math.sqrt(found.covariances[-1][2, 2]) == pytest.approx(drift.heading_deviation, rel=1e-12)
-    assert math.sqrt(found.covariances[-1][1, 1]) == pytest.approx(drift.deviation, rel=1e-9)
+    assert math.sqrt(found.covariances[-1][1, 1]) == pytest.approx(drift.lateral_deviation, rel=1e-9)
     assert math.sqrt(found.covariances[-1][0, 0]) == pytest.approx(0.001 * math.sqrt(1000 / 2), rel=1e-9)
 
 
@@ -113,7 +113,7 @@ def test_all_steps_at_once_are_the_steps_one_by_one(wheels: Any, start: Any) -> 
 
 @given(wheel, wheel)
 def test_the_chord_is_the_arc_but_for_the_square_of_the_turn(left: float, right: float) -> None:
-    motion = ROBOT.motion(left, right)
+    motion = ROBOT.motion_from_wheels(left, right)
     gap = np.linalg.norm(ROBOT.step_along_arc([0, 0, 0], left, right)[:2] - ROBOT.step([0, 0, 0], left, right)[:2])
     assert gap <= abs(motion.distance) * motion.turn**2 / 24 + 1e-15
     np.testing.assert_allclose(ROBOT.wheel_paths(motion), [left, right], atol=1e-15)
@@ -147,7 +147,7 @@ def test_a_robot_that_stands_still_knows_where_it_is() -> None:
         ("track", lambda: DifferentialDrive(0.0)),
         ("sigma", lambda: DifferentialDrive(0.3, -1.0)),
         ("sigma_per_root_metre", lambda: DifferentialDrive(0.3, 0.0, math.nan)),
-        ("wheels", lambda: ROBOT.motion(0.1, math.nan)),
+        ("wheels", lambda: ROBOT.motion_from_wheels(0.1, math.nan)),
         ("wheels", lambda: integrate_poses(ROBOT, [0.1, 0.2])),
         ("wheels", lambda: integrate_poses(ROBOT, [[0.1, math.inf]])),
         ("wheels", lambda: dead_reckoning(ROBOT, np.zeros((2, 2, 2)))),

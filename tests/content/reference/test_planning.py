@@ -77,8 +77,8 @@ def test_ways_are_as_cheap_as_scipys(seed: int, corner_cutting: bool, priced: bo
         assert slow.cost == pytest.approx(wanted[goal], rel=1e-9)
         assert_way(found.cells, free, goal, corner_cutting)
         if not priced:
-            assert found.length == pytest.approx(found.cost)
-            np.testing.assert_array_equal(found.centres[-1], [x + 0.5, y + 0.5])
+            assert found.length_in_cells == pytest.approx(found.cost)
+            np.testing.assert_array_equal(found.cell_centres[-1], [x + 0.5, y + 0.5])
 
 
 def assert_way(cells: Any, free: Any, goal: tuple[int, int], corner_cutting: bool) -> None:
@@ -93,7 +93,7 @@ def assert_way(cells: Any, free: Any, goal: tuple[int, int], corner_cutting: boo
 def test_the_heuristic_spares_cells_and_corners_make_a_difference() -> None:
     free = np.ones((30, 30), bool)
     grid = SearchGrid(free)
-    assert grid.astar((3, 3), (3, 25)).expanded < grid.dijkstra((3, 3), (3, 25)).expanded / 5
+    assert grid.astar((3, 3), (3, 25)).expanded_count < grid.dijkstra((3, 3), (3, 25)).expanded_count / 5
     corner = np.array([[1, 0], [1, 1]], bool)
     assert SearchGrid(corner).astar((0, 0), (1, 1)).cost == 2.0
     assert SearchGrid(corner, corner_cutting=True).astar((0, 0), (1, 1)).cost == pytest.approx(np.sqrt(2))
@@ -118,7 +118,7 @@ def test_cells_come_in_the_order_in_which_they_were_looked_at() -> None:
     assert found.order[0].tolist() == [4, 4]
     assert found.order[-1].tolist() == [0, 0]
     assert np.all(np.diff(away) >= 0)
-    assert len(np.unique(found.order, axis=0)) == found.expanded
+    assert len(np.unique(found.order, axis=0)) == found.expanded_count
     free[4] = False
     with pytest.raises(UnreachableError) as caught:
         SearchGrid(free).astar((0, 0), (8, 8))

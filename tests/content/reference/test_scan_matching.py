@@ -11,7 +11,14 @@ from hypothesis import strategies as st
 from numpy.typing import NDArray
 
 from reference.errors import InvalidArgumentError
-from reference.registration import LineCloud, MatchingSettings, SearchWindow, correlate, match_clouds, match_scans
+from reference.registration import (
+    LineCloud,
+    MatchingSettings,
+    SearchWindow,
+    match_by_correlation,
+    match_clouds,
+    match_scans,
+)
 from reference.registration.correlation import build_lattice
 from reference.se2 import relative, wrap_angle
 from reference.world.grid_map import GridMap
@@ -48,7 +55,7 @@ def test_the_best_pose_of_the_lattice_is_that_of_brute_force(seed: int, sigma: f
     rng = np.random.default_rng(seed)
     P, Q = rng.uniform(-1, 1, (9, 2)), rng.uniform(-1, 1, (12, 2))
     guess, window = rng.uniform(-0.3, 0.3, 3), SearchWindow(rng.uniform(0.1, 0.7), 0.4, 0.1, sigma, 2 * sigma)
-    found = correlate(P, Q, guess, window)
+    found = match_by_correlation(P, Q, guess, window)
     shift = int(np.ceil(window.reach / 0.1))
     count = int(np.ceil(0.4 * np.linalg.norm(P, axis=1).max() / 0.1))
     turns = 0.4 * np.arange(-count, count + 1) / count
@@ -202,8 +209,8 @@ SCAN = Scan(np.ones(60), full_turn_angles(60), 5.0)
         ("a", lambda: match_scans(Scan([], [], 5.0), SCAN, np.zeros(3))),
         ("b", lambda: match_scans(SCAN, Scan([1.0] * 9, range(9), 5.0), np.zeros(3))),
         ("pairing", lambda: match_scans(SCAN, SCAN, [50.0, 0, 0])),
-        ("T_q_p", lambda: correlate([(0, 0)], [(0, 0)], [0, 0], SearchWindow())),
-        ("P", lambda: correlate([], [(0, 0)], [0, 0, 0], SearchWindow())),
+        ("T_q_p", lambda: match_by_correlation([(0, 0)], [(0, 0)], [0, 0], SearchWindow())),
+        ("P", lambda: match_by_correlation([], [(0, 0)], [0, 0, 0], SearchWindow())),
         ("reach", lambda: SearchWindow(0.0)),
         ("sigma", lambda: SearchWindow(sigma=0.0)),
         ("patch", lambda: MatchingSettings(patch=-1.0)),

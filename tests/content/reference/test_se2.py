@@ -24,7 +24,7 @@ from reference.se2 import (
     relative,
     relative_covariance,
     relative_jacobians,
-    rotation,
+    rotation_matrix,
     to_matrix,
     transform,
     wrap_angle,
@@ -39,7 +39,7 @@ twists = st.tuples(st.floats(-5, 5), st.floats(-5, 5), st.floats(-3.1, 3.1)).map
 
 def matrix(pose: np.ndarray) -> np.ndarray:
     result = np.eye(3)
-    result[:2, :2] = rotation(pose[2])
+    result[:2, :2] = rotation_matrix(pose[2])
     result[:2, 2] = pose[:2]
     return result
 

@@ -29,8 +29,8 @@ def test_poses_of_the_plane_there_and_back(poses: np.ndarray) -> None:
     written = Trajectory.from_planar(1.7e9 + 0.1 * np.arange(len(poses)), poses)
     read = read_tum(write_tum(written))
     assert np.array_equal(read.times, written.times)
-    assert np.array_equal(read.planar()[:, :2], poses[:, :2])
-    np.testing.assert_allclose(read.planar()[:, 2], poses[:, 2], atol=1e-14)
+    assert np.array_equal(read.to_planar()[:, :2], poses[:, :2])
+    np.testing.assert_allclose(read.to_planar()[:, 2], poses[:, 2], atol=1e-14)
 
 
 @given(st.integers(0, 2**32 - 1))
@@ -40,11 +40,11 @@ def test_poses_of_space_there_and_back(seed: int) -> None:
     written = Trajectory(np.arange(5.0), rng.normal(size=(5, 3)), turns.as_quat())
     read = read_tum(write_tum(written))
     np.testing.assert_allclose(read.quaternions, written.quaternions, atol=1e-15)
-    np.testing.assert_allclose(read.matrices()[:, :3, :3], turns.as_matrix(), atol=1e-12)
-    again = read_kitti(write_kitti(read.matrices()))
-    assert np.array_equal(again, read.matrices())
+    np.testing.assert_allclose(read.to_matrices()[:, :3, :3], turns.as_matrix(), atol=1e-12)
+    again = read_kitti(write_kitti(read.to_matrices()))
+    assert np.array_equal(again, read.to_matrices())
     ahead = turns.apply([1.0, 0.0, 0.0])
-    np.testing.assert_allclose(read.planar()[:, 2], np.arctan2(ahead[:, 1], ahead[:, 0]), atol=1e-12)
+    np.testing.assert_allclose(read.to_planar()[:, 2], np.arctan2(ahead[:, 1], ahead[:, 0]), atol=1e-12)
 
 
 def test_a_line_as_the_benchmark_shows_it() -> None:
@@ -52,14 +52,14 @@ def test_a_line_as_the_benchmark_shows_it() -> None:
     read = read_tum(text)
     assert read.times.tolist() == [1305031098.6659]
     assert read.positions.tolist() == [[1.3, 0.6, 1.6]]
-    assert read.planar()[0] == pytest.approx([1.3, 0.6, -math.pi / 3])
+    assert read.to_planar()[0] == pytest.approx([1.3, 0.6, -math.pi / 3])
 
 
 def test_a_file_without_poses_is_an_empty_trajectory() -> None:
     assert len(read_tum("# nothing\n")) == 0
     assert write_tum(read_tum("")) == ""
-    assert read_tum("").planar().shape == (0, 3)
-    assert read_tum("").matrices().shape == read_kitti("").shape == (0, 4, 4)
+    assert read_tum("").to_planar().shape == (0, 3)
+    assert read_tum("").to_matrices().shape == read_kitti("").shape == (0, 4, 4)
 
 
 LINE = "0 1 2 3 0 0 0 1"

@@ -75,7 +75,7 @@ def read(name: str) -> Floats:
 
 
 def truth() -> Floats:
-    return read_tum(intel.files()["reference.tum"].decode()).planar()
+    return read_tum(intel.files()["reference.tum"].decode()).to_planar()
 
 
 def clouds() -> list[Floats]:

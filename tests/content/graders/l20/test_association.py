@@ -31,7 +31,7 @@ def test_what_is_right_is_what_the_reference_finds() -> None:
     for shape in cases.JOINTS:
         z, landmarks, C, R, level = cases.joint_scan(*shape)
         expected, S = ExpectedSightings(landmarks, C, R, cases.NO_ANGLE), cases.alone(C, R)
-        assert cases.right_distances(z, landmarks, S) == pytest.approx(expected.distances(z))
+        assert cases.right_distances(z, landmarks, S) == pytest.approx(expected.mahalanobis_distances(z))
         assert cases.right_nearest(z, landmarks, S, level) == nearest_neighbours(expected, z, level).landmarks.tolist()
 
 

@@ -92,7 +92,7 @@ def reweighted(one: graphs.Robust, weigh: Callable[[Floats], Floats], *, chords:
     state = one.poses.ravel()
     for _ in range(one.n_iter):
         system = equations.assemble(state, lambda u: np.where(sure, 1.0, weigh(np.sqrt(u))))
-        upper = equations.pattern.upper_triangle(system.data).toarray()
+        upper = equations.pattern.upper_triangle(system.upper_entries).toarray()
         H = upper + np.triu(upper, 1).T
         state = equations.apply_step(state, -np.linalg.lstsq(H, system.b, rcond=None)[0])
     poses = state.reshape(-1, 3)

@@ -9,7 +9,7 @@ import pytest
 from graders.l20.icp_droite import cases
 from graders.l20.icp_droite.judge import SameSpan
 from graders.plotting import counterexample
-from reference.se2 import rotation
+from reference.se2 import rotation_matrix
 from tests.support.quick import THEMES
 from tests.support.verdicts import checked, failed, model_with, named, verdict_of
 
@@ -23,12 +23,12 @@ def test_a_step_in_a_room_closes_the_gaps_and_in_a_corridor_leaves_its_length() 
     ends = np.array([(x, y) for x in (-3.0, 3.0) for y in np.linspace(-0.8, 0.8, 5)])
     up, right = np.tile((0.0, 1.0), (18, 1)), np.tile((1.0, 0.0), (10, 1))
     for Q, N, slides in ((hall, up, True), (np.vstack([hall, ends]), np.vstack([up, right]), False)):
-        P = Q @ rotation(0.02).T + (0.4, -0.05)
+        P = Q @ rotation_matrix(0.02).T + (0.4, -0.05)
         A, g = cases.right_system(P, Q, N)
         assert len(cases.right_free(A)) == slides
         dx, dy, turn = cases.right_step(A, g)
         centre = P.mean(axis=0)
-        moved = (P - centre) @ rotation(turn).T + centre + (dx, dy)
+        moved = (P - centre) @ rotation_matrix(turn).T + centre + (dx, dy)
         assert np.abs(np.sum(N * (moved - Q), axis=1)).max() < 2e-3
         assert dx == pytest.approx(0.0 if slides else -0.4, abs=1e-9 if slides else 2e-3)
 

@@ -98,7 +98,7 @@ def test_sparse_assembly_is_the_dense_product(seed: int) -> None:
         W[rows, rows] = graph.information[k]
     equations = NormalEquations(graph)
     system = equations.assemble(equations.join_state(start))
-    upper = equations.pattern.upper_triangle(system.data).toarray()
+    upper = equations.pattern.upper_triangle(system.upper_entries).toarray()
     np.testing.assert_allclose(upper, np.triu((J.T @ W @ J)[3:, 3:]), rtol=1e-12, atol=1e-12)
     np.testing.assert_allclose(system.b, (J.T @ W @ edge_residuals(graph, start).ravel())[3:], rtol=1e-12, atol=1e-12)
 

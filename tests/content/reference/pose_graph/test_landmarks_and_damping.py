@@ -76,7 +76,9 @@ def test_the_normal_equations_are_those_of_the_dense_jacobian(convention: str, n
     J, e = dense_jacobian(graph, poses, landmarks), whitened(graph, poses, landmarks)
     equations = NormalEquations(graph, free_gauge=True)
     system = equations.assemble(equations.join_state(poses, landmarks))
-    np.testing.assert_allclose(equations.pattern.upper_triangle(system.data).toarray(), np.triu(J.T @ J), atol=2e-6)
+    np.testing.assert_allclose(
+        equations.pattern.upper_triangle(system.upper_entries).toarray(), np.triu(J.T @ J), atol=2e-6
+    )
     np.testing.assert_allclose(system.b, J.T @ e, atol=2e-6)
     assert system.chi2 == pytest.approx(e @ e) == pytest.approx(chi2(graph, poses, landmarks))
 
@@ -97,7 +99,9 @@ def test_any_graph_has_its_entries_where_they_belong(seed: int) -> None:
     for equations, kept in ((whole, slice(None)), (held, held.free)):
         system = equations.assemble(equations.join_state(poses, landmarks))
         H = (J.T @ J)[kept][:, kept]
-        np.testing.assert_allclose(equations.pattern.upper_triangle(system.data).toarray(), np.triu(H), atol=5e-6)
+        np.testing.assert_allclose(
+            equations.pattern.upper_triangle(system.upper_entries).toarray(), np.triu(H), atol=5e-6
+        )
         np.testing.assert_allclose(system.b, (J.T @ e)[kept], atol=5e-6)
 
 
@@ -199,11 +203,11 @@ def test_the_two_solvers_agree(monkeypatch) -> None:
     system = equations.assemble(equations.join_state(content.poses, content.landmarks))
     found = {}
     for name in ("as installed", "without qdldl"):
-        factor = factorise(equations.pattern.upper_triangle(system.data))
-        factor.update(2 * system.data)
+        factor = factorise(equations.pattern.upper_triangle(system.upper_entries))
+        factor.update(2 * system.upper_entries)
         lower = factor.lower()
         L, D = lower.L.toarray(), np.diag(lower.pivots)
-        upper = equations.pattern.upper_triangle(2 * system.data).toarray()
+        upper = equations.pattern.upper_triangle(2 * system.upper_entries).toarray()
         H = upper + np.triu(upper, 1).T
         np.testing.assert_allclose(L @ D @ L.T, H[np.ix_(lower.p, lower.p)], atol=1e-9)
         found[name] = factor.solve(system.b)
