@@ -11,6 +11,7 @@ from graders.core.contract.headline import headline
 from graders.core.contract.outcomes import Blame
 from graders.core.contract.verdict import TEACHER, CheckResult, Counterexample, Diagnosis, Verdict
 from server.client.program.report import format_number, replace_control_characters
+from server.text.repeated_lines import fold_repeated_lines
 
 WIDTH = 100
 FULL_MARKS, NOT_FULL, CANNOT = 0, 1, 2
@@ -96,7 +97,9 @@ def _diagnosis(diagnosis: Diagnosis) -> Iterator[str]:
 def _stdout(text: str) -> Iterator[str]:
     if text.strip():
         yield "Affiché par le programme :"
-        yield from (f"  │ {replace_control_characters(line)}" for line in text.rstrip("\n").splitlines())
+        yield from (
+            f"  │ {replace_control_characters(line)}" for line in fold_repeated_lines(text.rstrip("\n")).splitlines()
+        )
 
 
 def paragraph(text: str, indent: int = 6) -> Iterator[str]:

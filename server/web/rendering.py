@@ -26,6 +26,7 @@ from server.marks import means
 from server.marks.own import describe_column_mark
 from server.text.plain import show_invisible_characters
 from server.text.python_colours import colour_block
+from server.text.repeated_lines import fold_repeated_lines
 from server.text.said import message_html
 from server.text.spoken import html_to_spoken_text
 from server.web import assets, threads, verdicts, views, words
@@ -47,8 +48,8 @@ def jinja_environment() -> Environment:
         lstrip_blocks=True,
     )
     jinja.filters.update(
-        french=french, sentence=sentence, visible=show_invisible_characters, ticks=ticks, python=python,
-        said=written, spoken=html_to_spoken_text,
+        french=french, sentence=sentence, visible=show_invisible_characters, folded=fold_repeated_lines,
+        ticks=ticks, python=python, said=written, spoken=html_to_spoken_text,
         iso_moment=words.iso_moment, short_moment=words.short_moment, long_day=words.long_day,
         decimal=means.format_number,
         points_or_dash=points_or_dash,
