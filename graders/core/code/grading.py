@@ -10,7 +10,6 @@ from pathlib import Path
 
 from graders.core.code.bench import Bench
 from graders.core.code.call_graph import find_callers
-from graders.core.code.calling import add_signatures_to_messages, shorten_repeated_reasons
 from graders.core.code.checks import Check
 from graders.core.code.confined import UnfinishedAnswer
 from graders.core.code.contracts import FunctionContract
@@ -18,6 +17,7 @@ from graders.core.code.decimal_commas import decimal_comma_diagnosis
 from graders.core.code.diagnosis import add_unexplained_checks, choose_explanation, combine_diagnoses, diagnose_slip
 from graders.core.code.explaining import KitMaker, MistakeExplainer
 from graders.core.code.facts import IMPRECISIONS, Fact, find_facts
+from graders.core.code.finding_messages import add_signatures_to_messages, shorten_repeated_reasons
 from graders.core.code.folder import Misconception, Specimen, read_specimens
 from graders.core.code.pair_search import PairSearch
 from graders.core.code.prober import Prober

@@ -14,7 +14,7 @@ from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
 
-from graders.core.code.calling import shorten_repeated_reasons
+from graders.core.code.finding_messages import shorten_repeated_reasons
 from graders.core.code.folder import Specimen, read_specimens
 from graders.core.compare.python_values import python_text_pair
 from graders.core.contract.findings import Finding, Judgement, make_verdict

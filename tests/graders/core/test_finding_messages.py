@@ -2,7 +2,7 @@
 
 from dataclasses import replace
 
-from graders.core.code.calling import add_signatures_to_messages, shorten_repeated_reasons
+from graders.core.code.finding_messages import add_signatures_to_messages, shorten_repeated_reasons
 from graders.core.contract.findings import Finding
 from graders.core.contract.outcomes import Outcome
 from graders.core.contract.verdict import CheckResult
