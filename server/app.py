@@ -48,7 +48,7 @@ from server.identity import service as accounts
 from server.mails import service as mails
 from server.offline.service import OfflineArchives
 from server.personal.accounts import make_account_service
-from server.personal.service import PersonalData
+from server.personal.service import PersonalDataService
 from server.queue.engine import create_nats_engine
 from server.queue.interfaces import GiveUpHandler, Queue
 from server.queue.lease_owner import LeaseOwner, process_owner
@@ -65,7 +65,7 @@ from server.studio import repository as authored_exercises
 from server.studio.authored import AuthoredExercises
 from server.studio.service import StudioService
 from server.submissions.job_events import JobEvents
-from server.submissions.service import GRADE, Submissions
+from server.submissions.service import GRADE, SubmissionService
 from server.submissions.sitting_collector import SittingCollector
 from server.web import errors
 from server.web.form_identity import FORM_LIMITS, require_same_account
@@ -125,9 +125,9 @@ class ApplicationServices:
         return StallWatchdog(self.queue, [GRADE])
 
     @cached_property
-    def submissions(self) -> Submissions:
+    def submissions(self) -> SubmissionService:
         course = self.course
-        return Submissions(
+        return SubmissionService(
             self.settings, self.queue, lambda: self.stall_watchdog.stalled, course.needed_version, course.reused
         )
 
@@ -136,8 +136,8 @@ class ApplicationServices:
         return SittingCollector(self.course, self.submissions)
 
     @cached_property
-    def personal_data(self) -> PersonalData:
-        return PersonalData(self.database, self.settings, self.course)
+    def personal_data(self) -> PersonalDataService:
+        return PersonalDataService(self.database, self.settings, self.course)
 
     @cached_property
     def cell_runner(self) -> CellRunner:
@@ -203,7 +203,7 @@ class ApplicationServices:
             accounts.delete_expired_credentials(db)
             behaviour.delete_empty_groups(db)
             federation.delete_expired(db, utc_now())
-            mails.delete_old(db, utc_now())
+            mails.delete_old_mails(db, utc_now())
             authored_exercises.delete_abandoned_exercises(db)
         self.personal_data.erase_lost_guests(utc_now())
         self.personal_data.carry_out_erasures(utc_now())
@@ -307,7 +307,7 @@ def create_app(
         named = [] if router in UNNAMED_ROUTERS else [Depends(require_same_account)]
         app.include_router(FilteringRouter(router, named))
     errors.install_error_handlers(app)
-    documentation.install(app)
+    documentation.install_openapi(app)
     return app
 
 

@@ -17,7 +17,7 @@ from server.assignments.rule_sources import Origin
 LONGEST_DATE = 40
 
 
-def _moment(value: object) -> object:
+def _parse_moment(value: object) -> object:
     """ISO 8601 with an offset; None stays. What has no offset would be guessed, and is refused."""
     if value is None or isinstance(value, datetime):
         return value
@@ -30,7 +30,7 @@ def _moment(value: object) -> object:
         raise PydanticCustomError("no_moment", "not a date with an offset") from error
 
 
-def _name(value: object) -> object:
+def _parse_uuid(value: object) -> object:
     """An identity as JSON has it: text."""
     try:
         return UUID(value) if isinstance(value, str) else value
@@ -40,9 +40,9 @@ def _name(value: object) -> object:
 
 MOMENT = {"type": "string", "format": "date-time", "description": "ISO 8601 with an offset."}
 MaybeMoment = Annotated[
-    datetime | None, BeforeValidator(_moment), WithJsonSchema({"anyOf": [MOMENT, {"type": "null"}]})
+    datetime | None, BeforeValidator(_parse_moment), WithJsonSchema({"anyOf": [MOMENT, {"type": "null"}]})
 ]
-Name = Annotated[UUID | None, BeforeValidator(_name)]
+Name = Annotated[UUID | None, BeforeValidator(_parse_uuid)]
 Number = Annotated[float, Field(allow_inf_nan=False)]
 Lenient = {"strict": False}  # of JSON, the words of an enumeration are text
 

@@ -17,7 +17,7 @@ from server.api.assignment_schemas import (
     SaidOut,
     WeightedIn,
 )
-from server.api.documentation import problems
+from server.api.documentation import problem_responses
 from server.assignments import editing, exemption_service, repository, student_assignments
 from server.assignments.exemption_service import explain_rules, find_exemption
 from server.assignments.models import Assignment, Exemption, LatePolicy, WeightedExercise
@@ -47,26 +47,29 @@ ONE = "/classes/{class_id}/assignments/{aid}"
 OTHERS = "Les règles d’un autre élève ne se lisent pas."
 
 
-def _late(late: str, per_day: float | None) -> Lateness:
+def _lateness_of_policy(late: str, per_day: float | None) -> Lateness:
     return PerDay(per_day=per_day or 0.0) if late == LatePolicy.penalty else late  # type: ignore[return-value]
 
 
-def _lateness(late: Lateness) -> dict[str, Any]:
+def _late_policy_fields(late: Lateness) -> dict[str, Any]:
     if isinstance(late, PerDay):
         return {"late": LatePolicy.penalty, "late_per_day": late.per_day}
     return {"late": LatePolicy(late), "late_per_day": None}
 
 
-def _weighted(chosen: list[WeightedIn]) -> tuple[WeightedExercise, ...]:
+def _weighted_exercises(chosen: list[WeightedIn]) -> tuple[WeightedExercise, ...]:
     return tuple(WeightedExercise(exercise.exercise, exercise.weight) for exercise in chosen)
 
 
-def _out(assignment: Assignment, wanted: AssignmentInput, **in_force: Any) -> AssignmentOut:
+def _assignment_out(assignment: Assignment, fields: AssignmentInput, **in_force: Any) -> AssignmentOut:
     """`in_force` is what a student sees otherwise."""
-    columns = wanted.row_columns()
-    columns["late"], columns["groups"] = _late(wanted.late, columns.pop("late_per_day")), list(wanted.groups)
+    columns = fields.row_columns()
+    columns["late"], columns["groups"] = (
+        _lateness_of_policy(fields.late, columns.pop("late_per_day")),
+        list(fields.groups),
+    )
     told = {
-        "exercises": [WeightedIn(exercise=exercise.exercise, weight=exercise.weight) for exercise in wanted.exercises],
+        "exercises": [WeightedIn(exercise=exercise.exercise, weight=exercise.weight) for exercise in fields.exercises],
         "time_factor": None,
         "excused": None,
         **columns,
@@ -76,38 +79,40 @@ def _out(assignment: Assignment, wanted: AssignmentInput, **in_force: Any) -> As
     return AssignmentOut(id=assignment.id, released_at=assignment.released_at, url=url, **told)
 
 
-def _own(assigned: StudentAssignment) -> AssignmentOut:
+def _own_assignment_out(assigned: StudentAssignment) -> AssignmentOut:
     rules = assigned.rules
     told = {name: getattr(rules, name) for name in ("opens_at", "due_at", "closes_at", "time_factor", "excused")}
     told["groups"] = None
     if assigned.hides_exercises:
         told["exercises"] = None
-    return _out(assigned.assignment, editing.editable_fields(assigned.assignment, assigned.exercises), **told)
+    return _assignment_out(
+        assigned.assignment, editing.editable_fields(assigned.assignment, assigned.exercises), **told
+    )
 
 
-@router.post(ALL, status_code=201, responses=problems(400, 401, 403, 404, 409, 413, 422))
+@router.post(ALL, status_code=201, responses=problem_responses(400, 401, 403, 404, 409, 413, 422))
 def create(class_id: str, body: AssignmentIn, account: ApiAccount, course: CourseOf, db: Db) -> AssignmentOut:
     """Gives the class something to do."""
     place = rights.require_right(db, account, Right.manage_assignments, class_id)
-    told = {name: getattr(body, name) for name in AssignmentIn.model_fields} | _lateness(body.late)
+    told = {name: getattr(body, name) for name in AssignmentIn.model_fields} | _late_policy_fields(body.late)
     told |= {
-        "exercises": _weighted(body.exercises),
+        "exercises": _weighted_exercises(body.exercises),
         "opens_at": body.opens_at or utc_now(),
         "groups": tuple(body.groups),
     }
     made = editing.create_assignment(db, course, place.school_class, account.id, AssignmentInput(**told))
     warnings = list(load_time_warnings(db, made))
-    return _out(made, editing.load_editable_fields(db, made), warnings=warnings)
+    return _assignment_out(made, editing.load_editable_fields(db, made), warnings=warnings)
 
 
-@router.get(ALL, responses=problems(401, 403, 404))
+@router.get(ALL, responses=problem_responses(401, 403, 404))
 def list_assignments(class_id: str, account: ApiAccount, db: Db) -> list[AssignmentOut]:
     """All of the class, in the order in which they open; a student's with their own dates."""
     place = rights.require_right(db, account, Right.see_assignments, class_id)
     if not place.has(Right.see_students):
-        seat = _seat(place)
+        seat = _membership_of_student(place)
         return [
-            _own(assigned)
+            _own_assignment_out(assigned)
             for assigned in student_assignments.load_assignments_for_student(
                 db, seat.class_id, account.id, seat.groups, utc_now()
             )
@@ -115,28 +120,33 @@ def list_assignments(class_id: str, account: ApiAccount, db: Db) -> list[Assignm
     rows = repository.load_class_assignments(db, place.school_class.id)
     exercises = repository.load_exercises(db, [assignment.id for assignment in rows])
     return [
-        _out(assignment, editing.editable_fields(assignment, exercises.get(assignment.id, ()))) for assignment in rows
+        _assignment_out(assignment, editing.editable_fields(assignment, exercises.get(assignment.id, ())))
+        for assignment in rows
     ]
 
 
-def _seat(place: ClassAccess) -> Membership:
+def _membership_of_student(place: ClassAccess) -> Membership:
     """Who is none of the staff has one."""
     assert place.membership is not None
     return place.membership
 
 
-@router.get(ONE, responses=problems(401, 403, 404))
+@router.get(ONE, responses=problem_responses(401, 403, 404))
 def read(class_id: str, aid: str, account: ApiAccount, db: Db) -> AssignmentOut:
     """One assignment; a student's with their own dates."""
     place = rights.require_right(db, account, Right.see_assignments, class_id)
     assignment = editing.find_assignment(db, place.school_class, aid)
     if place.has(Right.see_students):
         warnings = list(load_time_warnings(db, assignment))
-        return _out(assignment, editing.load_editable_fields(db, assignment), warnings=warnings)
-    return _own(student_assignments.load_student_assignment(db, assignment, account.id, _seat(place).groups, utc_now()))
+        return _assignment_out(assignment, editing.load_editable_fields(db, assignment), warnings=warnings)
+    return _own_assignment_out(
+        student_assignments.load_student_assignment(
+            db, assignment, account.id, _membership_of_student(place).groups, utc_now()
+        )
+    )
 
 
-@router.patch(ONE, responses=problems(400, 401, 403, 404, 409, 413, 422))
+@router.patch(ONE, responses=problem_responses(400, 401, 403, 404, 409, 413, 422))
 def change(
     class_id: str, aid: str, body: AssignmentChange, account: ApiAccount, course: CourseOf, db: Db
 ) -> AssignmentOut:
@@ -147,16 +157,16 @@ def change(
     told: dict[str, Any] = {**before.row_columns(), "exercises": before.exercises}
     told |= {name: getattr(body, name) for name in body.model_fields_set}
     if "late" in body.model_fields_set:
-        told |= _lateness(body.late)
+        told |= _late_policy_fields(body.late)
     if "exercises" in body.model_fields_set:
-        told["exercises"] = _weighted(body.exercises)
+        told["exercises"] = _weighted_exercises(body.exercises)
     told["opens_at"], told["groups"] = told["opens_at"] or utc_now(), tuple(told["groups"])
     editing.update_assignment(db, course, place.school_class, account.id, assignment, AssignmentInput(**told))
     warnings = list(load_time_warnings(db, assignment))
-    return _out(assignment, editing.load_editable_fields(db, assignment), warnings=warnings)
+    return _assignment_out(assignment, editing.load_editable_fields(db, assignment), warnings=warnings)
 
 
-@router.delete(ONE, status_code=204, responses=problems(401, 403, 404, 409))
+@router.delete(ONE, status_code=204, responses=problem_responses(401, 403, 404, 409))
 def delete(class_id: str, aid: str, account: ApiAccount, db: Db) -> Response:
     """Takes the assignment back, with its exceptions. What students have sent stays."""
     place = rights.require_right(db, account, Right.manage_assignments, class_id)
@@ -166,7 +176,7 @@ def delete(class_id: str, aid: str, account: ApiAccount, db: Db) -> Response:
     return Response(status_code=204)
 
 
-@router.post(f"{ONE}/exceptions", status_code=201, responses=problems(400, 401, 403, 404, 409, 413, 422))
+@router.post(f"{ONE}/exceptions", status_code=201, responses=problem_responses(400, 401, 403, 404, 409, 413, 422))
 def exempt(class_id: str, aid: str, body: ExceptionIn, account: ApiAccount, db: Db) -> ExceptionOut:
     """Has something differ for a student or a group."""
     place = rights.require_right(db, account, Right.manage_assignments, class_id)
@@ -177,10 +187,10 @@ def exempt(class_id: str, aid: str, body: ExceptionIn, account: ApiAccount, db: 
     whom = ExemptionTarget((body.student,) if body.student else (), tidy_line(body.group or ""))
     members = classes.load_members(db, place.school_class.id)
     (made,) = exemption_service.grant_exemptions(db, place.school_class, account.id, assignment, members, whom, effect)
-    return _exception(made, list(load_time_warnings(db, assignment)))
+    return _exception_out(made, list(load_time_warnings(db, assignment)))
 
 
-def _exception(exemption: Exemption, warnings: Sequence[str] = ()) -> ExceptionOut:
+def _exception_out(exemption: Exemption, warnings: Sequence[str] = ()) -> ExceptionOut:
     return ExceptionOut(
         id=exemption.id,
         student=exemption.account_id,
@@ -197,16 +207,16 @@ def _exception(exemption: Exemption, warnings: Sequence[str] = ()) -> ExceptionO
     )
 
 
-@router.get(f"{ONE}/exceptions", responses=problems(401, 403, 404))
+@router.get(f"{ONE}/exceptions", responses=problem_responses(401, 403, 404))
 def list_exceptions(class_id: str, aid: str, account: ApiAccount, db: Db) -> list[ExceptionOut]:
     """All that were made, oldest first; those revoked too."""
     place = rights.require_right(db, account, Right.see_students, class_id)
     assignment = editing.find_assignment(db, place.school_class, aid)
     exemptions = repository.load_exemptions(db, [assignment.id]).get(assignment.id, ())
-    return [_exception(exemption) for exemption in exemptions]
+    return [_exception_out(exemption) for exemption in exemptions]
 
 
-@router.delete(f"{ONE}/exceptions/{{eid}}", status_code=204, responses=problems(401, 403, 404, 409))
+@router.delete(f"{ONE}/exceptions/{{eid}}", status_code=204, responses=problem_responses(401, 403, 404, 409))
 def revoke(class_id: str, aid: str, eid: str, account: ApiAccount, db: Db) -> Response:
     """Takes an exception back; it stays in the list, revoked."""
     place = rights.require_right(db, account, Right.manage_assignments, class_id)
@@ -217,7 +227,7 @@ def revoke(class_id: str, aid: str, eid: str, account: ApiAccount, db: Db) -> Re
     return Response(status_code=204)
 
 
-@router.get(f"{ONE}/rules", responses=problems(401, 403, 404))
+@router.get(f"{ONE}/rules", responses=problem_responses(401, 403, 404))
 def read_rules(
     class_id: str,
     aid: str,
@@ -228,7 +238,7 @@ def read_rules(
     """The rules in force for a student, and why; one's own, for who is one."""
     place = rights.require_right(db, account, Right.see_assignments, class_id)
     assignment = editing.find_assignment(db, place.school_class, aid)
-    seat = _student(db, place, account, student)
+    seat = _find_student_for_rules(db, place, account, student)
     exemptions = repository.load_exemptions(db, [assignment.id]).get(assignment.id, ())
     places = load_places_of_team_assignments(db, [assignment]).get(assignment.id, ())
     rules = team_rules_in_force(assignment, exemptions, seat.account_id, seat.groups, places)
@@ -252,7 +262,7 @@ def read_rules(
         opens_at=rules.opens_at,
         due_at=rules.due_at,
         closes_at=rules.closes_at,
-        late=_late(rules.late, rules.late_per_day),
+        late=_lateness_of_policy(rules.late, rules.late_per_day),
         time_factor=rules.time_factor,
         excused=rules.excused,
         duration_seconds=None if rules.duration is None else rules.duration.total_seconds(),
@@ -260,13 +270,13 @@ def read_rules(
     )
 
 
-def _student(db: Db, place: ClassAccess, account: Account, name: str) -> Membership:
+def _find_student_for_rules(db: Db, place: ClassAccess, account: Account, name: str) -> Membership:
     """The student whom it is about. Raises NotFound, or Forbidden for another's rules."""
     wanted = name.lower() or str(account.id)
     if not place.has(Right.see_students):
         if wanted != str(account.id):
             raise Forbidden(OTHERS)
-        return _seat(place)
+        return _membership_of_student(place)
     members = exemption_service.filter_active_students(classes.load_members(db, place.school_class.id))
     for member in members:
         if str(member.id) == wanted:

@@ -11,7 +11,7 @@ from fastapi.responses import Response, StreamingResponse
 from starlette.concurrency import run_in_threadpool
 
 from server.api.board_schemas import DashboardOut
-from server.api.documentation import events, problems
+from server.api.documentation import event_stream_response, problem_responses
 from server.board import service
 from server.board.dependencies import LiveBoardsOf
 from server.board.live import BOARD
@@ -28,23 +28,25 @@ from server.submissions.job_events import STREAM_HEADERS, format_sse
 
 router = APIRouter(tags=["classes"])
 
-STREAM = events("`counts` at first; then `cell` and `counts`, as in the dashboard, each time that one changes.", "cell")
+STREAM = event_stream_response(
+    "`counts` at first; then `cell` and `counts`, as in the dashboard, each time that one changes.", "cell"
+)
 SIGN_OF_LIFE = ":\n\n"
 
 
-@router.get("/classes/{class_id}/dashboard", response_model=DashboardOut, responses=problems(401, 403, 404))
+@router.get("/classes/{class_id}/dashboard", response_model=DashboardOut, responses=problem_responses(401, 403, 404))
 def dashboard(class_id: str, account: ApiAccount, course: CourseOf, db: Db) -> Response:
     """The figures behind the class's page, for who teaches or helps there."""
     place = rights.require_right(db, account, Right.read_work, class_id)
     shown, insights = service.load_board_and_statistics(db, course, place.school_class, utc_now())
-    return Response(_text(_members(shown, insights)), media_type="application/json")
+    return Response(_json_text(_dashboard_members(shown, insights)), media_type="application/json")
 
 
-def _text(value: Any) -> str:
+def _json_text(value: Any) -> str:
     return json.dumps(value, ensure_ascii=False, allow_nan=False)
 
 
-def _members(shown: Board, insights: BoardStatistics) -> dict[str, Any]:
+def _dashboard_members(shown: Board, insights: BoardStatistics) -> dict[str, Any]:
     return {
         "class": str(shown.class_id),
         "generated_at": shown.generated_at.isoformat(),
@@ -99,40 +101,42 @@ def cell_json(cell: ProgressCell) -> dict[str, Any]:
 @router.get(
     "/classes/{class_id}/events",
     response_class=Response,
-    responses={200: STREAM, **problems(401, 403, 404, 429)},
+    responses={200: STREAM, **problem_responses(401, 403, 404, 429)},
 )
 async def follow(class_id: str, account: ApiAccount, database: DatabaseOf, boards: LiveBoardsOf) -> Response:
     """What changes on the board, as server-sent events. Ends after some minutes: come back, or when one may not see it
     any more."""
-    place = await run_in_threadpool(_place, database, account, class_id)  # refusals come before the stream begins
+    place = await run_in_threadpool(
+        _require_read_work, database, account, class_id
+    )  # refusals come before the stream begins
     boards.require_free_stream(account.id)
-    allowed = partial(_allowed, database, account, place)
-    stream = _told(boards.stream_view(BOARD, place.school_class.id, account.id, allowed))
+    allowed = partial(_may_still_watch, database, account, place)
+    stream = _iter_board_events(boards.stream_view(BOARD, place.school_class.id, account.id, allowed))
     return StreamingResponse(stream, headers=STREAM_HEADERS, media_type="text/event-stream")
 
 
-def _place(database: Database, account: Account, class_id: str) -> ClassAccess:
+def _require_read_work(database: Database, account: Account, class_id: str) -> ClassAccess:
     with database.read() as db:
         return rights.require_right(db, account, Right.read_work, class_id)
 
 
-def _allowed(database: Database, account: Account, place: ClassAccess) -> bool:
+def _may_still_watch(database: Database, account: Account, place: ClassAccess) -> bool:
     with database.read() as db:
         return service.may_watch_board(db, account.id, place.school_class.id)
 
 
-async def _told(boards: AsyncIterator[Board | None]) -> AsyncIterator[str]:
+async def _iter_board_events(boards: AsyncIterator[Board | None]) -> AsyncIterator[str]:
     before: Board | None = None
     async for shown in boards:
-        yield SIGN_OF_LIFE if shown is None else changes(before, shown)
+        yield SIGN_OF_LIFE if shown is None else format_board_changes(before, shown)
         before = shown or before
 
 
-def changes(before: Board | None, shown: Board) -> str:
+def format_board_changes(before: Board | None, shown: Board) -> str:
     """As events; `counts` alone where there was nothing before."""
     told = []
     if before is not None:
-        told = [format_sse("cell", _text(cell_json(cell))) for cell in shown.cells_changed_since(before)]
+        told = [format_sse("cell", _json_text(cell_json(cell))) for cell in shown.cells_changed_since(before)]
     if before is None or before.counts != shown.counts:
-        told.append(format_sse("counts", _text(asdict(shown.counts))))
+        told.append(format_sse("counts", _json_text(asdict(shown.counts))))
     return "".join(told) or SIGN_OF_LIFE

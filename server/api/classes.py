@@ -19,7 +19,7 @@ from server.api.class_schemas import (
     RosterOut,
     StudentOut,
 )
-from server.api.documentation import problems
+from server.api.documentation import problem_responses
 from server.assignments.members import recording_member_changes
 from server.base import root_path
 from server.base.errors import Invalid, NotFound
@@ -68,59 +68,61 @@ class ImportMode(StrEnum):
     replacing = "replace"
 
 
-def url_of(school_class: SchoolClass) -> str:
+def class_url(school_class: SchoolClass) -> str:
     return root_path.external_path(f"/api/v1/classes/{school_class.id}")
 
 
-def _seen(place: ClassAccess) -> ClassSeen:
+def _class_seen(place: ClassAccess) -> ClassSeen:
     school_class, membership = place.school_class, place.membership
     return ClassSeen(
         id=school_class.id,
         name=school_class.name,
         module=school_class.module,
         join_code=service.unexpired_join_code(school_class) if place.has(Right.see_code) else None,
-        url=url_of(school_class),
+        url=class_url(school_class),
         role=None if membership is None else ClassRole(membership.role),
         status=None if membership is None else Status(membership.status),
         archived_at=school_class.archived_at,
     )
 
 
-@router.post("/classes", status_code=201, responses=problems(400, 401, 403, 404, 413, 422))
+@router.post("/classes", status_code=201, responses=problem_responses(400, 401, 403, 404, 413, 422))
 def create(body: NewClass, account: ApiAccount, course: CourseOf, db: Db) -> ClassOut:
     """Makes a class, in which one teaches. Needs a teacher's account."""
     rights.require_server_right(account, Right.create_class)
     if body.module not in course.modules:
         raise NotFound(f"Le module « {body.module} » n’existe pas.")
     made = service.create_class(db, account, body.name, body.module)
-    return ClassOut(id=made.id, name=made.name, module=made.module, join_code=made.join_code, url=url_of(made))
+    return ClassOut(id=made.id, name=made.name, module=made.module, join_code=made.join_code, url=class_url(made))
 
 
-@router.get("/classes", responses=problems(401))
+@router.get("/classes", responses=problem_responses(401))
 def list_classes(account: ApiAccount, db: Db) -> list[ClassSeen]:
     """Those where one teaches, helps, learns, or asks to; every class, for an administrator."""
-    return [_seen(rights.build_class_access(account, *seat)) for seat in repository.load_visible_classes(db, account)]
+    return [
+        _class_seen(rights.build_class_access(account, *seat)) for seat in repository.load_visible_classes(db, account)
+    ]
 
 
-@router.post("/classes/join", responses=problems(400, 401, 404, 413, 422, 429))
+@router.post("/classes/join", responses=problem_responses(400, 401, 404, 413, 422, 429))
 def join(
     request: Request, body: JoinCode, account: ApiAccount, classes: ClassServiceOf, database: DatabaseOf
 ) -> ClassSeen:
     """Joins the class of a code, or asks its teachers to. A guest gives their name on the page for it instead."""
     joined = classes.join_class(body.code, account, address=client_address(request))
     with database.read() as db:
-        return _seen(rights.load_class_access(db, account, joined.school_class.id))
+        return _class_seen(rights.load_class_access(db, account, joined.school_class.id))
 
 
-@router.get("/classes/{class_id}", responses=problems(401, 404))
+@router.get("/classes/{class_id}", responses=problem_responses(401, 404))
 def read(class_id: str, account: ApiAccount, db: Db) -> ClassSeen:
     """One class that one is in."""
-    return _seen(rights.require_right(db, account, Right.see_class, class_id))
+    return _class_seen(rights.require_right(db, account, Right.see_class, class_id))
 
 
 @router.post(
     "/classes/{class_id}/roster",
-    responses=problems(400, 401, 403, 404, 409, 413, 422, 503),
+    responses=problem_responses(400, 401, 403, 404, 409, 413, 422, 503),
     openapi_extra=LIST,
 )
 async def import_list(
@@ -165,10 +167,12 @@ async def import_list(
     fields = tuple(name.strip() for name in columns.split(",")) if columns else ()
     choice = ReadingChoice(fields, first_line, encoding, class_value, only_here)
     replace = mode is ImportMode.replacing
-    return await run_in_threadpool(_imported, database, classes, account, class_id, content, choice, replace, dry_run)
+    return await run_in_threadpool(
+        _import_roster, database, classes, account, class_id, content, choice, replace, dry_run
+    )
 
 
-def _imported(
+def _import_roster(
     database: DatabaseOf, classes: ClassServiceOf, account: Account, class_id: str, content: bytes,
     choice: ReadingChoice, replace: bool, dry_run: bool,
 ) -> RosterOut:  # fmt: skip
@@ -184,10 +188,10 @@ def _imported(
     except UndecidedColumns as refused:
         read = ", ".join(f"« {column.header} » : {column.field or '?'}" for column in refused.columns if column.header)
         raise Invalid(f"{refused.detail} {BY_HAND}{f' Lu : {read}.' if read else ''}") from refused
-    return _told(plan)
+    return _roster_out(plan)
 
 
-def _told(plan: ImportPlan) -> RosterOut:
+def _roster_out(plan: ImportPlan) -> RosterOut:
     return RosterOut(
         ignored_columns=list(plan.ignored_headers),
         columns=[ColumnOut(column=each.header, read_as=each.field) for each in plan.roster.header.columns],
@@ -197,32 +201,32 @@ def _told(plan: ImportPlan) -> RosterOut:
             for member in plan.left
         ],
         not_in_list=len(plan.staying),
-        classes=[_other_class(other) for other in plan.others],
+        classes=[_other_class_out(other) for other in plan.others],
         encoding=plan.roster.source.encoding,
         added=len(plan.added) + len(plan.joining),
         updated=len(plan.updated),
         unchanged=len(plan.unchanged),
         left=len(plan.left),
-        rejected=_rejected(plan),
+        rejected=_rejected_out(plan),
     )
 
 
-def _other_class(plan: ImportPlan) -> OtherClassOut:
+def _other_class_out(plan: ImportPlan) -> OtherClassOut:
     return OtherClassOut(
         id=plan.school_class.id,
         name=plan.school_class.name,
         added=len(plan.added) + len(plan.joining),
         updated=len(plan.updated),
         unchanged=len(plan.unchanged),
-        rejected=_rejected(plan),
+        rejected=_rejected_out(plan),
     )
 
 
-def _rejected(plan: ImportPlan) -> list[RejectedOut]:
+def _rejected_out(plan: ImportPlan) -> list[RejectedOut]:
     return [RejectedOut(line=line.line, reason=line.reason) for line in plan.rejected]
 
 
-@router.get("/classes/{class_id}/students", responses=problems(401, 403, 404))
+@router.get("/classes/{class_id}/students", responses=problem_responses(401, 403, 404))
 def students(class_id: str, account: ApiAccount, db: Db) -> list[StudentOut]:
     """The students who are in the class, as a list of names is sorted."""
     place = rights.require_right(db, account, Right.see_students, class_id)

@@ -18,7 +18,7 @@ DATE_LENGTH = 10
 MAX_MARKS = 2000
 
 
-def _day(value: object) -> object:
+def _parse_day(value: object) -> object:
     if value is None or isinstance(value, date):
         return value
     try:
@@ -30,7 +30,7 @@ def _day(value: object) -> object:
 
 
 DAY = {"type": "string", "format": "date", "description": "ISO 8601: `2026-03-16`."}
-MaybeDay = Annotated[date | None, BeforeValidator(_day), WithJsonSchema({"anyOf": [DAY, {"type": "null"}]})]
+MaybeDay = Annotated[date | None, BeforeValidator(_parse_day), WithJsonSchema({"anyOf": [DAY, {"type": "null"}]})]
 Title = Annotated[str, Field(min_length=1, max_length=COLUMN_TITLE_LENGTH)]
 Scale = Annotated[Number, Field(gt=0, le=1000, description="The best mark there is; two decimals at most.")]
 Weight = Annotated[Number, Field(ge=0, le=1000, description="0: it does not count. A bonus does not use it.")]

@@ -14,7 +14,7 @@ from server.api.column_schemas import (
     TypedMarkIn,
     TypedMarksIn,
 )
-from server.api.documentation import problems
+from server.api.documentation import problem_responses
 from server.base.errors import Conflict, Invalid, NotFound
 from server.base.validation import parse_uuid
 from server.classes import repository as classes
@@ -40,38 +40,40 @@ FIELDS = ("title", "out_of", "taken_on", "weight", "bonus")
 POINTS_OR_STATE = "Donnez des points, ou un état : l’un des deux."
 
 
-@router.get(ALL, responses=problems(401, 403, 404, 422))
+@router.get(ALL, responses=problem_responses(401, 403, 404, 422))
 def list_columns(
     class_id: str, account: ApiAccount, db: Db,
     deleted: Annotated[bool, Query(description="Those that were deleted, newest first.")] = False,
 ) -> list[ColumnOut]:  # fmt: skip
     """The columns of a class, in order."""
     place = rights.require_right(db, account, Right.read_marks, class_id)
-    return [_out(column) for column in repository.list_columns(db, place.school_class.id, deleted=deleted)]
+    return [_column_out(column) for column in repository.list_columns(db, place.school_class.id, deleted=deleted)]
 
 
-@router.post(ALL, status_code=201, responses=problems(400, 401, 403, 404, 409, 413, 422))
+@router.post(ALL, status_code=201, responses=problem_responses(400, 401, 403, 404, 409, 413, 422))
 def create_column(class_id: str, body: ColumnIn, account: ApiAccount, db: Db) -> ColumnOut:
     """Adds a column after the others. Students see it once it is published."""
     place = rights.require_right(db, account, Right.change_marks, class_id)
     fields = ColumnInput(**{name: getattr(body, name) for name in FIELDS})
     column = columns.create_column(db, place.school_class, account, fields)
     columns.set_column_published(db, place.school_class, account, column.id, published=body.published)
-    return _out(column)
+    return _column_out(column)
 
 
-@router.get(ONE, responses=problems(401, 403, 404))
+@router.get(ONE, responses=problem_responses(401, 403, 404))
 def read_column(class_id: str, column_id: str, account: ApiAccount, db: Db) -> ColumnWithMarks:
     """A column, with the marks of all students."""
     place = rights.require_right(db, account, Right.read_marks, class_id)
-    return _with_marks(db, place.school_class, columns.find_column(db, place.school_class, _id(column_id)))
+    return _column_with_marks(
+        db, place.school_class, columns.find_column(db, place.school_class, _parse_column_id(column_id))
+    )
 
 
-@router.patch(ONE, responses=problems(400, 401, 403, 404, 409, 413, 422))
+@router.patch(ONE, responses=problem_responses(400, 401, 403, 404, 409, 413, 422))
 def change_column(class_id: str, column_id: str, body: ColumnChange, account: ApiAccount, db: Db) -> ColumnOut:
     """Changes what is sent, and leaves the rest. The marks stay."""
     place = rights.require_right(db, account, Right.change_marks, class_id)
-    school_class, name = place.school_class, _id(column_id)
+    school_class, name = place.school_class, _parse_column_id(column_id)
     column = columns.lock_column(db, school_class, name)
     if body.version is not None and body.version != column.version:
         raise Conflict(columns.COLUMN_CHANGED)
@@ -84,34 +86,34 @@ def change_column(class_id: str, column_id: str, body: ColumnChange, account: Ap
         columns.set_column_published(db, school_class, account, name, published=body.published)
     if body.place is not None:
         columns.move_column(db, school_class, account, name, body.place)
-    return _out(column)
+    return _column_out(column)
 
 
-@router.delete(ONE, status_code=204, response_class=Response, responses=problems(401, 403, 404, 409))
+@router.delete(ONE, status_code=204, response_class=Response, responses=problem_responses(401, 403, 404, 409))
 def delete_column(class_id: str, column_id: str, account: ApiAccount, db: Db) -> Response:
     """Takes a column out of the gradebook. It is kept, with its marks, and can be restored."""
     place = rights.require_right(db, account, Right.change_marks, class_id)
-    columns.delete_column(db, place.school_class, account, _id(column_id))
+    columns.delete_column(db, place.school_class, account, _parse_column_id(column_id))
     return Response(status_code=204)
 
 
-@router.post(f"{ONE}/restore", responses=problems(401, 403, 404, 409))
+@router.post(f"{ONE}/restore", responses=problem_responses(401, 403, 404, 409))
 def restore_column(class_id: str, column_id: str, account: ApiAccount, db: Db) -> ColumnOut:
     """Puts a deleted column back, with its marks."""
     place = rights.require_right(db, account, Right.change_marks, class_id)
-    return _out(columns.restore_column(db, place.school_class, account, _id(column_id)))
+    return _column_out(columns.restore_column(db, place.school_class, account, _parse_column_id(column_id)))
 
 
-@router.put(f"{ONE}/marks", responses=problems(400, 401, 403, 404, 409, 413, 422))
+@router.put(f"{ONE}/marks", responses=problem_responses(400, 401, 403, 404, 409, 413, 422))
 def set_column_marks(class_id: str, column_id: str, body: TypedMarksIn, account: ApiAccount, db: Db) -> ColumnWithMarks:
     """Stores the marks that are sent, all or none; those of other students stay."""
     place = rights.require_right(db, account, Right.change_marks, class_id)
-    entries = [_entry(mark) for mark in body.marks]
-    column = columns.store_column_marks(db, place.school_class, account, _id(column_id), entries)
-    return _with_marks(db, place.school_class, column)
+    entries = [_mark_entry(mark) for mark in body.marks]
+    column = columns.store_column_marks(db, place.school_class, account, _parse_column_id(column_id), entries)
+    return _column_with_marks(db, place.school_class, column)
 
 
-def _entry(mark: TypedMarkIn) -> MarkEntry:
+def _mark_entry(mark: TypedMarkIn) -> MarkEntry:
     if mark.student is None:
         raise NotFound(NOT_A_MEMBER)
     if mark.points is not None and mark.state is not None:
@@ -120,23 +122,23 @@ def _entry(mark: TypedMarkIn) -> MarkEntry:
     return MarkEntry(mark.student, typed, mark.comment, mark.version)
 
 
-def _id(column_id: str) -> UUID:
+def _parse_column_id(column_id: str) -> UUID:
     return parse_uuid(column_id, columns.UNKNOWN)
 
 
-def _out(column: ManualColumn) -> ColumnOut:
-    return ColumnOut.model_validate(_values(column))
+def _column_out(column: ManualColumn) -> ColumnOut:
+    return ColumnOut.model_validate(_column_out_values(column))
 
 
-def _values(column: ManualColumn) -> dict[str, Any]:
+def _column_out_values(column: ManualColumn) -> dict[str, Any]:
     return {name: getattr(column, name) for name in ColumnOut.model_fields}
 
 
-def _with_marks(db: Db, school_class: SchoolClass, column: ManualColumn) -> ColumnWithMarks:
+def _column_with_marks(db: Db, school_class: SchoolClass, column: ManualColumn) -> ColumnWithMarks:
     stored = repository.load_column_marks(db, column.id)
     marks = []
     for student in classes.load_student_records(db, school_class.id):
         row = stored.get(student.id)
         typed = NEVER_TYPED if row is None else repository.build_typed_mark(row)
         marks.append({"student": student.id, "name": student.name, **asdict(typed)})
-    return ColumnWithMarks.model_validate({**_values(column), "marks": marks})
+    return ColumnWithMarks.model_validate({**_column_out_values(column), "marks": marks})

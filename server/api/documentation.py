@@ -22,24 +22,24 @@ MEANINGS = {
 Responses = dict[int | str, dict[str, Any]]
 
 
-def problems(*statuses: int) -> Responses:
+def problem_responses(*statuses: int) -> Responses:
     """The `responses` of a route that may answer with these problem documents."""
     content = {"application/problem+json": {"schema": {"$ref": PROBLEM_SCHEMA}}}
     return {status: {"description": MEANINGS[status], "content": content} for status in statuses}
 
 
-def events(description: str, name: str) -> dict[str, Any]:
+def event_stream_response(description: str, name: str) -> dict[str, Any]:
     """Server-sent events of one name, whose data is JSON."""
     data = {"type": "string", "contentMediaType": "application/json"}
     schema = {"type": "object", "properties": {"event": {"const": name}, "data": data}, "required": ["event", "data"]}
     return {"description": description, "content": {"text/event-stream": {"schema": schema}}}
 
 
-def content(description: str, media_type: str) -> dict[str, Any]:
+def text_response(description: str, media_type: str) -> dict[str, Any]:
     return {"description": description, "content": {media_type: {"schema": {"type": "string"}}}}
 
 
-def _completed(document: dict[str, Any]) -> dict[str, Any]:
+def _complete_openapi(document: dict[str, Any]) -> dict[str, Any]:
     """Adds the problem document's schema, and puts it wherever FastAPI announces its own validation error; and where
     the paths begin, when that is not the site's root."""
     schemas = document.setdefault("components", {}).setdefault("schemas", {})
@@ -49,7 +49,7 @@ def _completed(document: dict[str, Any]) -> dict[str, Any]:
     for path in document["paths"].values():
         for operation in path.values():
             if "422" in operation["responses"]:
-                operation["responses"].update({"422": problems(422)[422]})
+                operation["responses"].update({"422": problem_responses(422)[422]})
     for unused in ("HTTPValidationError", "ValidationError"):
         schemas.pop(unused, None)
     if root_path.root_path():
@@ -57,13 +57,13 @@ def _completed(document: dict[str, Any]) -> dict[str, Any]:
     return document
 
 
-def install(app: FastAPI) -> None:
+def install_openapi(app: FastAPI) -> None:
     """Has the application describe itself so."""
     original = app.openapi
 
     def openapi() -> dict[str, Any]:
         if not app.openapi_schema:
-            app.openapi_schema = _completed(original())
+            app.openapi_schema = _complete_openapi(original())
         return app.openapi_schema
 
     app.openapi = openapi  # type: ignore[method-assign]

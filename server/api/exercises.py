@@ -5,7 +5,7 @@ from dataclasses import asdict
 from fastapi import APIRouter
 
 from graders.core.answers import Paper, Question
-from server.api.documentation import problems
+from server.api.documentation import problem_responses
 from server.api.schemas import (
     ExerciseDetail,
     ExerciseOut,
@@ -28,20 +28,20 @@ router = APIRouter(tags=["exercises"])
 NO_PAPER = Paper((), ())
 
 
-def find(course: Course, exercise_id: str) -> Exercise:
+def find_exercise_by_id(course: Course, exercise_id: str) -> Exercise:
     exercise = course.exercises.get(exercise_id)
     if exercise is None:
         raise NotFound(f"L’exercice « {exercise_id} » n’existe pas.")
     return exercise
 
 
-@router.get("/exercises", responses=problems(401))
+@router.get("/exercises", responses=problem_responses(401))
 def list_exercises(course: CourseOf, _account: ApiAccount) -> list[ExerciseOut]:
     """Every exercise that is served, in the order of the course."""
-    return [_summary(exercise) for exercise in course.exercises.values()]
+    return [_exercise_out(exercise) for exercise in course.exercises.values()]
 
 
-@router.get("/exercises/{module}/{slug}", responses=problems(401, 404))
+@router.get("/exercises/{module}/{slug}", responses=problem_responses(401, 404))
 def read_exercise(
     module: str, slug: str, course: CourseOf, account: ApiAccount, database: DatabaseOf
 ) -> ExerciseDetail:
@@ -49,23 +49,23 @@ def read_exercise(
 
     An exercise answered without code comes with the questions that were dealt to this account.
     """
-    exercise = find(course, f"{module}/{slug}")
+    exercise = find_exercise_by_id(course, f"{module}/{slug}")
     paper = NO_PAPER
     if exercise.answers is not None:
         paper = exercise.answers.paper(variants.ensure_seed(database, account, exercise.id))
     return ExerciseDetail(
-        **_summary(exercise).model_dump(),
+        **_exercise_out(exercise).model_dump(),
         statement_html=exercise.statement_html,
         starter=exercise.starter,
         limits=LimitsOut(**asdict(exercise.policy)),
         given=[
             GivenOut(symbol=datum.symbol, name=datum.name, value=datum.text, unit=datum.unit) for datum in paper.given
         ],
-        questions=[_question(exercise, question) for question in paper.questions],
+        questions=[_question_out(exercise, question) for question in paper.questions],
     )
 
 
-def _question(exercise: Exercise, question: Question) -> QuestionOut:
+def _question_out(exercise: Exercise, question: Question) -> QuestionOut:
     return QuestionOut(
         id=question.id,
         title=question.title,
@@ -77,7 +77,7 @@ def _question(exercise: Exercise, question: Question) -> QuestionOut:
     )
 
 
-def _summary(exercise: Exercise) -> ExerciseOut:
+def _exercise_out(exercise: Exercise) -> ExerciseOut:
     return ExerciseOut(
         id=exercise.id,
         module=exercise.module,

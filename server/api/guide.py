@@ -65,16 +65,16 @@ class GuidePage:
 @router.get("/docs")
 def guide(request: Request, account: OptionalAccount, course: CourseOf) -> HTMLResponse:
     address = service_url(request)
-    return render_page(request, "docs.html", account, page=guide_page(request.app.openapi(), course, address))
+    return render_page(request, "docs.html", account, page=build_guide_page(request.app.openapi(), course, address))
 
 
-def guide_page(document: Json, course: Course, address: str) -> GuidePage:
+def build_guide_page(document: Json, course: Course, address: str) -> GuidePage:
     shown = next((exercise.id for exercise in course.exercises.values() if exercise.answers is None), SHOWN_EXERCISE)
-    return GuidePage(address, shown, tuple(_routes(Guide(document, shown, address))))
+    return GuidePage(address, shown, tuple(_iter_routes(OpenApiGuide(document, shown, address))))
 
 
 @dataclass(frozen=True)
-class Guide:
+class OpenApiGuide:
     """An OpenAPI document, and what its examples speak of."""
 
     document: Json
@@ -93,13 +93,13 @@ class Guide:
         return self.resolved(choices[0]) if len(choices) == 1 else schema
 
 
-def _routes(guide: Guide) -> Iterator[RouteView]:
+def _iter_routes(guide: OpenApiGuide) -> Iterator[RouteView]:
     for path, operations in guide.document["paths"].items():
         for method, operation in operations.items():
-            yield _route(guide, path, method, operation)
+            yield _build_route_view(guide, path, method, operation)
 
 
-def _route(guide: Guide, path: str, method: str, operation: Json) -> RouteView:
+def _build_route_view(guide: OpenApiGuide, path: str, method: str, operation: Json) -> RouteView:
     contents = operation.get("requestBody", {}).get("content", {})
     content = contents.get("application/json")
     body = guide.given(content["schema"]) if content else None
@@ -110,69 +110,78 @@ def _route(guide: Guide, path: str, method: str, operation: Json) -> RouteView:
         method=method.upper(),
         path=path,
         words=ROUTES.get((method, path)) or str(operation.get("description", "")),
-        parameters=tuple(_parameter(guide, parameter) for parameter in operation.get("parameters", ())),
-        body=tuple(_fields(guide, body)) if body else (),
-        answers=tuple(AnswerView(status, _said(status, answers[status])) for status in sorted(answers)),
-        command=_command(guide, path, method, body, file),
-        answer=_answer(guide, answers),
+        parameters=tuple(_build_parameter_view(guide, parameter) for parameter in operation.get("parameters", ())),
+        body=tuple(_iter_fields(guide, body)) if body else (),
+        answers=tuple(AnswerView(status, _describe_answer(status, answers[status])) for status in sorted(answers)),
+        command=_build_example_command(guide, path, method, body, file),
+        answer=_format_success_shape(guide, answers),
     )
 
 
-def _said(status: str, answer: Json) -> str:
+def _describe_answer(status: str, answer: Json) -> str:
     return STATUSES.get(status) or str(answer["description"])
 
 
-def _parameter(guide: Guide, parameter: Json) -> ParameterView:
+def _build_parameter_view(guide: OpenApiGuide, parameter: Json) -> ParameterView:
     name = parameter["name"]
-    return ParameterView(name, kind(guide, parameter["schema"]), not parameter.get("required"), _words(name, parameter))
+    return ParameterView(
+        name,
+        describe_type(guide, parameter["schema"]),
+        not parameter.get("required"),
+        _describe_parameter(name, parameter),
+    )
 
 
-def _words(name: str, field: Json) -> str:
+def _describe_parameter(name: str, field: Json) -> str:
     return PARAMETERS.get(name) or str(field.get("description", ""))
 
 
-def _fields(guide: Guide, schema: Json) -> Iterator[ParameterView]:
+def _iter_fields(guide: OpenApiGuide, schema: Json) -> Iterator[ParameterView]:
     for name, field in schema["properties"].items():
-        yield ParameterView(name, kind(guide, field), name not in schema.get("required", ()), _words(name, field))
+        yield ParameterView(
+            name, describe_type(guide, field), name not in schema.get("required", ()), _describe_parameter(name, field)
+        )
 
 
-def kind(guide: Guide, schema: Json) -> str:
+def describe_type(guide: OpenApiGuide, schema: Json) -> str:
     """What a value is, in a few words."""
     schema = guide.resolved(schema)
     if "anyOf" in schema:
-        return " | ".join(dict.fromkeys(kind(guide, option) for option in schema["anyOf"]))
+        return " | ".join(dict.fromkeys(describe_type(guide, option) for option in schema["anyOf"]))
     values = [schema["const"]] if "const" in schema else schema.get("enum")
     if values:
         return " | ".join(json.dumps(value, ensure_ascii=False) for value in values)
     if schema.get("type") == "array":
-        return f"[{kind(guide, schema['items'])}, …]"
+        return f"[{describe_type(guide, schema['items'])}, …]"
     if schema.get("type") == "object":
         return "{…}"
     return TYPES.get(schema.get("format", ""), "") or TYPES.get(schema.get("type", ""), ANYTHING)
 
 
-def shape(guide: Guide, schema: Json, margin: str = "", depth: int = 0) -> str:
+def format_json_shape(guide: OpenApiGuide, schema: Json, margin: str = "", depth: int = 0) -> str:
     """A JSON value as it is written, with what each part of it is in the place of the part."""
     schema, value = guide.resolved(schema), guide.given(schema)
     deeper = margin + INDENT
     if value is not schema:
-        return f"{shape(guide, value, margin, depth)} | null"
+        return f"{format_json_shape(guide, value, margin, depth)} | null"
     if schema.get("type") == "array":
-        return f"[{shape(guide, schema['items'], margin, depth)}, …]"
+        return f"[{format_json_shape(guide, schema['items'], margin, depth)}, …]"
     properties = schema.get("properties")
     if not properties or depth >= DEEPEST:
-        return kind(guide, schema)
-    lines = [f'{deeper}"{name}": {shape(guide, field, deeper, depth + 1)}' for name, field in properties.items()]
+        return describe_type(guide, schema)
+    lines = [
+        f'{deeper}"{name}": {format_json_shape(guide, field, deeper, depth + 1)}' for name, field in properties.items()
+    ]
     return "{\n" + ",\n".join(lines) + f"\n{margin}}}"
 
 
-def _answer(guide: Guide, answers: Json) -> str:
+def _format_success_shape(guide: OpenApiGuide, answers: Json) -> str:
     contents = [answers[status].get("content", {}) for status in sorted(answers) if status.startswith("2")]
     schemas = [content["application/json"]["schema"] for content in contents if "application/json" in content]
-    return shape(guide, schemas[0]) if schemas else ""
+    return format_json_shape(guide, schemas[0]) if schemas else ""
 
 
-def _command(guide: Guide, path: str, method: str, body: Json | None, file: str | None) -> str:
+def _build_example_command(guide: OpenApiGuide, path: str, method: str, body: Json | None, file: str | None) -> str:
     module, _, slug = guide.exercise.partition("/")
     values = {
         "module": module,

@@ -7,7 +7,7 @@ from uuid import UUID
 from fastapi import APIRouter, Query, Response
 from fastapi.responses import JSONResponse
 
-from server.api.documentation import Responses, problems
+from server.api.documentation import Responses, problem_responses
 from server.api.mark_schemas import (
     EventOut,
     GradebookOut,
@@ -55,7 +55,8 @@ FILES: Responses = {
 
 
 @router.put(
-    "/classes/{class_id}/marks/{student}/{module}/{slug}", responses=problems(400, 401, 403, 404, 409, 413, 422)
+    "/classes/{class_id}/marks/{student}/{module}/{slug}",
+    responses=problem_responses(400, 401, 403, 404, 409, 413, 422),
 )
 def set_mark(
     class_id: str, student: str, module: str, slug: str, body: NewMark, account: ApiAccount, course: CourseOf, db: Db,
@@ -80,10 +81,14 @@ def set_mark(
         assignment_id=assignment,
     )
     gradebook = load_gradebook(db, course, place.school_class, utc_now(), [who])
-    return MarkOut.model_validate({"student": who, "mark": _mark_json(db, gradebook, who, exercise, assignment)})
+    return MarkOut.model_validate(
+        {"student": who, "mark": _exercise_mark_json(db, gradebook, who, exercise, assignment)}
+    )
 
 
-def _mark_json(db: Db, gradebook: Gradebook, who: UUID, exercise: str, assignment_id: UUID | None) -> dict[str, Any]:
+def _exercise_mark_json(
+    db: Db, gradebook: Gradebook, who: UUID, exercise: str, assignment_id: UUID | None
+) -> dict[str, Any]:
     """Return the mark in that assignment, else in the first one that asks the exercise, else of all attempts."""
     for row in gradebook.rows:
         for assignment, mark in zip(gradebook.assignments, row.marks, strict=True):
@@ -97,7 +102,7 @@ def _mark_json(db: Db, gradebook: Gradebook, who: UUID, exercise: str, assignmen
     "/classes/{class_id}/marks/{student}/{module}/{slug}",
     status_code=204,
     response_class=Response,
-    responses=problems(401, 403, 404, 409),
+    responses=problem_responses(401, 403, 404, 409),
 )
 def withdraw_mark(
     class_id: str, student: str, module: str, slug: str, account: ApiAccount, course: CourseOf, db: Db,
@@ -110,7 +115,7 @@ def withdraw_mark(
     return Response(status_code=204)
 
 
-@router.put(DECISION, responses=problems(400, 401, 403, 404, 409, 413, 422))
+@router.put(DECISION, responses=problem_responses(400, 401, 403, 404, 409, 413, 422))
 def decide_state(
     class_id: str, aid: str, student: str, body: NewDecision, account: ApiAccount, db: Db
 ) -> StudentDecision:
@@ -124,7 +129,7 @@ def decide_state(
     return StudentDecision.model_validate({"assignment": assignment, "student": who, "decision": decision})
 
 
-@router.delete(DECISION, status_code=204, response_class=Response, responses=problems(401, 403, 404, 409))
+@router.delete(DECISION, status_code=204, response_class=Response, responses=problem_responses(401, 403, 404, 409))
 def withdraw_decision(class_id: str, aid: str, student: str, account: ApiAccount, db: Db) -> Response:
     """Withdraws the decision: what was sent counts again."""
     place = rights.require_right(db, account, Right.change_marks, class_id)
@@ -133,14 +138,14 @@ def withdraw_decision(class_id: str, aid: str, student: str, account: ApiAccount
     return Response(status_code=204)
 
 
-@router.get(MARKING, responses=problems(401, 403, 404))
+@router.get(MARKING, responses=problem_responses(401, 403, 404))
 def read_marking(class_id: str, account: ApiAccount, db: Db) -> MarkingOut:
     """How states without points count in the means of the class."""
     place = rights.require_right(db, account, Right.read_marks, class_id)
     return _marking_out(marks.load_marking_rules(db, place.school_class.id))
 
 
-@router.patch(MARKING, responses=problems(400, 401, 403, 404, 409, 413, 422))
+@router.patch(MARKING, responses=problem_responses(400, 401, 403, 404, 409, 413, 422))
 def choose_marking(class_id: str, body: MarkingIn, account: ApiAccount, db: Db) -> MarkingOut:
     """Chooses how they count. Marks stay as they are; means are computed anew."""
     place = rights.require_right(db, account, Right.change_marks, class_id)
@@ -157,7 +162,7 @@ def _marking_out(marking: ClassMarking) -> MarkingOut:
 @router.get(
     "/classes/{class_id}/gradebook",
     response_model=GradebookOut,
-    responses={**FILES, **problems(401, 403, 404, 422)},
+    responses={**FILES, **problem_responses(401, 403, 404, 422)},
 )
 def gradebook(
     class_id: str,
@@ -184,7 +189,7 @@ def gradebook(
     return Response(file.content, media_type=file.media_type, headers=file.headers)
 
 
-@router.get("/classes/{class_id}/audit", responses=problems(401, 403, 404, 422))
+@router.get("/classes/{class_id}/audit", responses=problem_responses(401, 403, 404, 422))
 def log(
     class_id: str,
     account: ApiAccount,
@@ -199,8 +204,8 @@ def log(
     wanted = AuditFilter(student, what)
     some = audit.load_entries(db, place.school_class.id, wanted, limit=limit, offset=skip)
     total = audit.count_entries(db, place.school_class.id, wanted)
-    return LogOut(total=total, events=[_event(entry) for entry in some])
+    return LogOut(total=total, events=[_event_out(entry) for entry in some])
 
 
-def _event(entry: AuditEntry) -> EventOut:
+def _event_out(entry: AuditEntry) -> EventOut:
     return EventOut.model_validate({**asdict(entry), "words": entry.words})

@@ -9,8 +9,8 @@ from fastapi.responses import Response, StreamingResponse
 from pydantic import Field
 from starlette.concurrency import run_in_threadpool
 
-from server.api.documentation import content, problems
-from server.api.exercises import find
+from server.api.documentation import problem_responses, text_response
+from server.api.exercises import find_exercise_by_id
 from server.api.schemas import Strict, StrictBody
 from server.base.bulk import OneAtATimeStream
 from server.base.errors import Forbidden, NotFound
@@ -21,13 +21,13 @@ from server.database.dependencies import Db
 from server.gradebook import service as gradebook
 from server.identity.dependencies import AccountServiceOf, ApiAccount, BearerToken
 from server.personal.dependencies import PersonalDataOf
-from server.personal.service import archive_headers
+from server.personal.service import export_archive_headers
 
 router = APIRouter(tags=["me"])
 PUT_OFF: dict[int | str, dict[str, Any]] = {
     202: {"description": "It waits for the release of a test; nothing follows."}
 }
-ERASING = PUT_OFF | problems(400, 401, 403, 409, 413, 422, 429, 503)
+ERASING = PUT_OFF | problem_responses(400, 401, 403, 409, 413, 422, 429, 503)
 PASSWORD_NEEDED = (
     'Un jeton ne suffit pas pour effacer un compte : ajoutez le mot de passe ({"password": …}), ou faites-le depuis '
     "la page « Mon compte »."
@@ -51,17 +51,19 @@ class LastFile(Strict):
 @router.get(
     "/me/export",
     response_class=Response,
-    responses={200: content("A ZIP, sent while it is made.", "application/zip"), **problems(401, 429)},
+    responses={200: text_response("A ZIP, sent while it is made.", "application/zip"), **problem_responses(401, 429)},
 )
 def export(account: ApiAccount, personal: PersonalDataOf) -> StreamingResponse:
     """All that is kept of this person: the account in JSON, every attempt as it was sent, every verdict."""
-    return OneAtATimeStream(personal.export(account), headers=archive_headers(utc_now()), media_type="application/zip")
+    return OneAtATimeStream(
+        personal.export(account), headers=export_archive_headers(utc_now()), media_type="application/zip"
+    )
 
 
-@router.get("/me/exercises/{module}/{slug}/last", responses=problems(401, 404))
+@router.get("/me/exercises/{module}/{slug}/last", responses=problem_responses(401, 404))
 def read_last_file(module: str, slug: str, account: ApiAccount, course: CourseOf, db: Db) -> LastFile:
     """The last file that this account has sent to an exercise."""
-    exercise = find(course, f"{module}/{slug}")
+    exercise = find_exercise_by_id(course, f"{module}/{slug}")
     attempt = gradebook.find_latest_attempt(db, account, exercise.id)
     if attempt is None or exercise.answers is not None:
         raise NotFound(f"Vous n’avez envoyé aucun fichier à « {exercise.title} ».")

@@ -19,14 +19,14 @@ from server.api import (
 )
 
 
-class Api(APIRouter):
+class PrefixedApiRouter(APIRouter):
     """Asked before the pages, it says by its prefix alone what is not its own: neither waits for the other."""
 
     def matches(self, scope: Scope) -> tuple[Match, Scope]:
         return super().matches(scope) if scope["path"].startswith(self.prefix) else (Match.NONE, {})
 
 
-router = Api(prefix="/api/v1")
+router = PrefixedApiRouter(prefix="/api/v1")
 router.include_router(exercises.router)
 router.include_router(submissions.router)
 router.include_router(comments.router)

@@ -33,7 +33,7 @@ class StrictBody(RequestBody, BaseModel):
     model_config = ConfigDict(strict=True)
 
 
-def _again(error: ErrorDetails) -> InitErrorDetails:
+def _to_init_error(error: ErrorDetails) -> InitErrorDetails:
     return {"type": error["type"], "loc": error["loc"], "input": error["input"], "ctx": error.get("ctx", {})}
 
 
@@ -60,7 +60,9 @@ class NewSubmission(StrictBody):
             if not isinstance(data, Mapping) or len(data) > MAX_NAMES or {"code", "answers"} & data.keys():
                 raise
             missing: InitErrorDetails = {"type": PydanticCustomError("nothing_sent", "missing"), "input": data}
-            raise ValidationError.from_exception_data(error.title, [*map(_again, error.errors()), missing]) from error
+            raise ValidationError.from_exception_data(
+                error.title, [*map(_to_init_error, error.errors()), missing]
+            ) from error
 
     exercise: Annotated[str, Field(description="Exercise, as `module/slug`.")]
     code: Annotated[str, Field(description="The whole file, at most 64 KiB in UTF-8.")] = ""

@@ -14,14 +14,14 @@ from server.gradebook import service as gradebook
 from server.gradebook.schemas import Attempt
 from server.identity.models import Account
 from server.submissions.models import SubmissionState
-from server.submissions.service import GradingProgress, Submissions
+from server.submissions.service import GradingProgress, SubmissionService
 
 #: What a client of the contract knows to wait on; that it was graded meanwhile, and how, is not told.
 HELD = GradingProgress(SubmissionState.running)
 
 
 @dataclass(frozen=True)
-class Resource:
+class SubmissionResource:
     """A submission as JSON (`api.schemas.SubmissionOut`), written in the thread that reads it: the loop passes it on.
 
     A verdict is what a student's program made of it, within `graders.core.contract.bounds`. `done`: nothing more is to
@@ -35,17 +35,19 @@ class Resource:
     settles_in: float | None = field(default=None, compare=False)
 
 
-def url_of(submission_id: UUID) -> str:
+def submission_url(submission_id: UUID) -> str:
     return f"/api/v1/submissions/{submission_id}"
 
 
-def resource(db: Session, store: Submissions, attempt: Attempt, *, placed: bool = True) -> Resource:
+def build_submission_resource(
+    db: Session, store: SubmissionService, attempt: Attempt, *, placed: bool = True
+) -> SubmissionResource:
     """With `placed`, what waits is told its place in the queue, which is a question more."""
     submission = attempt.submission
     place = (
         HELD if attempt.held else store.progress(db, submission) if placed else GradingProgress(SubmissionState.queued)
     )
-    verdict = behaviour.load_verdict(db, attempt)
+    verdict = behaviour.load_visible_verdict(db, attempt)
     members = {
         "id": str(submission.id),
         "status": place.state,
@@ -54,21 +56,23 @@ def resource(db: Session, store: Submissions, attempt: Attempt, *, placed: bool 
         "held": attempt.held is not None,
         "load_error": attempt.load_error or None,
         "verdict": verdict.to_json() if verdict else None,
-        "url": root_path.external_path(url_of(submission.id)),
+        "url": root_path.external_path(submission_url(submission.id)),
         "exercise": submission.exercise,
         "created_at": submission.created_at.isoformat(),
     }
     text = json.dumps(members, ensure_ascii=False, allow_nan=False)
     if attempt.held:
-        return Resource(submission.id, not attempt.settles_in, True, text, attempt.settles_in)
-    return Resource(submission.id, place.state == SubmissionState.done, False, text)
+        return SubmissionResource(submission.id, not attempt.settles_in, True, text, attempt.settles_in)
+    return SubmissionResource(submission.id, place.state == SubmissionState.done, False, text)
 
 
-def reader(database: Database, store: Submissions, account: Account, submission_id: UUID) -> Callable[[], Resource]:
+def make_resource_reader(
+    database: Database, store: SubmissionService, account: Account, submission_id: UUID
+) -> Callable[[], SubmissionResource]:
     """Reads the submission afresh, in a transaction of its own."""
 
-    def read() -> Resource:
+    def read() -> SubmissionResource:
         with database.read() as db:
-            return resource(db, store, gradebook.find_attempt(db, account, submission_id))
+            return build_submission_resource(db, store, gradebook.find_attempt(db, account, submission_id))
 
     return read

@@ -10,10 +10,10 @@ from fastapi.responses import Response, StreamingResponse
 from sqlalchemy.exc import DBAPIError
 from starlette.concurrency import run_in_threadpool
 
-from server.api.documentation import content, events, problems
-from server.api.exercises import find
+from server.api.documentation import event_stream_response, problem_responses, text_response
+from server.api.exercises import find_exercise_by_id
 from server.api.schemas import NewSubmission, SubmissionOut
-from server.api.state import Resource, reader, resource, url_of
+from server.api.state import SubmissionResource, build_submission_resource, make_resource_reader, submission_url
 from server.base.app_services import app_service_getter
 from server.base.http import client_address
 from server.course.models import Course, Exercise
@@ -27,12 +27,12 @@ from server.identity.dependencies import ApiAccount, BearerToken, TokenFirstRout
 from server.identity.models import Account
 from server.submissions.dependencies import JobEventsOf, SubmissionsOf
 from server.submissions.job_events import STREAM_HEADERS, JobEvents, stream_sse
-from server.submissions.service import Submissions, job_key, parse_submission_id
+from server.submissions.service import SubmissionService, job_key, parse_submission_id
 
 router = APIRouter(tags=["submissions"], route_class=TokenFirstRoute)
 
 _database, _course = app_service_getter(Database), app_service_getter(Course)
-_store_of, _hub = app_service_getter(Submissions), app_service_getter(JobEvents)
+_store_of, _hub = app_service_getter(SubmissionService), app_service_getter(JobEvents)
 
 LONGEST_WAIT = 30.0
 Wait = Annotated[
@@ -53,7 +53,7 @@ SendingKey = Annotated[
         examples=["5d1c6c0e-6b1f-4b0e-9d7e-0a4c7a0e8f11"],
     ),
 ]
-STREAM = events(
+STREAM = event_stream_response(
     "Its data is as in `GET /submissions/{id}`; ends when done, or at once where a test holds it.", "status"
 )
 
@@ -65,7 +65,7 @@ STREAM = events(
     responses={
         200: {"description": "Graded within `wait` seconds.", "model": SubmissionOut},
         202: {"description": "Stored; follow it at `url`."},
-        **problems(400, 401, 404, 409, 413, 422, 429, 503),
+        **problem_responses(400, 401, 404, 409, 413, 422, 429, 503),
     },
 )
 async def create(
@@ -82,22 +82,22 @@ async def create(
     most; 409 before one has begun the test, and after its end.
     Whoever had no answer, or 503, may send the same again with the same `Idempotency-Key`.
     """
-    sending = Sending(body, reuse, client_address(request), key, waits=bool(wait))
+    sending = SendingOptions(body, reuse, client_address(request), key, waits=bool(wait))
     database, store, course = _database(request.app), _store_of(request.app), _course(request.app)
 
-    def stored() -> tuple[Account, Resource]:
+    def stored() -> tuple[Account, SubmissionResource]:
         account = account_of_token(token, database)
-        return account, _store(database, store, account, sending, course)
+        return account, _store_submission(database, store, account, sending, course)
 
     account, current = await run_in_threadpool(stored)
     if wait and not current.done:
-        look = reader(database, store, account, current.id)
+        look = make_resource_reader(database, store, account, current.id)
         longest = LONGEST_WAIT if current.settles_in is None else current.settles_in
-        current = await _wait(_hub(request.app), look, current, min(wait, longest))
-    return _json(current, 200 if current.done and not current.held else 202)
+        current = await _wait_until_done(_hub(request.app), look, current, min(wait, longest))
+    return _json_response(current, 200 if current.done and not current.held else 202)
 
 
-def _require_its_kind(exercise: Exercise, body: NewSubmission) -> None:
+def _require_content_of_kind(exercise: Exercise, body: NewSubmission) -> None:
     """Exactly one of `code` and `answers`, the one that this exercise asks for. Raises RequestValidationError."""
     other = {"code": "answers", "answers": "code"}[exercise.kind]
     faults: list[tuple[str, str]] = [(exercise.kind, "missing")] if exercise.kind not in body.model_fields_set else []
@@ -108,7 +108,7 @@ def _require_its_kind(exercise: Exercise, body: NewSubmission) -> None:
 
 
 @dataclass(frozen=True)
-class Sending:
+class SendingOptions:
     """`reuse`: an attempt with the same code at the exercise's version will do; `key` is the sender's name for it. Who
     `waits` for the verdict is not told the place of what was stored."""
 
@@ -119,16 +119,18 @@ class Sending:
     waits: bool = False
 
 
-def _store(database: Database, store: Submissions, account: Account, sending: Sending, course: Course) -> Resource:
+def _store_submission(
+    database: Database, store: SubmissionService, account: Account, sending: SendingOptions, course: Course
+) -> SubmissionResource:
     body, address = sending.body, sending.address
-    exercise = find(course, body.exercise)
-    _require_its_kind(exercise, body)
+    exercise = find_exercise_by_id(course, body.exercise)
+    _require_content_of_kind(exercise, body)
     with database.write() as db:
         answered = "answers" in body.model_fields_set
         if sending.reuse and not answered:
             before = gradebook.find_duplicate(db, account, body.exercise, body.code, exercise.version)
             if before is not None:
-                return resource(db, store, gradebook.find_attempt(db, account, before.id))
+                return build_submission_resource(db, store, gradebook.find_attempt(db, account, before.id))
         if answered:
             submission = store.submit_answers(
                 db, account, body.exercise, body.answers, address=address, key=sending.key
@@ -136,13 +138,15 @@ def _store(database: Database, store: Submissions, account: Account, sending: Se
         else:
             submission = store.submit(db, account, body.exercise, body.code, address=address, key=sending.key)
         if submission.grading_id is not None:  # sent again, and graded meanwhile
-            return resource(db, store, gradebook.find_attempt(db, account, submission.id))
-        return resource(
+            return build_submission_resource(db, store, gradebook.find_attempt(db, account, submission.id))
+        return build_submission_resource(
             db, store, gradebook.attempt_seen_by(db, account.id, submission, None), placed=not sending.waits
         )
 
 
-async def _wait(hub: JobEvents, read: Callable[[], Resource], current: Resource, seconds: float) -> Resource:
+async def _wait_until_done(
+    hub: JobEvents, read: Callable[[], SubmissionResource], current: SubmissionResource, seconds: float
+) -> SubmissionResource:
     """It is stored: that the database is away meanwhile takes nothing from that."""
     try:
         return await hub.wait_until_done(job_key(current.id), read, seconds)
@@ -152,26 +156,28 @@ async def _wait(hub: JobEvents, read: Callable[[], Resource], current: Resource,
         return current
 
 
-def _json(current: Resource, status: int = 200) -> Response:
-    return Response(current.text, status, {"Location": url_of(current.id)}, "application/json")
+def _json_response(current: SubmissionResource, status: int = 200) -> Response:
+    return Response(current.text, status, {"Location": submission_url(current.id)}, "application/json")
 
 
-@router.get("/submissions/{submission_id}", response_model=SubmissionOut, responses=problems(401, 404))
+@router.get("/submissions/{submission_id}", response_model=SubmissionOut, responses=problem_responses(401, 404))
 def read(submission_id: str, store: SubmissionsOf, account: ApiAccount, db: Db) -> Response:
     """The submission as it stands."""
-    current = resource(db, store, gradebook.find_attempt(db, account, submission_id))
+    current = build_submission_resource(db, store, gradebook.find_attempt(db, account, submission_id))
     return Response(current.text, media_type="application/json")
 
 
 @router.get(
-    "/submissions/{submission_id}/events", response_class=Response, responses={200: STREAM, **problems(401, 404)}
+    "/submissions/{submission_id}/events",
+    response_class=Response,
+    responses={200: STREAM, **problem_responses(401, 404)},
 )
 async def follow(
     submission_id: str, store: SubmissionsOf, hub: JobEventsOf, account: ApiAccount, database: DatabaseOf
 ) -> Response:
     """The submission each time that it changes, as server-sent events."""
     identity = parse_submission_id(submission_id)
-    read = reader(database, store, account, identity)
+    read = make_resource_reader(database, store, account, identity)
     await run_in_threadpool(read)  # a 404 must come before the stream begins
     stream = stream_sse(hub.follow(job_key(identity), read), lambda current: current.text)
     return StreamingResponse(stream, headers=STREAM_HEADERS, media_type="text/event-stream")
@@ -201,7 +207,7 @@ class FigureRequest:
 @router.get(
     "/submissions/{submission_id}/figures/{name}.svg",
     response_class=Response,
-    responses={200: content("The figure.", "image/svg+xml"), **problems(401, 404, 422, 503)},
+    responses={200: text_response("The figure.", "image/svg+xml"), **problem_responses(401, 404, 422, 503)},
 )
 async def figure_svg(figure: Annotated[FigureRequest, Depends()]) -> Response:
     """A figure that the verdict names, drawn on demand."""
@@ -211,7 +217,7 @@ async def figure_svg(figure: Annotated[FigureRequest, Depends()]) -> Response:
 @router.get(
     "/submissions/{submission_id}/figures/{name}.png",
     response_class=Response,
-    responses={200: content("The figure.", "image/png"), **problems(401, 404, 422, 503)},
+    responses={200: text_response("The figure.", "image/png"), **problem_responses(401, 404, 422, 503)},
 )
 async def figure_png(figure: Annotated[FigureRequest, Depends()]) -> Response:
     """The same, as a bitmap."""

@@ -21,21 +21,21 @@ NO_MEMBERSHIP: MembershipValues = (ClassRole.student, Status.left, False, ())
 @contextmanager
 def recording_membership_changes(db: Session, class_id: UUID, by: UUID) -> Iterator[None]:
     """Record the changes of memberships within the block as events, in the same transaction."""
-    before = _load_roles(db, class_id)
+    before = _load_membership_values(db, class_id)
     yield
     db.flush()
-    after = _load_roles(db, class_id)
+    after = _load_membership_values(db, class_id)
     for account_id, current in after.items():
-        _record(db, class_id, by, account_id, before.get(account_id, NO_MEMBERSHIP), current)
+        _record_membership_change(db, class_id, by, account_id, before.get(account_id, NO_MEMBERSHIP), current)
 
 
-def _load_roles(db: Session, class_id: UUID) -> Mapping[UUID, MembershipValues]:
+def _load_membership_values(db: Session, class_id: UUID) -> Mapping[UUID, MembershipValues]:
     members = repository.load_members(db, class_id)
     rows = ((member.id, member.membership) for member in members)
     return {account_id: (row.role, row.status, row.is_confirmed, tuple(row.groups)) for account_id, row in rows}
 
 
-def _record(
+def _record_membership_change(
     db: Session, class_id: UUID, by: UUID, account_id: UUID, old: MembershipValues, new: MembershipValues
 ) -> None:
     (old_role, old_status, was_confirmed, old_groups), (new_role, new_status, is_confirmed, new_groups) = old, new

@@ -37,29 +37,33 @@ def load_entries(
         )
         .outerjoin(student, student.id == AuditEvent.student)
         .outerjoin(seat, and_(seat.account_id == AuditEvent.student, seat.class_id == AuditEvent.class_id))
-        .where(_matches(class_id, filters))
+        .where(_matches_filters(class_id, filters))
     )
     if before is not None:
         query = query.where(tuple_(AuditEvent.at, AuditEvent.id) < tuple_(before.at, before.id))
     query = query.order_by(AuditEvent.at.desc(), AuditEvent.id.desc()).limit(limit).offset(offset)
-    return [_entry(row[0], _person(*row[1:5]), _person(*row[5:9])) for row in db.execute(query)]
+    return [
+        _build_entry(row[0], _build_person_name(*row[1:5]), _build_person_name(*row[5:9])) for row in db.execute(query)
+    ]
 
 
-def _entry(event: AuditEvent, by: PersonName | None, student: PersonName | None) -> AuditEntry:
+def _build_entry(event: AuditEvent, by: PersonName | None, student: PersonName | None) -> AuditEntry:
     values = (event.about, event.before, event.after, event.reason)
     return AuditEntry(event.id, event.at, by, event.what, student, *values)
 
 
-def _person(account_id: UUID | None, own: str | None, given: str | None, family: str | None) -> PersonName | None:
+def _build_person_name(
+    account_id: UUID | None, own: str | None, given: str | None, family: str | None
+) -> PersonName | None:
     return None if account_id is None else PersonName(account_id, display_name(given, family, own or ""))
 
 
 def count_entries(db: Session, class_id: UUID, filters: AuditFilter) -> int:
-    query = select(func.count()).select_from(AuditEvent).where(_matches(class_id, filters))
+    query = select(func.count()).select_from(AuditEvent).where(_matches_filters(class_id, filters))
     return db.execute(query).scalar_one()
 
 
-def _matches(class_id: UUID, filters: AuditFilter) -> ColumnElement[bool]:
+def _matches_filters(class_id: UUID, filters: AuditFilter) -> ColumnElement[bool]:
     conditions = [AuditEvent.class_id == class_id]
     if filters.student is not None:
         conditions.append(AuditEvent.student == filters.student)
@@ -70,15 +74,15 @@ def _matches(class_id: UUID, filters: AuditFilter) -> ColumnElement[bool]:
 
 def load_events_about(db: Session, account_id: UUID) -> Sequence[Row[AuditEvent, str | None]]:
     """Load the events about an account, each with the name of the class."""
-    return db.execute(_with_class().where(AuditEvent.student == account_id)).all()
+    return db.execute(_select_events_with_class().where(AuditEvent.student == account_id)).all()
 
 
 def load_events_by(db: Session, account_id: UUID) -> Sequence[Row[AuditEvent, str | None]]:
     """Load the events of an author, each with the name of the class, None for one of the server."""
-    return db.execute(_with_class().where(AuditEvent.by == account_id)).all()
+    return db.execute(_select_events_with_class().where(AuditEvent.by == account_id)).all()
 
 
-def _with_class() -> Any:
+def _select_events_with_class() -> Any:
     query = select(AuditEvent, SchoolClass.name).outerjoin(SchoolClass, SchoolClass.id == AuditEvent.class_id)
     return query.order_by(AuditEvent.at, AuditEvent.id)
 
@@ -96,7 +100,9 @@ def load_server_entries(db: Session, *, limit: int, offset: int = 0) -> Sequence
         .offset(offset)
     )
     return [
-        _entry(event, _person(by, by_name, None, None), _person(about, about_name, None, None))
+        _build_entry(
+            event, _build_person_name(by, by_name, None, None), _build_person_name(about, about_name, None, None)
+        )
         for event, by, by_name, about, about_name in db.execute(query)
     ]
 

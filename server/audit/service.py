@@ -32,7 +32,7 @@ def record_event(
 
     Dates are stored in ISO 8601.
     """
-    old, new = _plain(before or {}), _plain(after or {})
+    old, new = _plain_values(before or {}), _plain_values(after or {})
     differing = [name for name in {**old, **new} if old.get(name) != new.get(name)]
     event = AuditEvent(
         class_id=class_id,
@@ -47,7 +47,7 @@ def record_event(
     db.add(event)
 
 
-def _plain(values: Values) -> dict[str, Any]:
+def _plain_values(values: Values) -> dict[str, Any]:
     return {name: value.isoformat() if isinstance(value, datetime) else value for name, value in values.items()}
 
 

@@ -91,16 +91,16 @@ class ValueChange:
 def describe_changes(before: Mapping[str, Any], after: Mapping[str, Any], when: FormatDate) -> tuple[ValueChange, ...]:
     """Describe the changed values in the order in which they are stored."""
     return tuple(
-        ValueChange(FIELDS.get(name, name), _describe(name, before, when), _describe(name, after, when))
+        ValueChange(FIELDS.get(name, name), _describe_value(name, before, when), _describe_value(name, after, when))
         for name in {**before, **after}
     )
 
 
-def _describe(name: str, values: Mapping[str, Any], when: FormatDate) -> str:
-    return format_value(name, values[name], when) if name in values else ""
+def _describe_value(name: str, values: Mapping[str, Any], when: FormatDate) -> str:
+    return format_audited_value(name, values[name], when) if name in values else ""
 
 
-def format_value(name: str, plain: Any, when: FormatDate) -> str:
+def format_audited_value(name: str, plain: Any, when: FormatDate) -> str:
     """Format a plain value, as `audit.service.record_event` stores it."""
     if plain is None:
         return NOTHING
@@ -109,14 +109,14 @@ def format_value(name: str, plain: Any, when: FormatDate) -> str:
     if isinstance(plain, int | float):
         return f"{round(plain, 2):.12g}".replace(".", ",")
     if isinstance(plain, Mapping):
-        return ", ".join(f"{key} ({format_value('', item, when)})" for key, item in plain.items()) or NOTHING
+        return ", ".join(f"{key} ({format_audited_value('', item, when)})" for key, item in plain.items()) or NOTHING
     if isinstance(plain, list | tuple):
-        return ", ".join(format_value("", item, when) for item in plain) or NOTHING
+        return ", ".join(format_audited_value("", item, when) for item in plain) or NOTHING
     label = VALUES.get(name, {}).get(str(plain))
-    return label or (_date(str(plain), when) if name.endswith("_at") else str(plain))
+    return label or (_format_date(str(plain), when) if name.endswith("_at") else str(plain))
 
 
-def _date(text: str, when: FormatDate) -> str:
+def _format_date(text: str, when: FormatDate) -> str:
     try:
         return when(datetime.fromisoformat(text))
     except ValueError:

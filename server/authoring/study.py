@@ -25,7 +25,7 @@ from graders.core.compare.slips import SLIPS
 from graders.core.compare.told_apart import value_text_pair
 from graders.core.syntax_trees import parse_source
 from server.behaviour import place_queries, repository
-from server.behaviour.export import anonymise_program, catalogue_entry, guard_unread_program, misconception_id
+from server.behaviour.export import add_unread_guard, anonymise_program, format_catalogue_entry, make_misconception_id
 from server.behaviour.limits import tighten_limits
 from server.behaviour.schemas import GroupDescription
 from server.course.models import Exercise
@@ -80,7 +80,7 @@ def _load_unexplained_group(db: Session, group_id: str, attempts: int, students:
     group, program = repository.find_group(db, group_id), repository.load_shortest_program(db, group_id)
     if group is None or program is None:
         return None
-    name = repository.find_latest_name(db, group_id)
+    name = repository.find_latest_behaviour_name(db, group_id)
     return UnexplainedGroup(
         group_id,
         attempts,
@@ -91,7 +91,7 @@ def _load_unexplained_group(db: Session, group_id: str, attempts: int, students:
         GroupDescription(name.title, name.explanation, name.question) if name else None,
         program[0],
         tuple(word for name in program[1] for word in re.findall(r"[^\W_]+", name)),
-        tuple(place_queries.list_changes(db, group_id)),
+        tuple(place_queries.count_mending_changes(db, group_id)),
     )
 
 
@@ -160,20 +160,20 @@ def write_misconception(found: UnexplainedGroup, exercise: Exercise, program: st
     if not isinstance(exercise.grader, CodeGrader):
         raise MisconceptionWriteError(f"« {exercise.id} » n’est pas un exercice de code")
     title = found.description.title if found.description else f"erreur {found.group_id}"
-    identity = misconception_id(title, exercise.grader.mistake_ids() | SLIPS.keys())
+    identity = make_misconception_id(title, exercise.grader.mistake_ids() | SLIPS.keys())
     words = found.description or GroupDescription(
         f"{PLACEHOLDER} : l’erreur en quelques mots", f"{PLACEHOLDER} : pourquoi", f"{PLACEHOLDER} ?"
     )
     functions = [function.name for function in exercise.functions if function.name in found.functions]
     folder = exercise.grader.folder
     file, catalogue = folder / "misconceptions" / f"{identity}.py", folder / MISCONCEPTIONS
-    table = catalogue_entry(
+    table = format_catalogue_entry(
         exercise.id, identity, functions or [function.name for function in exercise.functions], words
     )
     table = table.partition("\n")[2]
     try:
         file.parent.mkdir(exist_ok=True)
-        file.write_text(guard_unread_program(program), encoding="utf-8")
+        file.write_text(add_unread_guard(program), encoding="utf-8")
         with catalogue.open("a", encoding="utf-8") as written:
             written.write(f"\n# {describe_frequency(found)}\n{table}")
     except OSError as error:

@@ -30,22 +30,22 @@ if RELU:
 UNREADABLE = "Ce programme ne se relit pas sans ses commentaires : il ne peut pas être exporté."
 
 
-def render_archive(
+def build_misconception_archive(
     exercise: Exercise, group: BehaviourGroup, description: GroupDescription, source: bytes, names: Collection[str] = ()
 ) -> tuple[str, bytes]:
     """Return the misconception's id, and the archive; `names` are the author's. Raise Invalid for a program that cannot
     be rewritten."""
-    identity = misconception_id(description.title, exercise.grader.mistake_ids() | SLIPS.keys())
+    identity = make_misconception_id(description.title, exercise.grader.mistake_ids() | SLIPS.keys())
     wrong = [function.name for function in exercise.functions if function.name in group.functions]
     functions = wrong or [function.name for function in exercise.functions]
     content = io.BytesIO()
     with zipfile.ZipFile(content, "w", zipfile.ZIP_DEFLATED) as archive:
-        archive.writestr(MISCONCEPTIONS, catalogue_entry(exercise.id, identity, functions, description))
-        archive.writestr(f"misconceptions/{identity}.py", guard_unread_program(anonymise_program(source, names)))
+        archive.writestr(MISCONCEPTIONS, format_catalogue_entry(exercise.id, identity, functions, description))
+        archive.writestr(f"misconceptions/{identity}.py", add_unread_guard(anonymise_program(source, names)))
     return identity, content.getvalue()
 
 
-def misconception_id(title: str, taken: Collection[str]) -> str:
+def make_misconception_id(title: str, taken: Collection[str]) -> str:
     """Return an unused id made of a title: "La rotation est oubliée" gives la_rotation_est_oubliee."""
     letters = unicodedata.normalize("NFKD", title).encode("ascii", "ignore").decode().lower()
     name = "_".join(re.findall("[a-z0-9]+", letters))[:MAX_ID_LENGTH].strip("_") or "erreur"
@@ -54,7 +54,9 @@ def misconception_id(title: str, taken: Collection[str]) -> str:
     return next(candidate for candidate in candidates if candidate not in taken)
 
 
-def catalogue_entry(exercise_id: str, identity: str, functions: Collection[str], description: GroupDescription) -> str:
+def format_catalogue_entry(
+    exercise_id: str, identity: str, functions: Collection[str], description: GroupDescription
+) -> str:
     """Return the entry for the catalogue, in TOML: JSON strings without DEL are TOML strings."""
     members = {
         "id": identity,
@@ -67,7 +69,7 @@ def catalogue_entry(exercise_id: str, identity: str, functions: Collection[str],
     return "\n".join([f"# À ajouter à graders/{exercise_id}/{MISCONCEPTIONS}", "[[misconception]]", *lines, ""])
 
 
-def guard_unread_program(program: str) -> str:
+def add_unread_guard(program: str) -> str:
     """Return a program that does nothing until an author of the course has read it, and says so in its first line.
 
     Misconceptions run without a sandbox, in the grading process: a student's program must not run there unread.

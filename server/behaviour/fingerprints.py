@@ -32,7 +32,7 @@ from graders.core.contract.verdict import Verdict
 from graders.core.declared.behaviour import DeclaredObserver
 from graders.core.declared.grading import DeclaredGrader
 from server.behaviour import repository
-from server.behaviour.limits import SEARCH_PROCESSOR_SECONDS, SEARCH_SECONDS, search_limits, tighten_limits
+from server.behaviour.limits import SEARCH_PROCESSOR_SECONDS, SEARCH_SECONDS, tighten_limits, widen_limits_for_search
 from server.behaviour.models import BehaviourGroup
 from server.behaviour.schemas import FingerprintRequest, Observation, ObservedBehaviour
 from server.course import reuse
@@ -62,14 +62,14 @@ StartProgram = Callable[[Policy, Sequence[LibraryFile]], Programs]
 PlaceFinder = Callable[[CodeGrader, str, Verdict, Programs, Callable[[], bool]], FoundPlace | None]
 
 
-def observable_versions(course: Course) -> Mapping[str, str]:
+def list_observable_versions(course: Course) -> Mapping[str, str]:
     """Return the versions of the course's exercises whose programs can be observed, by exercise."""
     return {exercise.id: exercise.version for exercise in course.exercises.values() if exercise.kind == "code"}
 
 
-def _find_next(db: Session, course: Course, since: datetime) -> UUID | None:
+def _find_next_grading_to_observe(db: Session, course: Course, since: datetime) -> UUID | None:
     """Return the newest grading to observe that ended after `since`, also of an exercise that a teacher wrote."""
-    packaged = observable_versions(course)
+    packaged = list_observable_versions(course)
     names = repository.list_exercises_to_fingerprint(db, since, packaged)
     authored = studio.list_current_versions(db, names) if names else {}
     return repository.find_grading_to_observe(db, {**packaged, **authored}, since)
@@ -113,7 +113,7 @@ class FingerprintScheduler:
         with self._database.read() as db:
             if self._is_queued(db):
                 return
-            grading_id = _find_next(db, self._course, since)
+            grading_id = _find_next_grading_to_observe(db, self._course, since)
         if grading_id is None:
             self._swept_until = now
             return
@@ -134,17 +134,19 @@ class FingerprintTask:
     def __init__(self, course: Course, queue: Queue, start: StartProgram, find: PlaceFinder = find_place) -> None:
         self._course, self._queue, self._start, self._find = course, queue, start, find
         self._observers: dict[str, tuple[str, BehaviourObserver | DeclaredObserver]] = {}
-        self.give_up = give_up
+        self.give_up = record_unobservable
 
     def read(self, db: Session, lease: Lease) -> FingerprintRequest | None:
         """Return the request; None where the attempt is gone, or the exercise has another version by now."""
-        request = repository.load_request(db, _grading_id(lease), datetime.fromisoformat(lease.payload["since"]))
+        request = repository.load_fingerprint_request(
+            db, _grading_id(lease), datetime.fromisoformat(lease.payload["since"])
+        )
         exercise = None if request is None else self._course.exercises.get(request.exercise)
         if request is None or exercise is None or exercise.kind != "code" or exercise.version != request.version:
             return None
         if not self._course.reused(request.exercise):
             return request
-        submission = repository.load_submission(db, request.grading_id)
+        submission = repository.load_submission_of_grading(db, request.grading_id)
         return replace(
             request,
             own=importable_files.load_importable_files(db, self._course, submission),
@@ -154,19 +156,19 @@ class FingerprintTask:
     def run(self, request: FingerprintRequest) -> Observation:
         exercise = self._course.exercises[request.exercise]
         library = reuse.build_library(self._course, request.exercise, request.own, request.tested)
-        behaviour = self._observer(request.exercise).observe(
+        behaviour = self._get_cached_observer(request.exercise).observe(
             request.source, self._start(tighten_limits(exercise.policy), library)
         )
-        return Observation(behaviour, self._place(request, library))
+        return Observation(behaviour, self._locate_mistakes(request, library))
 
-    def _place(self, request: FingerprintRequest, library: Sequence[LibraryFile]) -> FoundPlace | None:
+    def _locate_mistakes(self, request: FingerprintRequest, library: Sequence[LibraryFile]) -> FoundPlace | None:
         """Return the places of the mistakes that the verdict does not name for certain; None after an error of ours."""
         exercise = self._course.exercises[request.exercise]
         if not isinstance(exercise.grader, CodeGrader):
             return None  # the model of a declared exercise has no places
         try:
             verdict, source = Verdict.from_json(request.verdict), request.source.decode()
-            programs = self._start(search_limits(exercise.policy), library)
+            programs = self._start(widen_limits_for_search(exercise.policy), library)
             spent = start_time_limit(SEARCH_SECONDS, SEARCH_PROCESSOR_SECONDS, programs)
             return self._find(exercise.grader, source, verdict, programs, spent)
         except UnicodeDecodeError:
@@ -175,7 +177,7 @@ class FingerprintTask:
             log.exception("grading %s: the places of its mistakes could not be searched", request.grading_id)
             return None
 
-    def _observer(self, exercise_id: str) -> BehaviourObserver | DeclaredObserver:
+    def _get_cached_observer(self, exercise_id: str) -> BehaviourObserver | DeclaredObserver:
         exercise = self._course.exercises[exercise_id]
         version, observer = self._observers.get(exercise_id, ("", None))
         if observer is None or version != exercise.version:
@@ -185,11 +187,11 @@ class FingerprintTask:
 
     def record(self, db: Session, request: FingerprintRequest, result: Observation) -> None:
         """Store the group of the program and the places of its mistakes, and queue the next observation."""
-        if repository.lock_grading(db, request.grading_id):
-            observed = observed_behaviour(request, result.behaviour)
+        if repository.lock_grading_if_exists(db, request.grading_id):
+            observed = classify_observed_behaviour(request, result.behaviour)
             group = None if observed is None else find_or_create_group(db, observed)
             repository.add_fingerprint(db, request.grading_id, group, result.place)
-        next_grading = _find_next(db, self._course, request.since)
+        next_grading = _find_next_grading_to_observe(db, self._course, request.since)
         if next_grading is not None:
             queue_fingerprint(db, self._queue, next_grading, request.since)
 
@@ -202,7 +204,7 @@ def _make_observer(exercise: Exercise) -> BehaviourObserver | DeclaredObserver:
     return BehaviourObserver(grader, exercise.version)
 
 
-def observed_behaviour(request: FingerprintRequest, behaviour: Behaviour) -> ObservedBehaviour | None:
+def classify_observed_behaviour(request: FingerprintRequest, behaviour: Behaviour) -> ObservedBehaviour | None:
     """Return the behaviour that identifies a group; None for a program that only lacks a function, as its verdict says.
 
     Programs that do not load, or whose answers are all right, may have failed for different reasons: they share a group
@@ -217,7 +219,7 @@ def observed_behaviour(request: FingerprintRequest, behaviour: Behaviour) -> Obs
 
 def find_or_create_group(db: Session, observed: ObservedBehaviour) -> str:
     """Return the oldest group whose programs give these answers, up to the tolerance, or a new one."""
-    repository.lock_groups(db)
+    repository.lock_group_creation(db)
     key = (observed.exercise, observed.version, structure_hash(observed.answers), project_to_number(observed.answers))
     for group_id, answers in repository.iter_similar_groups(db, *key):
         if same_answers(deserialize_answers(answers), observed.answers):
@@ -237,17 +239,17 @@ def find_or_create_group(db: Session, observed: ObservedBehaviour) -> str:
     return group.id
 
 
-def give_up(db: Session, lease: Lease) -> None:
+def record_unobservable(db: Session, lease: Lease) -> None:
     """Leave a program that crashed its workers without a group; it is not observed again."""
     grading_id = _grading_id(lease)
     log.error("grading %s: its program could not be asked how it behaves", grading_id)
-    if repository.lock_grading(db, grading_id):
+    if repository.lock_grading_if_exists(db, grading_id):
         repository.add_fingerprint(db, grading_id, None)
 
 
 def give_up_handlers() -> Mapping[str, GiveUpHandler]:
     """Return the handlers of abandoned jobs, for processes that observe no programs."""
-    return {FINGERPRINT: give_up}
+    return {FINGERPRINT: record_unobservable}
 
 
 def _grading_id(lease: Lease) -> UUID:

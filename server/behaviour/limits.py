@@ -26,7 +26,7 @@ def tighten_limits(policy: Policy) -> Policy:
     )
 
 
-def search_limits(policy: Policy) -> Policy:
+def widen_limits_for_search(policy: Policy) -> Policy:
     """Return the policy of an exercise with what many changed programs in one process need."""
     return replace(
         policy,

@@ -10,13 +10,13 @@ from sqlalchemy.orm import Session
 from server.behaviour.models import Fingerprint
 
 
-def load_observation(db: Session, grading_id: UUID) -> tuple[bool, dict[str, Any] | None]:
+def load_mistake_places(db: Session, grading_id: UUID) -> tuple[bool, dict[str, Any] | None]:
     """Return whether a grading's program has been observed, and the JSON of the places of its mistakes, if found."""
     row = db.execute(select(Fingerprint.place).where(Fingerprint.grading_id == grading_id)).one_or_none()
     return (False, None) if row is None else (True, row[0])
 
 
-def list_changes(db: Session, group_id: str) -> Sequence[tuple[str, int]]:
+def count_mending_changes(db: Session, group_id: str) -> Sequence[tuple[str, int]]:
     """Return the kinds of changes that mend programs of a group, each with how many, the most frequent first."""
     query = (
         select(Fingerprint.changes, func.count())

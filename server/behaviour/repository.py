@@ -29,7 +29,7 @@ OBSERVABLE_OUTCOMES = tuple(
 )
 
 
-def lock_groups(db: Session) -> None:
+def lock_group_creation(db: Session) -> None:
     """Lock the creation of groups until the commit (SQLite locks all writes anyway)."""
     if db.get_bind().dialect.name == "postgresql":
         db.execute(select(func.pg_advisory_xact_lock(GROUPS_LOCK)))
@@ -81,7 +81,7 @@ def list_exercises_to_fingerprint(db: Session, since: datetime, except_for: Coll
     return db.execute(query.distinct()).scalars().all()
 
 
-def load_request(db: Session, grading_id: UUID, since: datetime) -> FingerprintRequest | None:
+def load_fingerprint_request(db: Session, grading_id: UUID, since: datetime) -> FingerprintRequest | None:
     """Load what an observation needs; None where the grading is gone, or has its fingerprint."""
     query = (
         select(
@@ -103,13 +103,13 @@ def load_request(db: Session, grading_id: UUID, since: datetime) -> FingerprintR
     return replace(request, verdict=row.verdict)
 
 
-def load_submission(db: Session, grading_id: UUID) -> Submission:
+def load_submission_of_grading(db: Session, grading_id: UUID) -> Submission:
     """Load the submission of a grading that exists."""
     query = select(Submission).join(Grading, Grading.submission_id == Submission.id).where(Grading.id == grading_id)
     return db.execute(query).scalar_one()
 
 
-def lock_grading(db: Session, grading_id: UUID) -> bool:
+def lock_grading_if_exists(db: Session, grading_id: UUID) -> bool:
     """Whether the grading still exists, which then stays until the commit."""
     query = select(Grading.id).where(Grading.id == grading_id).with_for_update(read=True, key_share=True)
     return db.execute(query).first() is not None
@@ -146,7 +146,7 @@ def iter_similar_groups(
         yield group.id, group.answers
 
 
-def load_name_of_grading(db: Session, account_id: UUID, grading_id: UUID) -> Row[str, str, str, str] | None:
+def load_latest_teacher_name(db: Session, account_id: UUID, grading_id: UUID) -> Row[str, str, str, str] | None:
     """Return group, title, explanation and question: the newest name that a teacher of the author has given to the
     behaviour of this grading's program."""
     name = BehaviourName
@@ -169,11 +169,11 @@ def find_group(db: Session, group_id: str) -> BehaviourGroup | None:
     return db.get(BehaviourGroup, group_id)
 
 
-def find_name(db: Session, class_id: UUID, group_id: str) -> BehaviourName | None:
+def find_behaviour_name(db: Session, class_id: UUID, group_id: str) -> BehaviourName | None:
     return db.get(BehaviourName, (class_id, group_id))
 
 
-def list_names(db: Session, class_id: UUID, exercise: str) -> Sequence[BehaviourName]:
+def list_behaviour_names(db: Session, class_id: UUID, exercise: str) -> Sequence[BehaviourName]:
     """Return a class's names for groups of an exercise in any version, the newest first."""
     query = (
         select(BehaviourName)
@@ -217,7 +217,7 @@ def list_latest_unnamed(
     return [(row[0], str(row[1]), row[2], row[3], row[4]) for row in db.execute(query) if row[0] in exercises]
 
 
-def _members(class_id: UUID, group_id: str) -> ColumnElement[bool]:
+def _is_member_attempt(class_id: UUID, group_id: str) -> ColumnElement[bool]:
     """Return a condition: the attempt is in the group, by an active student of the class."""
     is_student = (
         select(Membership.account_id)
@@ -232,32 +232,32 @@ def _members(class_id: UUID, group_id: str) -> ColumnElement[bool]:
     return and_(Fingerprint.group_id == group_id, is_student)
 
 
-def _attempts(class_id: UUID, group_id: str) -> Select[UUID]:
+def _member_attempts(class_id: UUID, group_id: str) -> Select[UUID]:
     return (
         select(Submission.id)
         .join(Fingerprint, Fingerprint.grading_id == Submission.grading_id)
-        .where(_members(class_id, group_id))
+        .where(_is_member_attempt(class_id, group_id))
     )
 
 
-def has_members(db: Session, class_id: UUID, group_id: str) -> bool:
-    return db.execute(_attempts(class_id, group_id).limit(1)).first() is not None
+def has_member_attempts(db: Session, class_id: UUID, group_id: str) -> bool:
+    return db.execute(_member_attempts(class_id, group_id).limit(1)).first() is not None
 
 
-def count_members(db: Session, class_id: UUID, group_id: str) -> tuple[int, int, int]:
+def count_member_attempts(db: Session, class_id: UUID, group_id: str) -> tuple[int, int, int]:
     """Count the attempts of the class in the group, their students, and those with a known misconception."""
     query = (
         select(func.count(), func.count(Submission.account_id.distinct()), func.count(Grading.diagnosis))
         .select_from(Submission)
         .join(Grading, Grading.id == Submission.grading_id)
         .join(Fingerprint, Fingerprint.grading_id == Grading.id)
-        .where(_members(class_id, group_id))
+        .where(_is_member_attempt(class_id, group_id))
     )
     row = db.execute(query).one()
     return row[0], row[1], row[2]
 
 
-def list_members(db: Session, class_id: UUID, group_id: str, limit: int) -> Sequence[GroupMember]:
+def list_member_attempts(db: Session, class_id: UUID, group_id: str, limit: int) -> Sequence[GroupMember]:
     """Return the attempts of the class in a group: each student's latest attempts first, then the newest first."""
     latest = func.coalesce(Standing.last_at <= Submission.created_at, True)
     query = (
@@ -268,18 +268,18 @@ def list_members(db: Session, class_id: UUID, group_id: str, limit: int) -> Sequ
             Standing,
             and_(Standing.account_id == Submission.account_id, Standing.exercise == Submission.exercise),
         )
-        .where(_members(class_id, group_id))
+        .where(_is_member_attempt(class_id, group_id))
         .order_by(latest.desc(), Submission.created_at.desc(), Submission.id)
         .limit(limit)
     )
     return [GroupMember(row[0], row[1], row[2], row[3], bool(row[4])) for row in db.execute(query)]
 
 
-def find_shortest(db: Session, class_id: UUID, group_id: str) -> Submission | None:
+def find_shortest_program(db: Session, class_id: UUID, group_id: str) -> Submission | None:
     """Return the shortest program of the class in a group."""
     query = (
         select(Submission)
-        .where(Submission.id.in_(_attempts(class_id, group_id)))
+        .where(Submission.id.in_(_member_attempts(class_id, group_id)))
         .order_by(func.length(Submission.source), Submission.created_at, Submission.id)
         .limit(1)
     )
@@ -328,16 +328,16 @@ def load_shortest_program(db: Session, group_id: str) -> tuple[bytes, Sequence[s
     return row[0], [author.name, author.login or "", *(name for names in listed for name in names)]
 
 
-def find_latest_name(db: Session, group_id: str) -> BehaviourName | None:
+def find_latest_behaviour_name(db: Session, group_id: str) -> BehaviourName | None:
     """Return the newest name of a group, in any class."""
     query = select(BehaviourName).where(BehaviourName.group_id == group_id).order_by(BehaviourName.named_at.desc())
     return db.execute(query.limit(1)).scalar_one_or_none()
 
 
-def find_member(db: Session, class_id: UUID, group_id: str, submission_id: UUID) -> Submission | None:
+def find_member_attempt(db: Session, class_id: UUID, group_id: str, submission_id: UUID) -> Submission | None:
     """Return an attempt of the class, where it is in the group."""
-    query = select(Submission).where(Submission.id == submission_id, Submission.id.in_(_attempts(class_id, group_id)))
-    return db.execute(query).scalar_one_or_none()
+    query = select(Submission).where(Submission.id.in_(_member_attempts(class_id, group_id)))
+    return db.execute(query.where(Submission.id == submission_id)).scalar_one_or_none()
 
 
 def delete_empty_groups(db: Session) -> int:

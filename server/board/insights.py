@@ -25,7 +25,7 @@ from server.board.stuck import median_or_none
 from server.course import Course
 from server.gradebook.histories import Attempts, AttemptsByPair, cached_per_history, cached_totals, group_by_account
 from server.gradebook.schemas import HINT_OPENS_AFTER
-from server.submissions.service import code_digest
+from server.submissions.service import digest_code
 
 LESSON, SLOT = timedelta(hours=2), timedelta(minutes=5)
 DAYS = 14
@@ -111,7 +111,7 @@ def improvements_after_misconceptions(misconceptions: Sequence[MisconceptionStat
 def compute_hint_stats(course: Course, exercises: Sequence[str], attempts: AttemptsByPair) -> tuple[HintStats, ...]:
     """Return how often the attempt after the opening of each hint scored more; who has read it is not known."""
     starters = {
-        name: code_digest(known.starter) for name in exercises if (known := course.exercises.get(name)) is not None
+        name: digest_code(known.starter) for name in exercises if (known := course.exercises.get(name)) is not None
     }
     improved: dict[str, dict[int, list[bool]]] = defaultdict(lambda: defaultdict(list))
     for own in group_by_account(attempts).values():

@@ -48,7 +48,7 @@ def load_latest_changes(
     """Return what the latest attempt of each pair changed; pairs with fewer than two attempts are left out."""
     own = {pair: progress.attempts[pair] for pair in list(pairs)[:MAX_COMPARED] if pair in progress.attempts}
     last = {pair: (attempts[-2].id, attempts[-1].id) for pair, attempts in own.items() if len(attempts) > 1}
-    sources = repository.load_sources(db, [identity for ids in last.values() for identity in ids])
+    sources = repository.load_submission_sources(db, [identity for ids in last.values() for identity in ids])
     return {
         pair: find_change_between(sources[before], sources[after], is_code=_is_code_exercise(progress.course, pair[1]))
         for pair, (before, after) in last.items()

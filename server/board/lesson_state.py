@@ -14,7 +14,7 @@ from server.board.schemas import FEWEST_TO_PROJECT
 from server.board.stuck import PRESENCE, LessonExercises, StuckStudent
 from server.gradebook.histories import Attempts, AttemptsByPair, cached_per_series
 from server.lesson.models import LiveLesson
-from server.lesson.repository import Visit
+from server.lesson.repository import StudentVisit
 
 RECENT_MISTAKES = timedelta(minutes=15)
 MAX_MISTAKES, MAX_HELPED = 3, 5
@@ -66,7 +66,7 @@ class LessonState:
 
     stuck: tuple[StuckStudent, ...]
     just_seen: frozenset[UUID]
-    visits: Mapping[UUID, Visit]
+    visits: Mapping[UUID, StudentVisit]
     mistakes: tuple[LessonMistake, ...]
     more_mistakes: int
     overcome: tuple[LessonMistake, ...]
@@ -77,7 +77,7 @@ class LessonState:
     helpers: Mapping[UUID, UUID]
 
 
-def build_lesson_state(progress: ClassProgress, lesson: LiveLesson, visits: Mapping[UUID, Visit]) -> LessonState:
+def build_lesson_state(progress: ClassProgress, lesson: LiveLesson, visits: Mapping[UUID, StudentVisit]) -> LessonState:
     expected = LessonExercises(tuple(lesson.exercises), lesson.started_at)
     longest_first = progress.find_stuck_students(expected)
     seen = {
@@ -113,7 +113,7 @@ def build_lesson_state(progress: ClassProgress, lesson: LiveLesson, visits: Mapp
     )
 
 
-def _was_visited_there(row: StuckStudent, visit: Visit | None) -> bool:
+def _was_visited_there(row: StuckStudent, visit: StudentVisit | None) -> bool:
     """Whether a student was seen at the exercise at which they are stuck."""
     return visit is not None and visit.exercise == row.exercise
 

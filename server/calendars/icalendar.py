@@ -31,7 +31,7 @@ class CalendarEvent:
 
 def write_calendar(name: str, events: Sequence[CalendarEvent]) -> bytes:
     """Return a calendar in UTF-8; equal events give equal bytes."""
-    lines = [line for event in events for line in _event_lines(event)]
+    lines = [line for event in events for line in _iter_event_lines(event)]
     head = [
         "BEGIN:VCALENDAR",
         "VERSION:2.0",
@@ -46,7 +46,7 @@ def write_calendar(name: str, events: Sequence[CalendarEvent]) -> bytes:
     return b"".join(fold_line(line) for line in [*head, *lines, "END:VCALENDAR"])
 
 
-def _event_lines(event: CalendarEvent) -> Iterator[str]:
+def _iter_event_lines(event: CalendarEvent) -> Iterator[str]:
     yield "BEGIN:VEVENT"
     yield f"UID:{event.uid}"
     yield f"DTSTAMP:{format_utc(event.changed_at)}"

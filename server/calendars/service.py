@@ -38,7 +38,7 @@ MAX_EVENTS = 2000
 MAX_TEST_EVENT = timedelta(hours=12)
 
 
-def renew_address(db: Session, account: Account) -> str:
+def renew_calendar_address(db: Session, account: Account) -> str:
     """Return the token of a new address, which is never stored; the earlier one stops working.
 
     Raises Forbidden for a guest, whose account ends with the browser's session.
@@ -46,25 +46,25 @@ def renew_address(db: Session, account: Account) -> str:
     if account.is_guest:
         raise Forbidden(FOR_ACCOUNTS)
     token = secrets.draw_secret_token()
-    repository.save_address(db, account.id, secrets.sha256_hex(token))
+    repository.save_calendar_address(db, account.id, secrets.sha256_hex(token))
     return token
 
 
-def delete_address(db: Session, account: Account) -> None:
+def delete_calendar_address(db: Session, account: Account) -> None:
     """Make the calendar's address stop working."""
-    repository.delete_address(db, account.id)
+    repository.delete_calendar_address(db, account.id)
 
 
-def find_owner(db: Session, token: str) -> Account:
+def find_calendar_owner(db: Session, token: str) -> Account:
     """Return the account whose calendar has this address. Raises NotFound."""
     digest = secrets.sha256_hex(token)
-    row = repository.find_owner(db, digest)
+    row = repository.find_calendar_owner(db, digest)
     if row is None or not compare_digest(row[0].token_digest, digest):
         raise NotFound(UNKNOWN)
     return row[1]
 
 
-def load_calendar(db: Session, account: Account, base: str) -> bytes:
+def build_calendar(db: Session, account: Account, base: str) -> bytes:
     """Return a person's calendar. `base`: the URL of the service, without a trailing slash."""
     now = utc_now()
     events = [
@@ -111,7 +111,7 @@ def _assignment_events(
     now: datetime,
 ) -> Iterator[CalendarEvent]:
     title = f"{assignment.title} ({class_name})"
-    changes = _changes(assignment, rules)
+    changes = _date_change_times(assignment, rules)
     is_test = assignment.mode == Mode.test
     duration = "" if rules.duration is None else f"Durée : {_format_minutes(rules.duration)}."
     description = "\n".join(line for line in (duration, note, url) if line)
@@ -136,18 +136,18 @@ def _assignment_events(
             yield event("ouverture", rules.opens_at, "Ouverture du contrôle")
         if rules.due_at is not None:
             yield event("limite", rules.due_at, "À commencer avant" if is_test else "Date limite")
-        if rules.closes_at is not None and _outlasts(rules, rules.closes_at):
+        if rules.closes_at is not None and _closes_after_due(rules, rules.closes_at):
             yield event("fermeture", rules.closes_at, "Fermeture")
     if is_test and assignment.released_at is not None and assignment.released_at <= now:
         yield event("resultats", assignment.released_at, "Résultats publiés")
 
 
-def _outlasts(rules: Rules, closes_at: datetime) -> bool:
+def _closes_after_due(rules: Rules, closes_at: datetime) -> bool:
     """Whether the closing is a date of its own: attempts still count after the due date."""
     return rules.due_at is None or (closes_at > rules.due_at and rules.late is not LatePolicy.refuse)
 
 
-def _changes(assignment: Assignment, rules: Rules) -> Sequence[datetime]:
+def _date_change_times(assignment: Assignment, rules: Rules) -> Sequence[datetime]:
     """Return when the dates in force were set and changed, in order."""
     released = [] if assignment.released_at is None else [assignment.released_at]
     return sorted([assignment.created_at, *(past.until for past in rules.earlier), *released])

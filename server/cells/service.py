@@ -11,7 +11,7 @@ from server.database import Database
 from server.identity.models import Account
 from server.limits import service as limits
 from server.queue.interfaces import Sender
-from server.submissions.queue_senders import queue_sender
+from server.submissions.queue_senders import sender_of_account
 
 TOO_FAST = "Vous avez exécuté beaucoup de cellules en peu de temps : la prochaine est possible dans {seconds} s."
 
@@ -26,7 +26,7 @@ async def run_reader_cell(
     def take() -> Sender:
         with database.write() as db:
             limits.take_token(db, key, settings.cell_bucket, TOO_FAST)
-            return queue_sender(account, address, member=presence.is_active_member(db, account.id))
+            return sender_of_account(account, address, member=presence.is_active_member(db, account.id))
 
     def give_back() -> None:
         with database.write() as db:

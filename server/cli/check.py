@@ -213,7 +213,7 @@ def _cells(course: Course, _: SandboxGrader) -> Sequence[Problem]:
 
 
 def _replays(course: Course, _: SandboxGrader) -> Sequence[Problem]:
-    return [*replays.faults(course)]
+    return [*replays.find_replay_faults(course)]
 
 
 def _examination(exercise: Exercise, case: Case, grader: SandboxGrader) -> Examination:

@@ -21,7 +21,7 @@ from server.database import Database
 from server.demo.living import SimulatedLessonThread
 from server.demo.loading import DemoClass, choose_demo_module, create_demo_class
 from server.identity import repository as identity
-from server.submissions.service import Submissions
+from server.submissions.service import SubmissionService
 
 
 def run(arguments: Namespace) -> int:
@@ -36,7 +36,7 @@ def run(arguments: Namespace) -> int:
         def announce(app: FastAPI, address: str) -> None:
             _announce(loaded[0], address)
             lesson = SimulatedLessonThread(
-                get_service(app, Database), get_service(app, Course), get_service(app, Submissions), loaded[0]
+                get_service(app, Database), get_service(app, Course), get_service(app, SubmissionService), loaded[0]
             )
             lesson.start()
             lessons.append(lesson)

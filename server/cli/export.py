@@ -27,8 +27,8 @@ def run(arguments: Namespace) -> int:
     module = course.modules.get(arguments.module)
     if module is None:
         raise CannotRun(f"le module « {arguments.module} » n’existe pas. Modules : {', '.join(course.modules)}.")
-    with Progress("Figures", len(site.needed_pictures(module))) as progress:
-        pictures = site.draw_pictures_here(module, progress.advance)
+    with Progress("Figures", len(site.list_needed_pictures(module))) as progress:
+        pictures = site.draw_pictures_in_process(module, progress.advance)
     if arguments.file is not None:
         _archive(course, module, pictures, arguments.file)
     if arguments.pdf is not None and command is not None:
@@ -50,10 +50,10 @@ def _archive(course: Course, module: Module, pictures: Pictures, file: Path) -> 
 def _papers(course: Course, module: Module, pictures: Pictures, folder: Path, command: str) -> None:
     with Progress("PDF", len(module.lessons)) as progress:
         try:
-            made = paper.write_pdfs(course, module, pictures, folder, command=command, advance=progress.advance)
+            made = paper.print_module_pdfs(course, module, pictures, folder, command=command, advance=progress.advance)
         except OSError as error:
             raise CannotRun(f"impossible d’écrire dans « {folder} » : {error.strerror}.") from error
-        except paper.NotPrinted as error:
+        except paper.PrintError as error:
             raise CannotRun(f"{error}.") from error
     size = sum(path.stat().st_size for path in made)
     print(f"{folder} : {len(made)} PDF, {size / 1e6:.1f} Mo, corrigés compris.")

@@ -38,12 +38,12 @@ def split_lines(code: str) -> list[str]:
 
 def diff_lines(before: Sequence[str], after: Sequence[str]) -> LineDiff:
     """Diff two texts in linear time, plus the matching that `MAX_DIFF_LINES` and `MAX_EQUAL_PAIRS` allow."""
-    head = _common_length(zip(before, after, strict=False))
+    head = _count_equal_prefix(zip(before, after, strict=False))
     shorter = min(len(before), len(after)) - head
-    tail = min(shorter, _common_length(zip(reversed(before), reversed(after), strict=False)))
+    tail = min(shorter, _count_equal_prefix(zip(reversed(before), reversed(after), strict=False)))
     left, right = before[head : len(before) - tail], after[head : len(after) - tail]
     runs = [DiffRun(True, range(head), range(head))]
-    exact = _is_small(left, right)
+    exact = _is_small_enough_to_match(left, right)
     if exact:
         matcher = SequenceMatcher(None, left, right, autojunk=False)
         runs += [
@@ -56,7 +56,7 @@ def diff_lines(before: Sequence[str], after: Sequence[str]) -> LineDiff:
     return LineDiff(tuple(run for run in runs if run.before or run.after), exact)
 
 
-def _common_length(pairs: Iterator[tuple[str, str]]) -> int:
+def _count_equal_prefix(pairs: Iterator[tuple[str, str]]) -> int:
     """Count the pairs before the first pair of different lines."""
     count = 0
     for left, right in pairs:
@@ -66,7 +66,7 @@ def _common_length(pairs: Iterator[tuple[str, str]]) -> int:
     return count
 
 
-def _is_small(left: Sequence[str], right: Sequence[str]) -> bool:
+def _is_small_enough_to_match(left: Sequence[str], right: Sequence[str]) -> bool:
     if not left or not right:
         return True
     if max(len(left), len(right)) > MAX_DIFF_LINES:

@@ -42,18 +42,18 @@ def track_lines(diff: LineDiff, lines: LineRange) -> TrackedLines:
     Lines replaced by as many map one to one; replaced by fewer or more, they map to the whole replacement.
     """
     tracked = range(lines.first - 1, lines.last)
-    spans = [span for run in diff.runs for span in _spans_after(run, tracked, is_exact=diff.is_exact)]
+    spans = [span for run in diff.runs for span in _iter_mapped_ranges(run, tracked, is_exact=diff.is_exact)]
     if not spans:
         return GONE
     moved = LineRange(spans[0].start + 1, spans[-1].stop)
-    unchanged = all(run.is_equal for run in diff.runs if _overlap(run.before, tracked))
+    unchanged = all(run.is_equal for run in diff.runs if _range_overlap(run.before, tracked))
     same = unchanged and moved.last - moved.first == lines.last - lines.first
     return TrackedLines(LineFate.carried if same else LineFate.changed, moved)
 
 
-def _spans_after(run: DiffRun, tracked: range, *, is_exact: bool) -> Iterator[range]:
+def _iter_mapped_ranges(run: DiffRun, tracked: range, *, is_exact: bool) -> Iterator[range]:
     """Yield the later lines of a run that the tracked lines map to."""
-    common = _overlap(run.before, tracked)
+    common = _range_overlap(run.before, tracked)
     if not common or not run.after or not (run.is_equal or is_exact):
         return
     if len(run.before) == len(run.after):
@@ -63,5 +63,5 @@ def _spans_after(run: DiffRun, tracked: range, *, is_exact: bool) -> Iterator[ra
         yield run.after
 
 
-def _overlap(left: range, right: range) -> range:
+def _range_overlap(left: range, right: range) -> range:
     return range(max(left.start, right.start), min(left.stop, right.stop))

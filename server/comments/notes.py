@@ -17,7 +17,7 @@ from server.classes.models import SchoolClass
 from server.classes.service import require_not_archived
 from server.comments import notes_repository as repository
 from server.comments.models import Note, Phrase
-from server.comments.schemas import validate_text
+from server.comments.schemas import normalise_message_text
 from server.comments.service import TOO_FAST
 from server.database import utc_now
 from server.identity.models import Account
@@ -42,7 +42,7 @@ def suggest_phrases(db: Session, by: Account, exercise: str, misconception: str 
 
 def save_phrase(db: Session, by: Account, text: str, exercise: str | None, misconception: str | None) -> Phrase:
     """Keep a phrase, unless the same text is kept already. Raises Invalid or Conflict."""
-    text = validate_text(text)
+    text = normalise_message_text(text)
     existing = repository.find_phrase_by_text(db, by.id, text)
     if existing is not None:
         return existing
@@ -61,7 +61,7 @@ def prepend_phrase(db: Session, by: Account, phrase_id: UUID | None, text: str) 
     phrase = repository.find_phrase(db, by.id, phrase_id)
     if phrase is None:
         raise NotFound(UNKNOWN_PHRASE)
-    repository.count_phrase_use(db, phrase.id)
+    repository.increment_phrase_use(db, phrase.id)
     return f"{phrase.text}\n\n{text}" if text.strip() else phrase.text
 
 
@@ -78,7 +78,7 @@ def delete_phrase(db: Session, by: Account, phrase_id: UUID) -> None:
         raise NotFound(UNKNOWN_PHRASE)
 
 
-def send_note(
+def send_note_to_students(
     db: Session,
     by: Account,
     school_class: SchoolClass,
@@ -94,10 +94,10 @@ def send_note(
     Conflict or RateLimited.
     """
     require_not_archived(school_class)
-    text = validate_text(text)
+    text = normalise_message_text(text)
     limits.take_token(db, f"comment:{by.id}", settings.comment_bucket, TOO_FAST)
     students = repository.load_student_ids_with_misconception(db, school_class.id, exercise, misconception)
-    readers = students if misconception is None else _without_held(db, students, exercise)
+    readers = students if misconception is None else _exclude_withheld_accounts(db, students, exercise)
     if not readers:
         raise Conflict(ALL_HELD if students else NO_READERS)
     note = Note(
@@ -113,7 +113,7 @@ def send_note(
     return note, len(readers)
 
 
-def _without_held(db: Session, accounts: Sequence[UUID], exercise: str) -> Sequence[UUID]:
+def _exclude_withheld_accounts(db: Session, accounts: Sequence[UUID], exercise: str) -> Sequence[UUID]:
     """Leave out the accounts whose diagnosis is held back: the note would reveal it."""
     holds = feedback.load_holds_by_student(db, accounts, exercise)
     return [account for account in accounts if account not in holds or holds[account].diagnosis is None]

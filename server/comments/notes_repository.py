@@ -51,7 +51,7 @@ def count_phrases(db: Session, account_id: UUID) -> int:
     return db.execute(query).scalar_one()
 
 
-def count_phrase_use(db: Session, phrase_id: UUID) -> None:
+def increment_phrase_use(db: Session, phrase_id: UUID) -> None:
     db.execute(
         update(Phrase)
         .where(Phrase.id == phrase_id)

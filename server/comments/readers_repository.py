@@ -28,7 +28,7 @@ def unread_clause(reader: UUID) -> ColumnElement[bool]:
     return and_(Thread.staff_at.is_not(None), ~read)
 
 
-def readable_threads(reader: UUID) -> Select[UUID]:
+def select_readable_threads(reader: UUID) -> Select[UUID]:
     """Return the query of the threads on a reader's work, and on attempts that a partner sent for them too."""
     own = select(Thread.id).where(Thread.account_id == reader)
     partners = and_(Thread.account_id == OTHER.account_id, Thread.exercise == AssignedExercise.exercise)
@@ -46,7 +46,7 @@ def load_unread_threads(db: Session, reader: UUID) -> Sequence[UnreadThread]:
         .limit(1)
         .scalar_subquery()
     )
-    query = select(Thread, last).where(Thread.id.in_(readable_threads(reader)), unread_clause(reader))
+    query = select(Thread, last).where(Thread.id.in_(select_readable_threads(reader)), unread_clause(reader))
     rows = db.execute(query.order_by(Thread.changed_at.desc(), Thread.id).limit(MAX_UNREAD_THREADS))
     return [UnreadThread(thread, text or "", thread.account_id != reader) for thread, text in rows]
 
@@ -64,14 +64,14 @@ def load_read_times(db: Session, reader: UUID) -> Mapping[UUID, datetime]:
     return dict(db.execute(own).all())
 
 
-def load_shared_readings(db: Session, reader: UUID) -> Sequence[tuple[str, datetime]]:
+def load_readings_of_others_threads(db: Session, reader: UUID) -> Sequence[tuple[str, datetime]]:
     """Load the exercise and the time of each thread on the work of others that an account has read."""
     query = select(Thread.exercise, ThreadReader.seen_at).join(ThreadReader, ThreadReader.thread_id == Thread.id)
     query = query.where(ThreadReader.account_id == reader, Thread.account_id != reader)
     return [(name, at) for name, at in db.execute(query.order_by(ThreadReader.seen_at, Thread.id))]
 
 
-def mark_seen(db: Session, reader: UUID, threads: Collection[UUID], now: datetime) -> None:
+def mark_threads_seen(db: Session, reader: UUID, threads: Collection[UUID], now: datetime) -> None:
     """Record that a reader has looked at these threads."""
     if not threads:
         return
@@ -80,7 +80,7 @@ def mark_seen(db: Session, reader: UUID, threads: Collection[UUID], now: datetim
     db.execute(statement.on_conflict_do_update(index_elements=["thread_id", "account_id"], set_={"seen_at": now}))
 
 
-def move_readings(db: Session, guest_id: UUID, account_id: UUID) -> None:
+def move_thread_readings(db: Session, guest_id: UUID, account_id: UUID) -> None:
     """Move a guest's readings to an account, which keeps its own of a thread that both have read."""
     own = select(ThreadReader.thread_id).where(ThreadReader.account_id == account_id)
     moved = update(ThreadReader).where(ThreadReader.account_id == guest_id, ThreadReader.thread_id.not_in(own))

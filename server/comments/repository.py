@@ -9,7 +9,7 @@ from sqlalchemy.orm import Session
 
 from server.classes.models import ClassRole, Membership, SchoolClass, Status
 from server.comments.models import Message, Thread, ThreadState
-from server.comments.readers_repository import readable_threads, unread_clause
+from server.comments.readers_repository import select_readable_threads, unread_clause
 from server.comments.schemas import AuthoredMessage
 from server.identity.models import Account
 from server.submissions.models import Submission
@@ -34,7 +34,7 @@ def count_messages(db: Session, thread_id: UUID) -> int:
 
 
 def count_threads(db: Session, account_id: UUID, exercise: str) -> int:
-    query = select(func.count()).select_from(Thread).where(_on_exercise(account_id, exercise))
+    query = select(func.count()).select_from(Thread).where(_is_thread_on_exercise(account_id, exercise))
     return db.execute(query).scalar_one()
 
 
@@ -49,7 +49,7 @@ def load_threads_for_submission(db: Session, submission: Submission) -> Sequence
         Thread.first_line.is_not(None), Thread.state != ThreadState.settled, Thread.submission_id.in_(earlier)
     )
     query = select(Thread).where(
-        _on_exercise(submission.account_id, submission.exercise),
+        _is_thread_on_exercise(submission.account_id, submission.exercise),
         or_(Thread.submission_id == submission.id, Thread.submission_id.is_(None), carried),
     )
     query = query.order_by(Thread.work_at.desc(), Thread.created_at.desc(), Thread.id)
@@ -60,7 +60,7 @@ def load_exercise_threads(
     db: Session, account_id: UUID, exercise: str, until: datetime | None = None
 ) -> Sequence[Thread]:
     """Load the threads on a student's work in an exercise, newest first; `until` limits them to earlier work."""
-    query = select(Thread).where(_on_exercise(account_id, exercise))
+    query = select(Thread).where(_is_thread_on_exercise(account_id, exercise))
     query = query if until is None else query.where(Thread.work_at <= until)
     return db.execute(query.order_by(Thread.changed_at.desc(), Thread.id).limit(MAX_THREADS_SHOWN)).scalars().all()
 
@@ -89,10 +89,12 @@ def load_submissions(db: Session, submissions: Collection[UUID]) -> Mapping[UUID
     return {submission.id: submission for submission in db.execute(query).scalars()}
 
 
-def load_page_threads(db: Session, account_id: UUID, exercise: str) -> Sequence[Thread]:
+def load_exercise_page_threads(db: Session, account_id: UUID, exercise: str) -> Sequence[Thread]:
     """Load a student's last threads on an exercise as a whole, and the unread ones on attempts, oldest first."""
-    whole = and_(_on_exercise(account_id, exercise), Thread.submission_id.is_(None))
-    unread = and_(Thread.exercise == exercise, unread_clause(account_id), Thread.id.in_(readable_threads(account_id)))
+    whole = and_(_is_thread_on_exercise(account_id, exercise), Thread.submission_id.is_(None))
+    unread = and_(
+        Thread.exercise == exercise, unread_clause(account_id), Thread.id.in_(select_readable_threads(account_id))
+    )
     query = select(Thread).where(or_(whole, unread))
     newest_first = query.order_by(Thread.created_at.desc(), Thread.id.desc()).limit(MAX_THREADS_SHOWN)
     return db.execute(newest_first).scalars().all()[::-1]
@@ -125,7 +127,7 @@ def load_class_threads(
         select(Thread, Membership, Account, first, count)
         .join(Membership, Membership.account_id == Thread.account_id)
         .join(Account, Account.id == Thread.account_id)
-        .where(_readable_in(school_class))
+        .where(_is_readable_by_class_staff(school_class))
         .order_by(Thread.changed_at.desc(), Thread.id)
     )
     query = query if state is None else query.where(Thread.state == state)
@@ -136,7 +138,7 @@ def count_class_threads(db: Session, school_class: SchoolClass) -> Mapping[str, 
     query = (
         select(Thread.state, func.count())
         .join(Membership, Membership.account_id == Thread.account_id)
-        .where(_readable_in(school_class))
+        .where(_is_readable_by_class_staff(school_class))
         .group_by(Thread.state)
     )
     return dict(db.execute(query).all())
@@ -169,7 +171,7 @@ def count_open_questions(db: Session, account_id: UUID, until: datetime | None) 
     return dict(db.execute(query.group_by(Thread.exercise)).all())
 
 
-def _readable_in(school_class: SchoolClass) -> ColumnElement[bool]:
+def _is_readable_by_class_staff(school_class: SchoolClass) -> ColumnElement[bool]:
     """The condition on threads that the staff of a class may read (see `server.rights`)."""
     is_or_was_member = or_(
         Membership.status == Status.active, and_(Membership.status == Status.left, Membership.left_at >= Thread.work_at)
@@ -205,5 +207,5 @@ def load_staff_messages(db: Session, account_id: UUID) -> Sequence[tuple[Message
     return [(message, exercise) for message, exercise in db.execute(query.order_by(Message.created_at, Message.id))]
 
 
-def _on_exercise(account_id: UUID, exercise: str) -> ColumnElement[bool]:
+def _is_thread_on_exercise(account_id: UUID, exercise: str) -> ColumnElement[bool]:
     return and_(Thread.account_id == account_id, Thread.exercise == exercise)

@@ -126,7 +126,7 @@ class AccountComments:
     sent_notes: Sequence[Note] = field(default=())
 
 
-def validate_text(raw: str) -> str:
+def normalise_message_text(raw: str) -> str:
     """Return a typed text normalised for storage. Raises Invalid."""
     text = raw.replace("\r\n", "\n").replace("\x00", "␀").strip()
     if not text:

@@ -27,7 +27,7 @@ from server.comments.schemas import (
     ThreadSummary,
     ThreadTarget,
     UnreadThread,
-    validate_text,
+    normalise_message_text,
 )
 from server.database import utc_now
 from server.gradebook import service as gradebook
@@ -68,15 +68,15 @@ def begin_thread(
     submission = attempt.submission
     if attempt.shared:
         raise Conflict(NOT_THE_AUTHOR)
-    message = validate_text(text)
-    thread = _new_thread(by, submission.account_id, submission.exercise, submission.created_at)
+    message = normalise_message_text(text)
+    thread = _build_thread(by, submission.account_id, submission.exercise, submission.created_at)
     thread.submission_id = submission.id
     if target.lines is not None:
-        _require_lines(submission, target.lines)
+        _require_lines_exist(submission, target.lines)
         thread.first_line, thread.last_line = target.lines.first, target.lines.last
     elif target.check is not None:
-        thread.check_id, thread.check_title = target.check, _title_of_check(attempt, target.check)
-    return _insert(db, by, thread, message, settings)
+        thread.check_id, thread.check_title = target.check, _find_check_title(attempt, target.check)
+    return _insert_thread(db, by, thread, message, settings)
 
 
 def begin_exercise_thread(
@@ -86,10 +86,10 @@ def begin_exercise_thread(
     now = utc_now()
     if not rights.may_read_work(db, by, student, exercise, now):
         raise NotFound(UNKNOWN)
-    return _insert(db, by, _new_thread(by, student, exercise, now), validate_text(text), settings)
+    return _insert_thread(db, by, _build_thread(by, student, exercise, now), normalise_message_text(text), settings)
 
 
-def _new_thread(by: Account, student: UUID, exercise: str, work_at: datetime) -> Thread:
+def _build_thread(by: Account, student: UUID, exercise: str, work_at: datetime) -> Thread:
     now = utc_now()
     return Thread(
         account_id=student,
@@ -102,13 +102,13 @@ def _new_thread(by: Account, student: UUID, exercise: str, work_at: datetime) ->
     )
 
 
-def _require_lines(submission: Submission, lines: LineRange) -> None:
+def _require_lines_exist(submission: Submission, lines: LineRange) -> None:
     count = len(split_lines(submission.code))
     if not 1 <= lines.first <= lines.last <= count:
         raise Invalid(NO_SUCH_LINE.format(count=count))
 
 
-def _title_of_check(attempt: Attempt, check_id: str) -> str:
+def _find_check_title(attempt: Attempt, check_id: str) -> str:
     checks = attempt.verdict.checks if attempt.verdict else ()
     titles = [check.title for check in checks if check.id == check_id]
     if not titles:
@@ -116,12 +116,12 @@ def _title_of_check(attempt: Attempt, check_id: str) -> str:
     return titles[0][:TITLE_LENGTH]
 
 
-def _insert(db: Session, by: Account, thread: Thread, text: str, settings: Settings) -> Thread:
+def _insert_thread(db: Session, by: Account, thread: Thread, text: str, settings: Settings) -> Thread:
     if not thread.by_staff and not rights.has_staff_readers(
         db, thread.account_id, rights.module_of_exercise(thread.exercise)
     ):
         raise Conflict(NOBODY)
-    _limit_rate(db, by, settings)
+    _take_comment_token(db, by, settings)
     if repository.count_threads(db, thread.account_id, thread.exercise) >= MAX_THREADS:
         raise Conflict(FULL)
     db.add(thread)
@@ -132,15 +132,15 @@ def _insert(db: Session, by: Account, thread: Thread, text: str, settings: Setti
 
 def reply_to_thread(db: Session, by: Account, thread: Thread, text: str, settings: Settings) -> Message:
     """Add a message to a thread, which reopens if it was settled. Raises Invalid, Conflict or RateLimited."""
-    message = validate_text(text)
-    _limit_rate(db, by, settings)
+    message = normalise_message_text(text)
+    _take_comment_token(db, by, settings)
     repository.lock_thread(db, thread.id)
     if repository.count_messages(db, thread.id) >= MAX_MESSAGES:
         raise Conflict(FULL_THREAD)
     return _add_message(db, by, thread, message)
 
 
-def _limit_rate(db: Session, by: Account, settings: Settings) -> None:
+def _take_comment_token(db: Session, by: Account, settings: Settings) -> None:
     limits.take_token(db, f"comment:{by.id}", settings.comment_bucket, TOO_FAST)
 
 
@@ -154,7 +154,7 @@ def _add_message(db: Session, by: Account, thread: Thread, text: str) -> Message
         thread.staff_at = now
     db.flush()
     if not as_staff:
-        readers_repository.mark_seen(db, by.id, [thread.id], now)
+        readers_repository.mark_threads_seen(db, by.id, [thread.id], now)
     return message
 
 
@@ -178,7 +178,7 @@ def load_attempt_conversations(db: Session, attempt: Attempt, reader: UUID | Non
         threads = [thread for thread in threads if thread.submission_id == submission.id]
     if not threads:
         return ()
-    origins = _origins(threads, submission.id)
+    origins = _list_other_submissions(threads, submission.id)
     submissions = repository.load_submissions(db, origins) if origins else {}
     numbers = (
         repository.load_attempt_numbers(db, submission.account_id, submission.exercise, origins) if origins else {}
@@ -187,11 +187,11 @@ def load_attempt_conversations(db: Session, attempt: Attempt, reader: UUID | Non
     diffs = {name: diff_lines(split_lines(earlier.code), lines) for name, earlier in submissions.items()}
     shown = [thread for thread in threads if thread.submission_id in {None, submission.id, *submissions}]
     messages = repository.load_messages(db, [thread.id for thread in shown])
-    unread = _find_unread(db, reader, shown)
+    unread = _find_unread_threads(db, reader, shown)
     conversations = []
     for thread in reversed(shown):
         origin = thread.submission_id if thread.submission_id in submissions else None
-        own_lines = _lines(thread)
+        own_lines = _line_range_of_thread(thread)
         tracked = TrackedLines(LineFate.carried, own_lines)
         if origin is not None:
             tracked = track_lines(diffs[origin], own_lines) if own_lines else GONE
@@ -202,19 +202,19 @@ def load_attempt_conversations(db: Session, attempt: Attempt, reader: UUID | Non
     return conversations
 
 
-def _find_unread(db: Session, reader: UUID | None, threads: Sequence[Thread]) -> frozenset[UUID]:
+def _find_unread_threads(db: Session, reader: UUID | None, threads: Sequence[Thread]) -> frozenset[UUID]:
     """Return which threads are new to a reader; without any remark of the staff, no query is made."""
     remarks = [thread.id for thread in threads if thread.staff_at is not None]
     return frozenset() if reader is None or not remarks else readers_repository.filter_unread(db, reader, remarks)
 
 
-def _origins(threads: Sequence[Thread], current: UUID) -> list[UUID]:
+def _list_other_submissions(threads: Sequence[Thread], current: UUID) -> list[UUID]:
     """Return the latest other attempts of these threads, a bounded number of them."""
     others = dict.fromkeys(thread.submission_id for thread in threads if thread.submission_id not in (None, current))
     return [submission_id for submission_id in others if submission_id is not None][: repository.MAX_TRACKED_ATTEMPTS]
 
 
-def _lines(thread: Thread) -> LineRange | None:
+def _line_range_of_thread(thread: Thread) -> LineRange | None:
     if thread.first_line is None or thread.last_line is None:
         return None
     return LineRange(thread.first_line, thread.last_line)
@@ -232,7 +232,7 @@ def load_exercise_conversations(
         Conversation(
             thread,
             messages[thread.id],
-            lines=_lines(thread),
+            lines=_line_range_of_thread(thread),
             number=None if thread.submission_id is None else numbers.get(thread.submission_id),
             origin=thread.submission_id,
         )
@@ -240,33 +240,35 @@ def load_exercise_conversations(
     ]
 
 
-def load_page_conversations(db: Session, student: Account, exercise: str) -> Sequence[Conversation]:
+def load_exercise_page_conversations(db: Session, student: Account, exercise: str) -> Sequence[Conversation]:
     """Load a student's threads on an exercise as a whole, and those on attempts that they have not read, oldest first.
 
     Those on what a partner sent for both are among the latter, where the student may see the attempt.
     """
-    found = repository.load_page_threads(db, student.id, exercise)
-    withheld = _find_withheld(db, student, found)
+    found = repository.load_exercise_page_threads(db, student.id, exercise)
+    withheld = _find_withheld_submissions(db, student, found)
     threads = [thread for thread in found if thread.submission_id not in withheld]
     messages = repository.load_messages(db, [thread.id for thread in threads]) if threads else {}
-    unread = _find_unread(db, student.id, threads)
+    unread = _find_unread_threads(db, student.id, threads)
     return [Conversation(thread, messages[thread.id], is_new=thread.id in unread) for thread in threads]
 
 
 def load_unread_threads(db: Session, student: Account) -> Sequence[UnreadThread]:
     """Load the threads that a student has not read, on their work and on their partners’, newest first."""
     rows = readers_repository.load_unread_threads(db, student.id)
-    withheld = _find_withheld(db, student, [row.thread for row in rows])
+    withheld = _find_withheld_submissions(db, student, [row.thread for row in rows])
     return [row for row in rows if row.thread.submission_id not in withheld]
 
 
-def _find_withheld(db: Session, student: Account, threads: Iterable[Thread]) -> frozenset[UUID]:
+def _find_withheld_submissions(db: Session, student: Account, threads: Iterable[Thread]) -> frozenset[UUID]:
     """Return the attempts of partners that the student may not see: a test withholds them. Asks for each once."""
     shared = {thread.submission_id for thread in threads if thread.account_id != student.id}
-    return frozenset(attempt for attempt in shared if attempt is not None and not _may_see(db, student, attempt))
+    return frozenset(
+        attempt for attempt in shared if attempt is not None and not _may_see_attempt(db, student, attempt)
+    )
 
 
-def _may_see(db: Session, student: Account, attempt: UUID) -> bool:
+def _may_see_attempt(db: Session, student: Account, attempt: UUID) -> bool:
     try:
         gradebook.find_attempt(db, student, attempt)
     except NotFound:
@@ -274,15 +276,17 @@ def _may_see(db: Session, student: Account, attempt: UUID) -> bool:
     return True
 
 
-def mark_seen(db: Session, reader: UUID, conversations: Sequence[Conversation]) -> None:
+def mark_conversations_seen(db: Session, reader: UUID, conversations: Sequence[Conversation]) -> None:
     """Record that one of those who sent the work has looked at these threads."""
-    readers_repository.mark_seen(db, reader, [conversation.thread.id for conversation in conversations], utc_now())
+    readers_repository.mark_threads_seen(
+        db, reader, [conversation.thread.id for conversation in conversations], utc_now()
+    )
 
 
 def load_conversation(db: Session, thread: Thread, reader: UUID | None = None) -> Conversation:
     """Load a thread with its messages; `reader` is one of those who sent the work, to whom it may be new."""
-    said, unread = repository.load_messages(db, [thread.id])[thread.id], _find_unread(db, reader, [thread])
-    return Conversation(thread, said, lines=_lines(thread), is_new=thread.id in unread)
+    said, unread = repository.load_messages(db, [thread.id])[thread.id], _find_unread_threads(db, reader, [thread])
+    return Conversation(thread, said, lines=_line_range_of_thread(thread), is_new=thread.id in unread)
 
 
 def count_open_questions(db: Session, student: UUID, until: datetime | None = None) -> Mapping[str, int]:
@@ -308,9 +312,11 @@ def load_account_comments(db: Session, account_id: UUID) -> AccountComments:
     threads = repository.load_account_threads(db, account_id)
     messages = repository.load_account_messages(db, account_id)
     return AccountComments(
-        conversations=[Conversation(thread, messages.get(thread.id, ()), lines=_lines(thread)) for thread in threads],
+        conversations=[
+            Conversation(thread, messages.get(thread.id, ()), lines=_line_range_of_thread(thread)) for thread in threads
+        ],
         seen=readers_repository.load_read_times(db, account_id),
-        shared_readings=readers_repository.load_shared_readings(db, account_id),
+        shared_readings=readers_repository.load_readings_of_others_threads(db, account_id),
         staff_messages=repository.load_staff_messages(db, account_id),
         phrases=notes_repository.load_all_phrases(db, account_id),
         received_notes=notes_repository.load_all_received_notes(db, account_id),
@@ -321,5 +327,5 @@ def load_account_comments(db: Session, account_id: UUID) -> AccountComments:
 def move_guest_threads(db: Session, guest_id: UUID, account_id: UUID) -> None:
     """Move a guest's threads and notes to their account."""
     repository.move_threads(db, guest_id, account_id)
-    readers_repository.move_readings(db, guest_id, account_id)
+    readers_repository.move_thread_readings(db, guest_id, account_id)
     notes_repository.move_received_notes(db, guest_id, account_id)

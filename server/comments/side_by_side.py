@@ -49,7 +49,7 @@ class SideBySide:
 def compare_side_by_side(before: str, after: str) -> SideBySide:
     left, right = split_lines(before), split_lines(after)
     diff = diff_lines(left, right)
-    rows = tuple(islice(_rows(diff.runs, left, right), MAX_ROWS + 1))
+    rows = tuple(islice(_build_diff_rows(diff.runs, left, right), MAX_ROWS + 1))
     changed = [run for run in diff.runs if not run.is_equal]
     return SideBySide(
         rows=rows[:MAX_ROWS],
@@ -60,17 +60,17 @@ def compare_side_by_side(before: str, after: str) -> SideBySide:
     )
 
 
-def _rows(runs: Sequence[DiffRun], left: Sequence[str], right: Sequence[str]) -> Iterator[DiffRow]:
+def _build_diff_rows(runs: Sequence[DiffRun], left: Sequence[str], right: Sequence[str]) -> Iterator[DiffRow]:
     for index, run in enumerate(runs):
         if run.is_equal:
-            yield from _equal_rows(run, left, right, is_first=index == 0, is_last=index == len(runs) - 1)
+            yield from _build_context_rows(run, left, right, is_first=index == 0, is_last=index == len(runs) - 1)
         else:
             for i, j in zip_longest(run.before, run.after):
                 kind: Kind = "added" if i is None else "removed" if j is None else "changed"
-                yield DiffRow(kind, _numbered(left, i), _numbered(right, j))
+                yield DiffRow(kind, _build_numbered_line(left, i), _build_numbered_line(right, j))
 
 
-def _equal_rows(
+def _build_context_rows(
     run: DiffRun, left: Sequence[str], right: Sequence[str], *, is_first: bool, is_last: bool
 ) -> Iterator[DiffRow]:
     above, below = 0 if is_first else CONTEXT, 0 if is_last else CONTEXT
@@ -79,14 +79,14 @@ def _equal_rows(
     if hidden <= 1:  # a fold takes as much room as a line
         hidden, above = 0, len(pairs)
     for i, j in pairs[:above]:
-        yield DiffRow("same", _numbered(left, i), _numbered(right, j))
+        yield DiffRow("same", _build_numbered_line(left, i), _build_numbered_line(right, j))
     if hidden:
         yield DiffRow("folded", hidden=hidden)
         for i, j in pairs[len(pairs) - below :] if below else ():
-            yield DiffRow("same", _numbered(left, i), _numbered(right, j))
+            yield DiffRow("same", _build_numbered_line(left, i), _build_numbered_line(right, j))
 
 
-def _numbered(lines: Sequence[str], index: int | None) -> NumberedLine | None:
+def _build_numbered_line(lines: Sequence[str], index: int | None) -> NumberedLine | None:
     if index is None:
         return None
     text = lines[index]

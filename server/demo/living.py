@@ -13,7 +13,7 @@ from server.database import Database, utc_now
 from server.demo.loading import DemoClass, attempt_source
 from server.demo.story import PlannedAttempt
 from server.identity import repository as identity
-from server.submissions.service import Submissions
+from server.submissions.service import SubmissionService
 from server.submissions.variants import get_or_create_seed
 
 log = logging.getLogger(__name__)
@@ -23,7 +23,7 @@ ADDRESS = "198.51.100.1"  # of documentation: nobody's
 class SimulatedLessonThread:
     """A thread that sends each attempt at its time, until there is none left or it is stopped."""
 
-    def __init__(self, database: Database, course: Course, store: Submissions, loaded: DemoClass) -> None:
+    def __init__(self, database: Database, course: Course, store: SubmissionService, loaded: DemoClass) -> None:
         self._database, self._course, self._store, self._loaded = database, course, store, loaded
         self._stopping = threading.Event()
         self._thread = threading.Thread(target=self._send_attempts_on_time, name="lesson", daemon=True)

@@ -27,7 +27,7 @@ from server.gradebook.schemas import GradingResult
 from server.identity import secrets
 from server.identity.models import Account, Role
 from server.submissions.models import Submission
-from server.submissions.service import code_digest
+from server.submissions.service import digest_code
 from server.submissions.variants import get_or_create_seed
 
 CLASS_NAME = "MPSI 2 (démonstration)"
@@ -167,7 +167,7 @@ def _record_attempt(
         account_id=account.id,
         exercise=step.exercise,
         source=source,
-        digest=code_digest(text),
+        digest=digest_code(text),
         seed=seed,
         created_at=step.sent_at,
     )

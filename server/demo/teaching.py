@@ -187,4 +187,4 @@ def write_example_comments(
         exercise = latest[-1].exercise
         known = notes_repository.load_current_misconceptions(db, room.school_class.id, exercise)
         misconception = known[0][0] if known else None
-        notes.send_note(db, room.teacher, room.school_class, exercise, misconception, WORD, "", settings)
+        notes.send_note_to_students(db, room.teacher, room.school_class, exercise, misconception, WORD, "", settings)

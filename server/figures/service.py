@@ -19,7 +19,7 @@ from server.gradebook import service as gradebook
 from server.gradebook.figures import NO_FIGURE, NO_FILM, load_figure_data, load_film_data
 from server.identity.models import Account
 from server.queue.interfaces import Sender
-from server.submissions.queue_senders import GUEST_RANK, MEMBER_RANK, queue_sender
+from server.submissions.queue_senders import GUEST_RANK, MEMBER_RANK, sender_of_account
 
 
 @dataclass(frozen=True)
@@ -96,4 +96,4 @@ def _turn_of_viewer(db: Session, account: Account | None, address: str) -> Sende
     """Return whose turn a figure of a verdict takes: turns are those of the queue."""
     if account is None:
         return Sender(address=address, flow=address, rank=GUEST_RANK)
-    return queue_sender(account, address, member=presence.is_active_member(db, account.id))
+    return sender_of_account(account, address, member=presence.is_active_member(db, account.id))

@@ -7,20 +7,23 @@ from server.base.errors import NotFound
 from server.database import Database
 from server.gradebook import repository
 from server.submissions import repository as stored
-from server.submissions.service import UNKNOWN_SUBMISSION, Submissions, parse_submission_id
+from server.submissions.service import UNKNOWN_SUBMISSION, SubmissionService, parse_submission_id
 
 NOTHING_TO_DO = "L’essai {name} a son verdict : une recorrection, depuis la classe, le corrige à nouveau."
 
 
 def requeue_for_grading(
-    database: Database, submissions: Submissions, *, failed: bool, names: Collection[str] = ()
+    database: Database, submissions: SubmissionService, *, failed: bool, names: Collection[str] = ()
 ) -> list[UUID]:
     """Queue submissions that wait without a job, with `failed` also those with an internal error, or these alone.
 
     Each takes a transaction of its own. Failed gradings stay in the history. Return the ids; raise NotFound.
     """
     with database.read() as db:
-        rows = (*stored.list_ungraded(db), *(repository.list_internal_error_submissions(db) if failed or names else ()))
+        rows = (
+            *stored.list_ungraded_submissions(db),
+            *(repository.list_internal_error_submissions(db) if failed or names else ()),
+        )
         grading_by_submission = {submission.id: submission.grading_id for submission in rows}
     wanted = list(map(parse_submission_id, names))
     for submission_id in sorted(set(wanted) - grading_by_submission.keys()):
@@ -35,7 +38,7 @@ def requeue_for_grading(
 
 
 def _requeue_submission(
-    database: Database, submissions: Submissions, submission_id: UUID, grading_id: UUID | None
+    database: Database, submissions: SubmissionService, submission_id: UUID, grading_id: UUID | None
 ) -> bool:
     """Return False where it has been graded meanwhile, is queued already, or is gone."""
     with database.write() as db:

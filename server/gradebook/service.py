@@ -25,7 +25,7 @@ from server.sandbox.values import LIBRARY_MENTION
 from server.submissions import repository as stored
 from server.submissions import variants
 from server.submissions.models import Submission
-from server.submissions.service import UNKNOWN_SUBMISSION, code_digest, may_view, parse_submission_id
+from server.submissions.service import UNKNOWN_SUBMISSION, digest_code, may_view_submission, parse_submission_id
 
 
 def record_grading(db: Session, submission_id: UUID, graded: GradingResult) -> UUID | None:
@@ -100,7 +100,7 @@ def move_guest_attempts(db: Session, guest_id: UUID, account_id: UUID) -> None:
 def hand_over_attempts(db: Session, account_id: UUID, heir_id: UUID, submissions: Collection[UUID]) -> None:
     """Give attempts to another account, for which they count too."""
     standings.lock_accounts(db, [account_id, heir_id])
-    stored.give_submissions(db, submissions, heir_id)
+    stored.give_submissions_to(db, submissions, heir_id)
     for owner in (account_id, heir_id):
         rebuild_account_standings(db, owner)
 
@@ -113,7 +113,7 @@ def find_attempt(db: Session, account: Account | None, submission_id: UUID | str
     attempt = load_stored_attempt(db, parse_submission_id(submission_id))
     if attempt is None or account is None:
         raise NotFound(UNKNOWN_SUBMISSION)
-    if may_view(db, account, attempt.submission):
+    if may_view_submission(db, account, attempt.submission):
         return _stored_attempt_seen_by(db, account.id, attempt)
     return _attempt_shared_by_teammate(db, account.id, attempt)
 
@@ -188,7 +188,7 @@ def find_duplicate(db: Session, account: Account, exercise_id: str, code: str, v
     holds = feedback.load_holds(db, account.id, exercise_id)
     if holds.submission_refusal or LIBRARY_MENTION in source:
         return None
-    file = repository.SentFile(account.id, exercise_id, code_digest(code), source)
+    file = repository.SentFile(account.id, exercise_id, digest_code(code), source)
     return repository.find_duplicate(db, file, version, holds.held_since)
 
 
@@ -210,8 +210,8 @@ def load_progress(db: Session, account: Account | None, exercise_id: str | None 
     visible = load_visible_standings(db, account.id, exercise_id)
     held_since = load_withholding_times(db, account.id, exercise_id)
     waiting = {
-        **stored.count_waiting(db, account.id, exercise_id),
-        **stored.count_waiting_or_since(db, account.id, held_since),
+        **stored.count_ungraded_by_exercise(db, account.id, exercise_id),
+        **stored.count_ungraded_or_sent_since(db, account.id, held_since),
     }
     graded = {
         exercise: ExerciseProgress(
@@ -244,7 +244,7 @@ def load_withholding_times(db: Session, account_id: UUID, exercise_id: str | Non
 
 def count_attempts_since(db: Session, account_id: UUID, since: Mapping[str, datetime]) -> Mapping[str, int]:
     """Count an account's attempts sent from these times on, graded or not, by exercise."""
-    return stored.count_since(db, account_id, since)
+    return stored.count_sent_since(db, account_id, since)
 
 
 def count_internal_errors_since(db: Session, account_id: UUID, since: Mapping[str, datetime]) -> Mapping[str, int]:
@@ -259,5 +259,5 @@ def count_distinct_failures(
     if account is None:
         return 0
     held_since = feedback.load_holds(db, account.id, exercise_id).held_since
-    excluded_digest = "" if besides is None else code_digest(besides)
+    excluded_digest = "" if besides is None else digest_code(besides)
     return repository.count_distinct_failures(db, account.id, exercise_id, excluded_digest, held_since)

@@ -22,7 +22,7 @@ from graders.core.contract.rows import ArrayReplies, Rows
 from graders.core.contract.values import Arguments, Value
 from graders.core.contract.verdict import Diagnosis, Verdict, internal_error_verdict
 from server import sandbox
-from server.behaviour.limits import SEARCH_SECONDS, search_limits
+from server.behaviour.limits import SEARCH_SECONDS, widen_limits_for_search
 from server.course import reuse
 from server.course.models import UNKNOWN_VERSION, Course
 from server.course.reuse import NOTHING_OWN, Own
@@ -238,7 +238,7 @@ class SandboxGrader:
         exercise = self._course.exercises[exercise_id]
         if not isinstance(exercise.grader, CodeGrader):
             return verdict.diagnosis
-        programs = self.program_starter(exercise_id, search_limits(exercise.policy), own)
+        programs = self.program_starter(exercise_id, widen_limits_for_search(exercise.policy), own)
         spent = start_time_limit(SEARCH_SECONDS, seconds, programs)
         found = find_place(exercise.grader, source.decode("utf-8", "replace"), verdict, programs, spent)
         return verdict.diagnosis if found is None else add_place_to_diagnosis(verdict.diagnosis, found.diagnosis)

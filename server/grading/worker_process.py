@@ -38,7 +38,7 @@ from server.regrades.service import REGRADE_JOB
 from server.sandbox import Sandbox, SandboxFault
 from server.studio.authored import AuthoredExercises
 from server.studio.service import TRIAL_JOB, TRYOUT_JOB
-from server.submissions.service import GRADE, version_requirement
+from server.submissions.service import GRADE, worker_version_requirement
 
 log = logging.getLogger(__name__)
 
@@ -176,5 +176,5 @@ def _detect_worker_capabilities(settings: Settings, course: Course) -> WorkerCap
     """Return what this worker can grade; None on a single machine, which has one version of everything."""
     if not settings.nats_url:
         return None
-    needed = (version_requirement(exercise.id, exercise.version) for exercise in course.exercises.values())
+    needed = (worker_version_requirement(exercise.id, exercise.version) for exercise in course.exercises.values())
     return WorkerCapabilities({need for need in needed if need}, settings.version_seconds)

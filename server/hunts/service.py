@@ -45,12 +45,12 @@ from server.identity.models import Account
 from server.limits import service as limits
 from server.queue.interfaces import Sender
 from server.recall import repository
-from server.recall.calculations import can_calculate
+from server.recall.calculations import has_calculation_questions
 from server.recall.models import QuestionKind, RecallAnswer
 from server.recall.service import RecallCandidate
-from server.recall.subjects import list_misconceptions, subject_of
+from server.recall.subjects import iter_misconceptions, subject_of_misconception
 from server.steps.service import TraceProgram
-from server.submissions.queue_senders import queue_sender
+from server.submissions.queue_senders import sender_of_account
 
 TOO_FAST = "Vous avez essayé beaucoup d’entrées en peu de temps : la prochaine est possible dans {seconds} s."
 NO_EXERCISE = "Cet exercice n’existe pas, ou n’a pas de chasse aux erreurs."
@@ -181,7 +181,7 @@ class HuntService:
     ) -> None:
         """Store an answer in a transaction of its own."""
         answer = RecallAnswer(
-            account_id=account.id, subject=subject_of(self.course, exercise, misconception), kind=kind,
+            account_id=account.id, subject=subject_of_misconception(self.course, exercise, misconception), kind=kind,
             exercise=exercise.id, misconception=misconception, is_right=is_right,
         )  # fmt: skip
 
@@ -220,7 +220,7 @@ class HuntService:
 
         def prepare() -> Sender:
             with self.database.read() as db:
-                sender = queue_sender(account, address, member=presence.is_active_member(db, account.id))
+                sender = sender_of_account(account, address, member=presence.is_active_member(db, account.id))
             with self.database.write() as db:
                 limits.take_token(db, key, self.settings.step_bucket, TOO_FAST)
             return sender
@@ -246,7 +246,7 @@ def may_have_hunts(course: Course, exercise: Exercise) -> bool:
 
 def may_ask_about_mistakes_again(course: Course, exercise: Exercise) -> bool:
     """Whether what was confused in an exercise may be asked again: by a hunt, a small calculation or a choice."""
-    return can_calculate(exercise) or may_have_hunts(course, exercise)
+    return has_calculation_questions(exercise) or may_have_hunts(course, exercise)
 
 
 @lru_cache(maxsize=512)
@@ -273,7 +273,7 @@ def order_hunts_for_account(
     exercise: Exercise, own_misconceptions: Collection[str], account: Account
 ) -> list[HuntName]:
     """Return the hunts of an exercise: one's own mistakes first, then the others in an order of one's own."""
-    filed, grader = list(list_misconceptions(exercise)), exercise.grader
+    filed, grader = list(iter_misconceptions(exercise)), exercise.grader
     names = filed if not isinstance(grader, DeclaredGrader) else [it.id for it in grader.declaration.mistakes]
     rank = {name: place for place, name in enumerate(dict.fromkeys(own_misconceptions))}
     shuffled = [

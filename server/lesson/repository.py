@@ -19,7 +19,7 @@ from server.submissions.models import Submission
 MAX_LESSONS = 60
 
 
-def find_latest(db: Session, class_id: UUID) -> LiveLesson | None:
+def find_latest_lesson(db: Session, class_id: UUID) -> LiveLesson | None:
     """Return the lesson that began last, whether it goes on or not."""
     query = select(LiveLesson).where(LiveLesson.class_id == class_id)
     return db.execute(query.order_by(LiveLesson.started_at.desc(), LiveLesson.id).limit(1)).scalar_one_or_none()
@@ -43,7 +43,9 @@ def load_earlier_lessons(db: Session, lesson: LiveLesson, memory: timedelta) -> 
     return db.execute(recent.order_by(LiveLesson.started_at.desc(), LiveLesson.id).limit(MAX_LESSONS)).scalars().all()
 
 
-def load_ended(db: Session, class_ids: Collection[UUID], since: datetime, now: datetime) -> Sequence[LiveLesson]:
+def load_lessons_ended_between(
+    db: Session, class_ids: Collection[UUID], since: datetime, now: datetime
+) -> Sequence[LiveLesson]:
     """Load the lessons of these classes that ended between two moments; one that nobody ends lasts `LONGEST_LESSON`."""
     by_hand = and_(LiveLesson.ended_at > since, LiveLesson.ended_at <= now)
     by_time = and_(
@@ -55,7 +57,7 @@ def load_ended(db: Session, class_ids: Collection[UUID], since: datetime, now: d
     return db.execute(query.order_by(LiveLesson.started_at, LiveLesson.id)).scalars().all()
 
 
-class Visit(NamedTuple):
+class StudentVisit(NamedTuple):
     """When a student was seen last in a lesson, at which exercise, and the name of who did, empty where unknown."""
 
     exercise: str
@@ -69,12 +71,12 @@ def save_visit(db: Session, lesson_id: UUID, account_id: UUID, exercise: str, at
     db.execute(statement.on_conflict_do_update(index_elements=["lesson_id", "account_id"], set_=row))
 
 
-def load_visits(db: Session, lesson_id: UUID) -> Mapping[UUID, Visit]:
+def load_visits(db: Session, lesson_id: UUID) -> Mapping[UUID, StudentVisit]:
     """Load the visits of a lesson, by student."""
     columns = LessonVisit.account_id, LessonVisit.exercise, LessonVisit.visited_at, Account.name
     query = select(*columns).outerjoin(Account, Account.id == LessonVisit.visited_by)
     rows = db.execute(query.where(LessonVisit.lesson_id == lesson_id))
-    return {account: Visit(exercise, at, name or "") for account, exercise, at, name in rows}
+    return {account: StudentVisit(exercise, at, name or "") for account, exercise, at, name in rows}
 
 
 def load_account_visits(db: Session, account_id: UUID) -> Sequence[tuple[LessonVisit, str]]:
@@ -102,6 +104,6 @@ def move_visits(db: Session, guest_id: UUID, account_id: UUID) -> None:
     db.execute(moved.values(account_id=account_id).execution_options(synchronize_session=False))
 
 
-def load_sources(db: Session, submissions: Collection[UUID]) -> Mapping[UUID, bytes]:
+def load_submission_sources(db: Session, submissions: Collection[UUID]) -> Mapping[UUID, bytes]:
     query = select(Submission.id, Submission.source).where(Submission.id.in_(submissions))
     return {row[0]: row[1] for row in db.execute(query)}

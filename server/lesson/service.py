@@ -43,11 +43,11 @@ class LessonPlan:
 
 def find_current_lesson(db: Session, class_id: UUID, now: datetime) -> LiveLesson | None:
     """Return the lesson that goes on in a class, or None."""
-    lesson = repository.find_latest(db, class_id)
-    return lesson if lesson is not None and is_under_way(lesson, now) else None
+    lesson = repository.find_latest_lesson(db, class_id)
+    return lesson if lesson is not None and is_lesson_under_way(lesson, now) else None
 
 
-def is_under_way(lesson: LiveLesson, now: datetime) -> bool:
+def is_lesson_under_way(lesson: LiveLesson, now: datetime) -> bool:
     return lesson.ended_at is None and lesson.started_at > now - LONGEST_LESSON
 
 
@@ -64,7 +64,7 @@ def require_current_lesson(db: Session, class_id: UUID, now: datetime) -> LiveLe
     return lesson
 
 
-def available_exercises(db: Session, course: Course, school_class: SchoolClass, now: datetime) -> Sequence[str]:
+def list_available_exercises(db: Session, course: Course, school_class: SchoolClass, now: datetime) -> Sequence[str]:
     """Return the exercises that a lesson may have: those that count, then those that the teachers of the class have
     published, but for those of tests whose results are held.
 
@@ -99,11 +99,11 @@ def start_lesson(
     classes.lock_class(db, school_class.id)
     if find_current_lesson(db, school_class.id, now) is not None:
         raise Conflict(UNDER_WAY)
-    plan = _checked_plan(db, course, school_class, plan, now)
-    lesson = LiveLesson(class_id=school_class.id, started_at=now, started_by=by, **_columns(plan))
+    plan = _validate_plan(db, course, school_class, plan, now)
+    lesson = LiveLesson(class_id=school_class.id, started_at=now, started_by=by, **_plan_columns(plan))
     db.add(lesson)
     db.flush()
-    audit.record_event(db, school_class.id, by, AuditAction.lesson_started, after=_columns(plan))
+    audit.record_event(db, school_class.id, by, AuditAction.lesson_started, after=_plan_columns(plan))
     return lesson
 
 
@@ -113,11 +113,11 @@ def change_lesson(
     """Change the exercises of the day, or the next step. Raises Conflict or Invalid."""
     classes.lock_class(db, school_class.id)
     lesson = require_current_lesson(db, school_class.id, now)
-    plan = _checked_plan(db, course, school_class, plan, now)
-    before = {name: getattr(lesson, name) for name in _columns(plan)}
-    for name, value in _columns(plan).items():
+    plan = _validate_plan(db, course, school_class, plan, now)
+    before = {name: getattr(lesson, name) for name in _plan_columns(plan)}
+    for name, value in _plan_columns(plan).items():
         setattr(lesson, name, value)
-    audit.record_event(db, school_class.id, by, AuditAction.lesson_changed, before=before, after=_columns(plan))
+    audit.record_event(db, school_class.id, by, AuditAction.lesson_changed, before=before, after=_plan_columns(plan))
 
 
 def end_lesson(db: Session, school_class: SchoolClass, by: UUID, now: datetime) -> LiveLesson:
@@ -129,14 +129,14 @@ def end_lesson(db: Session, school_class: SchoolClass, by: UUID, now: datetime) 
     return lesson
 
 
-def _columns(plan: LessonPlan) -> dict[str, str | list[str] | None]:
+def _plan_columns(plan: LessonPlan) -> dict[str, str | list[str] | None]:
     return {"exercises": list(plan.exercises), "next_step": plan.next_step.value, "challenge": plan.challenge or None}
 
 
-def _checked_plan(
+def _validate_plan(
     db: Session, course: Course, school_class: SchoolClass, plan: LessonPlan, now: datetime
 ) -> LessonPlan:
-    available = available_exercises(db, course, school_class, now)
+    available = list_available_exercises(db, course, school_class, now)
     exercises = tuple(dict.fromkeys(plan.exercises))
     challenges = (plan.challenge,) if plan.next_step is Afterwards.challenge else ()
     for name in (*exercises, *filter(None, challenges)):
@@ -149,7 +149,9 @@ def _checked_plan(
     return LessonPlan(exercises, plan.next_step, "".join(challenges))
 
 
-def record_visit(db: Session, school_class: SchoolClass, by: UUID, student: UUID, exercise: str, now: datetime) -> None:
+def record_student_visit(
+    db: Session, school_class: SchoolClass, by: UUID, student: UUID, exercise: str, now: datetime
+) -> None:
     """Record that a teacher has seen a student in the lesson that goes on. Raises Conflict or NotFound."""
     lesson = require_current_lesson(db, school_class.id, now)
     if student not in {member.id for member in classes.load_active_students(db, school_class.id)}:

@@ -9,5 +9,5 @@ class MailError(Exception):
         self.reason, self.retry, self.is_address = reason, retry, is_address
 
 
-class AnswerLost(MailError):
+class LostAnswerError(MailError):
     """The message was handed over, and the server's answer never came: it may have been sent."""

@@ -10,7 +10,7 @@ from sqlalchemy.orm import Session
 
 from server.identity.models import Account
 from server.mails import repository
-from server.mails.errors import AnswerLost, MailError
+from server.mails.errors import LostAnswerError, MailError
 from server.mails.models import REASON_LENGTH, MailDelivery, MailState, MailSubscription
 
 FIRST_PAUSE, LONGEST_PAUSE = timedelta(minutes=1), timedelta(hours=4)
@@ -46,9 +46,9 @@ def queue_mail(db: Session, subscription_id: UUID, key: str, now: datetime) -> N
         repository.add_delivery(db, subscription_id, key, now)
 
 
-def begin_sending(db: Session, now: datetime) -> OutgoingMail | None:
+def take_next_due_mail(db: Session, now: datetime) -> OutgoingMail | None:
     """Take the next mail that is due; where this process dies meanwhile, it is due again after the pause."""
-    row = repository.take_next(db, now)
+    row = repository.lock_next_due_delivery(db, now)
     if row is None:
         return None
     delivery, subscription, account = row
@@ -72,28 +72,28 @@ def record_result(db: Session, sending: OutgoingMail, error: MailError | None, n
     if delivery is None or delivery.tries != sending.tries:
         return
     if error is None:
-        _end(delivery, MailState.sent, "", now)
-    elif isinstance(error, AnswerLost):
-        _end(delivery, MailState.unknown, LOST, now)
+        _end_delivery(delivery, MailState.sent, "", now)
+    elif isinstance(error, LostAnswerError):
+        _end_delivery(delivery, MailState.unknown, LOST, now)
     elif error.retry and sending.tries < MAX_TRIES:
         delivery.state, delivery.next_try_at = MailState.waiting, now + retry_delay(sending.tries)
         delivery.reason = f"Nouvel essai prévu : {error.reason}."[:REASON_LENGTH]
     else:
-        _end(delivery, MailState.refused, f"Abandonné : {error.reason}.", now)
+        _end_delivery(delivery, MailState.refused, f"Abandonné : {error.reason}.", now)
 
 
 def drop_mail(db: Session, sending: OutgoingMail, now: datetime) -> None:
     """End a mail that has nothing to tell."""
     delivery = repository.lock_delivery(db, sending.id)
     if delivery is not None:
-        _end(delivery, MailState.dropped, "", now)
+        _end_delivery(delivery, MailState.dropped, "", now)
 
 
-def end_lost_mails(db: Session, now: datetime) -> None:
+def end_mails_lost_after_handover(db: Session, now: datetime) -> None:
     """End the mails whose process died after the handover: they are never sent again."""
-    for delivery in repository.load_handed_before(db, now - HANDOVER):
-        _end(delivery, MailState.unknown, LOST, now)
+    for delivery in repository.load_deliveries_handed_before(db, now - HANDOVER):
+        _end_delivery(delivery, MailState.unknown, LOST, now)
 
 
-def _end(delivery: MailDelivery, state: MailState, reason: str, now: datetime) -> None:
+def _end_delivery(delivery: MailDelivery, state: MailState, reason: str, now: datetime) -> None:
     delivery.state, delivery.reason, delivery.ended_at = state, reason[:REASON_LENGTH], now

@@ -29,7 +29,7 @@ MAX_FAILURES = 3
 Send = Callable[[Settings, EmailMessage, Callable[[], None]], None]
 
 
-class _Stopped(Exception):
+class _MailStopped(Exception):
     """A mail was stopped after it was composed."""
 
 
@@ -51,7 +51,7 @@ class MailSender:
         database: Database,
         settings: Settings,
         composer: MailComposer,
-        send: Send = smtp.send,
+        send: Send = smtp.send_message,
         clock: Callable[[], datetime] = utc_now,
     ) -> None:
         self._database, self._settings, self._composer = database, settings, composer
@@ -85,7 +85,7 @@ class MailSender:
             if not due and not outbox.has_due_mail(db, now):
                 return 0
         with self._database.write() as db:
-            outbox.end_lost_mails(db, now)
+            outbox.end_mails_lost_after_handover(db, now)
             for subscription_id, key in due:
                 outbox.queue_mail(db, subscription_id, key, now)
         taken = failures = 0
@@ -93,7 +93,7 @@ class MailSender:
             if failures >= MAX_FAILURES or (stopping is not None and stopping.is_set()):
                 break
             with self._database.write() as db:
-                sending = outbox.begin_sending(db, self._clock())
+                sending = outbox.take_next_due_mail(db, self._clock())
             if sending is None:
                 break
             has_left, error = self._deliver(sending)
@@ -113,12 +113,12 @@ class MailSender:
         def on_handover() -> None:
             with self._database.write() as db:
                 if not outbox.record_handover(db, sending, self._clock()):
-                    raise _Stopped
+                    raise _MailStopped
 
         error = None
         try:
             self._send(self._settings, message, on_handover)
-        except _Stopped:
+        except _MailStopped:
             return False, None
         except MailError as failure:
             error = failure

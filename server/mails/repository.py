@@ -35,7 +35,7 @@ def load_account_subscriptions(db: Session, account_id: UUID) -> Sequence[tuple[
     return [(row[0], row[1]) for row in db.execute(query)]
 
 
-def load_confirmed(db: Session) -> Sequence[tuple[MailSubscription, datetime]]:
+def load_confirmed_subscriptions(db: Session) -> Sequence[tuple[MailSubscription, datetime]]:
     """Load the subscriptions of open classes to confirmed addresses, each with when it was confirmed."""
     query = (
         select(MailSubscription)
@@ -46,7 +46,7 @@ def load_confirmed(db: Session) -> Sequence[tuple[MailSubscription, datetime]]:
     return [(row, row.confirmed_at) for row in db.execute(query).scalars() if row.confirmed_at is not None]
 
 
-def load_queued(db: Session, subscription_ids: Collection[UUID]) -> set[tuple[UUID, str]]:
+def load_queued_mail_keys(db: Session, subscription_ids: Collection[UUID]) -> set[tuple[UUID, str]]:
     """Load subscription and key of their mails, whatever came of these."""
     query = select(MailDelivery.subscription_id, MailDelivery.key)
     return {(row[0], row[1]) for row in db.execute(query.where(MailDelivery.subscription_id.in_(subscription_ids)))}
@@ -76,7 +76,7 @@ def add_delivery(db: Session, subscription_id: UUID, key: str, now: datetime) ->
     db.execute(statement.on_conflict_do_nothing(index_elements=["subscription_id", "key"]))
 
 
-def take_next(db: Session, now: datetime) -> tuple[MailDelivery, MailSubscription, Account] | None:
+def lock_next_due_delivery(db: Session, now: datetime) -> tuple[MailDelivery, MailSubscription, Account] | None:
     """Lock and return the mail that is due for the longest time; the mails that another process has locked are its."""
     query = (
         select(MailDelivery, MailSubscription, Account)
@@ -95,7 +95,7 @@ def lock_delivery(db: Session, delivery_id: UUID) -> MailDelivery | None:
     return db.get(MailDelivery, delivery_id, with_for_update=True, populate_existing=True)
 
 
-def load_handed_before(db: Session, before: datetime) -> Sequence[MailDelivery]:
+def load_deliveries_handed_before(db: Session, before: datetime) -> Sequence[MailDelivery]:
     """Load mails that were handed over, and of whose process nothing more is heard."""
     query = select(MailDelivery).where(MailDelivery.state == MailState.handed, MailDelivery.next_try_at <= before)
     return db.execute(query.with_for_update(skip_locked=True)).scalars().all()
@@ -109,12 +109,12 @@ def find_latest_delivery(db: Session, subscription_id: UUID) -> MailDelivery | N
     return db.execute(query.order_by(MailDelivery.created_at.desc(), MailDelivery.id).limit(1)).scalar_one_or_none()
 
 
-def count_by_state(db: Session, since: datetime) -> Mapping[str, int]:
+def count_deliveries_by_state(db: Session, since: datetime) -> Mapping[str, int]:
     query = select(MailDelivery.state, func.count()).where(MailDelivery.created_at >= since)
     return {row[0]: row[1] for row in db.execute(query.group_by(MailDelivery.state))}
 
 
-def load_problems(db: Session, since: datetime, limit: int) -> Sequence[tuple[MailDelivery, str]]:
+def load_delivery_problems(db: Session, since: datetime, limit: int) -> Sequence[tuple[MailDelivery, str]]:
     """Load the latest mails that were refused, lost or are tried again, each with the name of its class."""
     query = (
         select(MailDelivery, SchoolClass.name)
@@ -127,7 +127,7 @@ def load_problems(db: Session, since: datetime, limit: int) -> Sequence[tuple[Ma
     return [(row[0], row[1]) for row in db.execute(query)]
 
 
-def delete_old(db: Session, deliveries_before: datetime, unconfirmed_before: datetime) -> None:
+def delete_old_mails(db: Session, deliveries_before: datetime, unconfirmed_before: datetime) -> None:
     """Delete old mails, and requests for mails that nobody has confirmed."""
     db.execute(delete(MailDelivery).where(MailDelivery.created_at < deliveries_before))
     old = MailSubscription.confirmed_at.is_(None) & (MailSubscription.created_at < unconfirmed_before)

@@ -55,7 +55,7 @@ class MailForm:
     problem: str = ""
 
 
-def parse_address(text: str) -> str:
+def parse_mail_address(text: str) -> str:
     """Return an address to which mails may go. Raises InvalidFields."""
     address = text.strip()
     local = address.partition("@")[0]
@@ -64,7 +64,7 @@ def parse_address(text: str) -> str:
     return address
 
 
-def load_form(db: Session, class_id: UUID, account: Account) -> MailForm:
+def load_mail_form(db: Session, class_id: UUID, account: Account) -> MailForm:
     """Return the form of an account for a class; a login that is an address is proposed."""
     row = repository.find_subscription(db, class_id, account.id)
     if row is None:
@@ -73,11 +73,11 @@ def load_form(db: Session, class_id: UUID, account: Account) -> MailForm:
     return MailForm(row.address, is_asked=True, is_confirmed=row.confirmed_at is not None, latest=latest)
 
 
-def subscribe(
+def request_subscription(
     db: Session, school_class: SchoolClass, account: Account, text: str, service_url: str, now: datetime
 ) -> None:
     """Ask to confirm an address, which replaces an earlier one. Raises InvalidFields or RateLimited."""
-    address = parse_address(text)
+    address = parse_mail_address(text)
     if len(service_url) > URL_LENGTH:
         raise InvalidFields({"address": NO_ADDRESS})
     limits.take_tokens(
@@ -85,7 +85,7 @@ def subscribe(
         TokenDraw(f"mail:{account.id}", CONFIRMATIONS, TOO_MANY),
         TokenDraw(f"mail-to:{sha256(address.lower().encode()).hexdigest()}", CONFIRMATIONS, TOO_MANY),
     )
-    unsubscribe(db, school_class.id, account.id)
+    delete_subscription(db, school_class.id, account.id)
     row = MailSubscription(
         class_id=school_class.id, account_id=account.id, address=address, secret=secrets.token_hex(32),
         service_url=service_url, created_at=now,
@@ -95,7 +95,7 @@ def subscribe(
     repository.add_delivery(db, row.id, CONFIRMATION, now)
 
 
-def unsubscribe(db: Session, class_id: UUID, account_id: UUID) -> None:
+def delete_subscription(db: Session, class_id: UUID, account_id: UUID) -> None:
     row = repository.find_subscription(db, class_id, account_id)
     if row is not None:
         repository.delete_subscription(db, row.id)
@@ -108,7 +108,7 @@ def sign_link_action(subscription: MailSubscription, action: str) -> str:
     return hmac.new(subscription.secret.encode(), text.encode(), sha256).hexdigest()
 
 
-def link_href(subscription: MailSubscription, action: str) -> str:
+def signed_link_href(subscription: MailSubscription, action: str) -> str:
     return f"/courriel/{subscription.id}/{action}/{sign_link_action(subscription, action)}"
 
 
@@ -135,13 +135,13 @@ class SignedLink:
     done: bool = False
 
 
-def read_link(db: Session, name: str, action: str, signature: str) -> SignedLink:
+def read_signed_link(db: Session, name: str, action: str, signature: str) -> SignedLink:
     """Return what a link does. Raises NotFound."""
     row, school_class = find_signed_subscription(db, name, action, signature)
     return SignedLink(school_class.name, row.address, action == STOP, row.confirmed_at is not None)
 
 
-def follow_link(db: Session, name: str, action: str, signature: str, now: datetime) -> SignedLink:
+def follow_signed_link(db: Session, name: str, action: str, signature: str, now: datetime) -> SignedLink:
     """Confirm the address of a subscription, or stop it. Raises NotFound."""
     row, school_class = find_signed_subscription(db, name, action, signature)
     followed = SignedLink(school_class.name, row.address, action == STOP, is_confirmed=True, done=True)
@@ -152,6 +152,6 @@ def follow_link(db: Session, name: str, action: str, signature: str, now: dateti
     return followed
 
 
-def delete_old(db: Session, now: datetime) -> None:
+def delete_old_mails(db: Session, now: datetime) -> None:
     """Forget mails that ended long ago, and requests that nobody has confirmed."""
-    repository.delete_old(db, now - timedelta(days=DELIVERY_DAYS), now - timedelta(days=UNCONFIRMED_DAYS))
+    repository.delete_old_mails(db, now - timedelta(days=DELIVERY_DAYS), now - timedelta(days=UNCONFIRMED_DAYS))

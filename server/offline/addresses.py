@@ -20,7 +20,7 @@ ADDRESS = re.compile(r'(?<=\s)(href|src|data-source|data-hands|data-action|data-
 
 
 @dataclass(frozen=True)
-class ArchivePaths:
+class ArchiveLinkRewriter:
     """Where in the archive what has an address stands; `met` gathers the files of the front end that pages ask for."""
 
     static: str

@@ -28,7 +28,7 @@ LOCAL_LINK = re.compile(r'(<a\b[^>]*?)\shref="(?!https?://|#)[^"]*"')
 LAZY = re.compile(r'\sloading="lazy"')
 
 
-class NotPrinted(Exception):
+class PrintError(Exception):
     """The browser gave no PDF: says which page, and what the browser said."""
 
 
@@ -37,12 +37,12 @@ def find_chromium() -> str | None:
     return next(filter(None, map(shutil.which, BROWSERS)), None)
 
 
-def page_for_print(page: str) -> str:
+def prepare_page_for_print(page: str) -> str:
     """A page of the archive for the printer: all its pictures at once, and no way to other files."""
     return LOCAL_LINK.sub(r"\1", LAZY.sub("", page))
 
 
-def write_pdfs(
+def print_module_pdfs(
     course: Course,
     module: Module,
     pictures: Pictures,
@@ -54,27 +54,29 @@ def write_pdfs(
 ) -> list[Path]:
     """A PDF for each text of a module, answers of papers included, or for those of `slugs`; in the order of reading.
 
-    Raises NotPrinted, and OSError where `target` cannot be written.
+    Raises PrintError, and OSError where `target` cannot be written.
     """
     target.mkdir(parents=True, exist_ok=True)
     wanted = [lesson.slug for lesson in module.lessons if not slugs or lesson.slug in set(slugs)]
     made = []
     with TemporaryDirectory(prefix="balise-papier-") as folder:
-        _unpack(OfflineSite(course, module, pictures, DownloadArchives(course), on_paper=True).files(), Path(folder))
+        _write_files(
+            OfflineSite(course, module, pictures, DownloadArchives(course), on_paper=True).files(), Path(folder)
+        )
         for slug in wanted:
-            made.append(_print(command, Path(folder) / "lire" / f"{slug}.html", target / f"{slug}.pdf"))
+            made.append(_print_page_to_pdf(command, Path(folder) / "lire" / f"{slug}.html", target / f"{slug}.pdf"))
             advance()
     return made
 
 
-def _unpack(files: dict[str, bytes], folder: Path) -> None:
+def _write_files(files: dict[str, bytes], folder: Path) -> None:
     for name, content in files.items():
         path = folder / name
         path.parent.mkdir(parents=True, exist_ok=True)
-        path.write_bytes(page_for_print(content.decode()).encode() if path.suffix == ".html" else content)
+        path.write_bytes(prepare_page_for_print(content.decode()).encode() if path.suffix == ".html" else content)
 
 
-def _print(command: str, page: Path, target: Path) -> Path:
+def _print_page_to_pdf(command: str, page: Path, target: Path) -> Path:
     """By a browser of its own profile: one that is open on the machine is left alone."""
     with TemporaryDirectory(prefix="balise-chromium-") as profile:
         own = [f"--user-data-dir={profile}", *(["--no-sandbox"] if os.geteuid() == 0 else [])]
@@ -83,8 +85,8 @@ def _print(command: str, page: Path, target: Path) -> Path:
         try:
             done = subprocess.run(asked, capture_output=True, text=True, timeout=PATIENCE, check=False)
         except subprocess.TimeoutExpired as error:
-            raise NotPrinted(f"{page.stem} : le navigateur n’a pas fini en {PATIENCE:.0f} s") from error
+            raise PrintError(f"{page.stem} : le navigateur n’a pas fini en {PATIENCE:.0f} s") from error
     if done.returncode or not target.is_file():
         said = (done.stderr.strip().splitlines() or ["rien"])[-1]
-        raise NotPrinted(f"{page.stem} : le navigateur a répondu « {said} »")
+        raise PrintError(f"{page.stem} : le navigateur a répondu « {said} »")
     return target

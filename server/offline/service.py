@@ -63,15 +63,15 @@ class OfflineArchives:
 
     async def look(self, module: Module) -> Path | ArchiveInProgress | None:
         """The archive, or how far it is; None where nobody has asked for it yet."""
-        path = await self._path(module)
+        path = await self._archive_path(module)
         return path if path.is_file() else self._making.get(module.slug)
 
     async def prepare(self, module: Module) -> None:
         """Has it made, if it is neither there nor on its way."""
-        path = await self._path(module)
+        path = await self._archive_path(module)
         making = self._making.get(module.slug)
         if not path.is_file() and (making is None or making.failed):
-            self._making[module.slug] = ArchiveInProgress(asyncio.create_task(self._make(module, path)))
+            self._making[module.slug] = ArchiveInProgress(asyncio.create_task(self._make_archive(module, path)))
 
     async def file(self, module: Module) -> Path:
         """The archive. Raises NotNow while there is none."""
@@ -86,15 +86,15 @@ class OfflineArchives:
             task.cancel()
         await asyncio.gather(*tasks, return_exceptions=True)
 
-    async def _path(self, module: Module) -> Path:
+    async def _archive_path(self, module: Module) -> Path:
         if module.slug not in self._versions:  # what is served does not change before a restart
-            self._versions[module.slug] = await run_in_threadpool(site.content_digest, module)
+            self._versions[module.slug] = await run_in_threadpool(site.archive_content_digest, module)
         return self._folder / f"{module.slug}-{self._versions[module.slug]}.zip"
 
-    async def _make(self, module: Module, path: Path) -> None:
+    async def _make_archive(self, module: Module, path: Path) -> None:
         try:
             async with self._one_at_a_time, asyncio.timeout(ARCHIVE_TIMEOUT):
-                pictures = await self._pictures(module)
+                pictures = await self._draw_pictures(module)
                 made = await run_in_threadpool(site.build_archive_zip, self._course, module, pictures, self._downloads)
                 await run_in_threadpool(_save_archive, path, module.slug, made)
         except Exception:  # whatever an author's drawing or replay raises: it is told to who asks, and noted here
@@ -103,17 +103,17 @@ class OfflineArchives:
         else:
             del self._making[module.slug]
 
-    async def _pictures(self, module: Module) -> site.Pictures:
-        wanted = await run_in_threadpool(site.needed_pictures, module)
+    async def _draw_pictures(self, module: Module) -> site.Pictures:
+        wanted = await run_in_threadpool(site.list_needed_pictures, module)
         making = self._making[module.slug]
         making.total = len(wanted)
         pictures = {}
         for name, theme in wanted:
-            pictures[name, theme] = await self._picture(module.slug, name, theme)
+            pictures[name, theme] = await self._draw_picture(module.slug, name, theme)
             making.done += 1
         return pictures
 
-    async def _picture(self, module: str, name: str, theme: Theme) -> bytes:
+    async def _draw_picture(self, module: str, name: str, theme: Theme) -> bytes:
         while True:
             try:
                 return await self._figures.draw_lesson_figure(module, name, theme, ADDRESS)

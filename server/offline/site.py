@@ -16,7 +16,7 @@ from server.base.files import ROOT, TEMPLATES, digest_files, reproducible_zip
 from server.course import Course, Exercise, Module
 from server.figures import drawing_requests
 from server.figures.drawing_requests import Theme
-from server.offline.addresses import ON_THE_SERVER, ArchivePaths
+from server.offline.addresses import ON_THE_SERVER, ArchiveLinkRewriter
 from server.offline.schemas import OfflineExercise
 from server.reading import gates
 from server.reading import service as reading
@@ -36,7 +36,7 @@ SCRIPTS = ("js/theme.js", "js/offline.js")
 EXCLUDED_SUFFIXES = {".js"}
 
 
-def content_digest(module: Module) -> str:
+def archive_content_digest(module: Module) -> str:
     """Return a digest of everything that an archive is made from."""
     parts = [
         (module.slug, module.folder),
@@ -49,7 +49,7 @@ def content_digest(module: Module) -> str:
     return digest_files(parts, f"{assets.build_stamp()} {drawing_requests.drawing_code_digest()}".encode())
 
 
-def needed_pictures(module: Module) -> list[tuple[str, Theme]]:
+def list_needed_pictures(module: Module) -> list[tuple[str, Theme]]:
     """The pictures that an archive needs: those that its lessons show, and those that stand for manipulations."""
     named = (name for lesson in module.lessons for name in (*lesson.figures, *lesson.stills))
     shown = dict.fromkeys(name for name in named if name in module.drawings)
@@ -78,14 +78,14 @@ class OfflineSite:
         names = {name for lesson in self._shown for name in (*lesson.figures, *lesson.stills)}
         self._pictures = {key: picture for key, picture in pictures.items() if key[0] in names}
         self._scripts = replays.ReplayLibrary()
-        self._places = ArchivePaths(assets.static_root(), dict(self._addresses()))
+        self._places = ArchiveLinkRewriter(assets.static_root(), dict(self._iter_addresses_and_paths()))
 
     def files(self) -> dict[str, bytes]:
         """By their places in the archive."""
-        made = {place: self._places.relative(page, place).encode() for place, page in self._pages()}
-        return {**made, **dict(self._assets()), **_static_files()}
+        made = {place: self._places.relative(page, place).encode() for place, page in self._render_pages()}
+        return {**made, **dict(self._iter_assets()), **_read_static_files()}
 
-    def _addresses(self) -> Iterator[tuple[str, str]]:
+    def _iter_addresses_and_paths(self) -> Iterator[tuple[str, str]]:
         """The address of everything that the archive holds, and its place there."""
         slug = self._module.slug
         yield f"/{slug}", "index.html"
@@ -97,21 +97,21 @@ class OfflineSite:
             yield exercise_href(exercise), f"exercices/{exercise.slug}.html"
         for name, theme in self._pictures:
             yield f"/{slug}/figures/{name}.svg?theme={theme}", f"figures/{name}-{theme}.svg"
-        for name in self._replays():
+        for name in self._replay_names():
             yield f"/{slug}/rejeux/{name}", f"rejeux/{name}.js"
-        for name in self._manipulations():
+        for name in self._serverless_manipulation_names():
             yield f"/{slug}/manipulations/{name}", f"manipulations/{name}.js"
         for name in self._module.files:
             yield f"/{slug}/fichiers/{name}.zip", f"fichiers/{name}.zip"
         if slug in self._module.kits:
             yield f"/{slug}/kit/{slug}.py", f"{slug}.py"
 
-    def _replays(self) -> list[str]:
+    def _replay_names(self) -> list[str]:
         if self._on_paper:
             return []
         return list(dict.fromkeys(name for lesson in self._shown for name in lesson.replays))
 
-    def _manipulations(self) -> list[str]:
+    def _serverless_manipulation_names(self) -> list[str]:
         """Return the names of the manipulations that need no server once they have begun."""
         if self._on_paper:
             return []
@@ -121,27 +121,27 @@ class OfflineSite:
             name for name in names if still_of(name) in shown and self._scripts.needs_no_server(self._module.slug, name)
         ]
 
-    def _pages(self) -> Iterator[tuple[str, str]]:
+    def _render_pages(self) -> Iterator[tuple[str, str]]:
         module = self._module
-        yield "index.html", self._page("module.html", page=reading.build_home_view(module, {}, (), {}))
-        yield ON_THE_SERVER, self._page("offline/server.html")
+        yield "index.html", self._render_page("module.html", page=reading.build_home_view(module, {}, (), {}))
+        yield ON_THE_SERVER, self._render_page("offline/server.html")
         if module.glossary:
-            yield "glossaire.html", self._page("reading/glossary.html", page=reading.build_glossary_page(module))
+            yield "glossaire.html", self._render_page("reading/glossary.html", page=reading.build_glossary_page(module))
         for lesson in module.lessons:
             gate = gates.ONLINE if lesson.solution and not self._on_paper else None
             view = reading.build_lesson_view(module, lesson, {}, None, gate)
-            yield f"lire/{lesson.slug}.html", self._page("reading/lesson.html", page=view)
+            yield f"lire/{lesson.slug}.html", self._render_page("reading/lesson.html", page=view)
         for exercise in module.exercises:
-            page = self._page("offline/exercise.html", page=self._exercise(exercise))
+            page = self._render_page("offline/exercise.html", page=self._build_exercise(exercise))
             yield f"exercices/{exercise.slug}.html", page
 
-    def _page(self, template: str, **context: Any) -> str:
+    def _render_page(self, template: str, **context: Any) -> str:
         module = self._module
         around = {"base": "offline/base.html", "module": module_link(module), "terms": len(module.glossary)}
         visitor = {"account": account_view(None), "scripts": assets.is_built() and not self._on_paper}
         return jinja_environment().get_template(template).render(**around, **visitor, **context)
 
-    def _exercise(self, exercise: Exercise) -> OfflineExercise:
+    def _build_exercise(self, exercise: Exercise) -> OfflineExercise:
         lesson = next((candidate for candidate in self._module.lessons if candidate.slug == exercise.seance), None)
         return OfflineExercise(
             module=module_link(self._module),
@@ -155,14 +155,14 @@ class OfflineSite:
             file=f"{exercise.slug}.py",
         )
 
-    def _assets(self) -> Iterator[tuple[str, bytes]]:
+    def _iter_assets(self) -> Iterator[tuple[str, bytes]]:
         """Yield the files of the archive that are not pages."""
         slug = self._module.slug
         for (name, theme), picture in self._pictures.items():
             yield f"figures/{name}-{theme}.svg", picture
-        for name in self._replays():
+        for name in self._replay_names():
             yield f"rejeux/{name}.js", self._offline_replay_script(name)
-        for name in self._manipulations():
+        for name in self._serverless_manipulation_names():
             yield f"manipulations/{name}.js", self._manipulation_script(name)
         for name in self._module.files:
             yield f"fichiers/{name}.zip", self._downloads.build_archive(slug, name)
@@ -190,7 +190,7 @@ def _compact_json(value: Any) -> str:
     return json.dumps(value, ensure_ascii=False, separators=(",", ":"), allow_nan=False)
 
 
-def _static_files() -> dict[str, bytes]:
+def _read_static_files() -> dict[str, bytes]:
     """Style sheets and what they ask for; scripts where they were built, as a folder's modules are refused."""
     root = assets.static_folder()
     styles = [path for name in STYLES for path in (root / name).rglob("*") if path.suffix not in EXCLUDED_SUFFIXES]
@@ -199,12 +199,12 @@ def _static_files() -> dict[str, bytes]:
     return {f"static/{path.relative_to(root).as_posix()}": path.read_bytes() for path in wanted}
 
 
-def draw_pictures_here(module: Module, advance: Callable[[], None] = lambda: None) -> Pictures:
+def draw_pictures_in_process(module: Module, advance: Callable[[], None] = lambda: None) -> Pictures:
     """The pictures, drawn in this very process. Loads matplotlib; half a minute for a module."""
     from server.figures.lessons import draw_lesson_figure
 
     pictures = {}
-    for name, theme in needed_pictures(module):
+    for name, theme in list_needed_pictures(module):
         pictures[name, theme] = draw_lesson_figure(module.drawings[name], theme, "svg").picture
         advance()
     return pictures

@@ -34,7 +34,7 @@ def show_audit_log(request: Request, reader: CurrentReader, number: PageNumber =
     entries = repository.load_server_entries(reader.db, limit=ENTRIES_PER_PAGE + 1, offset=skipped)
     now = utc_now()
     page: dict[str, Any] = {
-        "mail_problems": mails.load_problems(reader.db, now - timedelta(days=MAIL_DAYS), SHOWN_PROBLEMS),
+        "mail_problems": mails.load_delivery_problems(reader.db, now - timedelta(days=MAIL_DAYS), SHOWN_PROBLEMS),
         "entries": [
             (entry, describe_changes(entry.before, entry.after, short_moment)) for entry in entries[:ENTRIES_PER_PAGE]
         ],

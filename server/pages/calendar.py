@@ -22,17 +22,17 @@ MAX_AGE = 900
 @router.get("/agenda/{token}.ics")
 def read_calendar(request: Request, db: Db, token: Annotated[str, Path(max_length=100)]) -> Response:
     """Return the calendar with this secret address; whoever has the address may read it."""
-    owner = calendars.find_owner(db, token)
+    owner = calendars.find_calendar_owner(db, token)
     headers = {
         "Cache-Control": f"private, max-age={MAX_AGE}",
         "Content-Disposition": 'inline; filename="balise.ics"',
         "X-Robots-Tag": "noindex",
     }
-    content = calendars.load_calendar(db, owner, service_url(request))
+    content = calendars.build_calendar(db, owner, service_url(request))
     return with_etag(request, Response(content, headers=headers, media_type=MEDIA_TYPE))
 
 
 @router.post("/compte/agenda/supprimer")
 def delete_calendar_address(person: SignedIn, db: Db) -> Response:
-    calendars.delete_address(db, person)
+    calendars.delete_calendar_address(db, person)
     return redirect("/compte#agenda")

@@ -113,7 +113,9 @@ def ask_question(
     except REFUSALS as refused:
         roll_back_then_read(reader.db)
         seed = (
-            None if exercise.answers is None else variants.seed_while_reading(reader.db, database, account, exercise.id)
+            None
+            if exercise.answers is None
+            else variants.ensure_seed_while_reading(reader.db, database, account, exercise.id)
         )
         draft = Draft(texte, refused.detail)
         return render_exercise_page(request, reader, database, exercise, seed, draft=draft, status=int(refused.status))

@@ -10,7 +10,7 @@ from server.gradebook.schemas import NOTHING_YET, ExerciseProgress
 from server.hunts.service import may_ask_about_mistakes_again
 from server.pages.schemas import HomePage, ModuleCard, NextStep
 from server.recall import paths
-from server.recall.service import OFF, REMINDERS, load_recall
+from server.recall.service import OFF, REMINDERS, load_account_recall_state
 from server.web import deadlines, editions
 from server.web.next_step import choose_next
 from server.web.views import (
@@ -24,14 +24,14 @@ from server.web.views import (
 def build_home_page(reader: Reader) -> HomePage:
     progress = gradebook.load_progress(reader.db, reader.account)
     due = deadlines.due_soon(reader.db, reader.account, progress)
-    choices = paths.load_paths(reader.db, reader.account.id if reader.account else None)
+    choices = paths.load_chosen_paths(reader.db, reader.account.id if reader.account else None)
     cards = tuple(
         _build_module_card(module, progress, choices) for module in editions.visible_editions(reader, progress)
     )
     solved = {name for name, own in progress.items() if own.succeeded}
     if reader.account is None or choices.get(REMINDERS) == OFF:
         return HomePage(cards, due)
-    recall = load_recall(
+    recall = load_account_recall_state(
         reader.db,
         reader.course,
         reader.account.id,
@@ -43,7 +43,7 @@ def build_home_page(reader: Reader) -> HomePage:
 
 
 def _build_module_card(module: Module, progress: dict[str, ExerciseProgress], choices: Mapping[str, str]) -> ModuleCard:
-    path = paths.find_path(module, choices)
+    path = paths.find_chosen_path(module, choices)
     begun = any(progress.get(exercise.id, NOTHING_YET).attempts for exercise in module.exercises)
     found, way = choose_next(module, progress, path) if begun else None, lessons_in_reading_order(module)
     step = None

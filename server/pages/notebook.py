@@ -22,7 +22,7 @@ from server.gradebook.schemas import Attempt
 from server.pages.schemas import RecalledMistake
 from server.recall import repository as recall
 from server.recall.models import RecallAnswer
-from server.recall.subjects import subject_of
+from server.recall.subjects import subject_of_misconception
 from server.submissions.models import Submission
 from server.web.dependencies import CurrentReader, PageNumber
 from server.web.forms import redirect, redirect_to_login
@@ -127,7 +127,7 @@ def _build_entry(course: Course, mistake: PastMistake) -> NotebookEntry | None:
 def _add_changes_and_tests(reader: Reader, entries: Sequence[NotebookEntry]) -> Sequence[NotebookEntry]:
     """Add the first lines that each mending changed, and when it was last tested, in two queries for all entries."""
     account = reader.account
-    answers = recall.load_answers(reader.db, account.id) if account is not None and entries else ()
+    answers = recall.load_recall_answers(reader.db, account.id) if account is not None and entries else ()
     latest = {answer.subject: answer for answer in answers}
     pairs = {entry: (entry.mistake.last.id, entry.mistake.mended.id) for entry in entries if entry.mistake.mended}
     sources = mistakes.load_submission_sources(
@@ -139,7 +139,7 @@ def _add_changes_and_tests(reader: Reader, entries: Sequence[NotebookEntry]) -> 
         if entry in pairs:
             before, after = (sources[submission] for submission in pairs[entry])
             change = find_change_between(before, after, is_code=entry.exercise.answers is None)
-        tested = latest.get(subject_of(reader.course, entry.exercise, entry.mistake.misconception))
+        tested = latest.get(subject_of_misconception(reader.course, entry.exercise, entry.mistake.misconception))
         changed.append(replace(entry, change=change, tested=tested))
     return changed
 

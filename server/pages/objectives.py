@@ -20,7 +20,7 @@ from server.gradebook.schemas import NOTHING_YET, ExerciseProgress
 from server.hunts.service import may_ask_about_mistakes_again
 from server.pages.two_minutes import PATH as TWO_MINUTES
 from server.recall import paths, retrievals
-from server.recall.service import RecallCandidate, RecallState, load_recall
+from server.recall.service import RecallCandidate, RecallState, load_account_recall_state
 from server.recall.subjects import title_of_subject
 from server.web.dependencies import CurrentReader
 from server.web.next_step import NextExercise, choose_next, list_way
@@ -74,12 +74,12 @@ def build_objectives_page(reader: Reader, module: Module) -> Mapping[str, Any]:
     states: Sequence[ObjectiveState] = ()
     if reader.account is not None:
         progress = gradebook.load_progress(reader.db, reader.account)
-        choices = paths.load_paths(reader.db, reader.account.id)
+        choices = paths.load_chosen_paths(reader.db, reader.account.id)
         recall = _load_recall_state(reader, progress, choices)
         states = load_own_objective_states(reader.db, reader.course, module, reader.account.id, utc_now())
     rows = [own_row(reader.course, module.slug, state) for state in states]
     fading = find_fading_misconceptions(reader.course, module, rows, {} if recall is None else recall.fading)
-    path = paths.find_path(module, choices)
+    path = paths.find_chosen_path(module, choices)
     following = choose_next(module, progress, path)
     way = list_way(module, path)
     left = [exercise for exercise in way if not _is_solved(progress, exercise)]
@@ -110,7 +110,7 @@ def _load_recall_state(
     if reader.account is None:
         return None
     course = reader.course
-    return load_recall(
+    return load_account_recall_state(
         reader.db,
         course,
         reader.account.id,

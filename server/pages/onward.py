@@ -40,8 +40,8 @@ def build_way_onward(reader: Reader, exercise: Exercise, verdict: VerdictView | 
 
 def find_chosen_path(reader: Reader, module: Module) -> ReadingPath | None:
     """Return the path that the reader has chosen through a module."""
-    choices = paths.load_paths(reader.db, reader.account.id if reader.account else None)
-    return paths.find_path(module, choices)
+    choices = paths.load_chosen_paths(reader.db, reader.account.id if reader.account else None)
+    return paths.find_chosen_path(module, choices)
 
 
 def find_challenge(module: Module, exercise: Exercise, progress: Mapping[str, ExerciseProgress]) -> Exercise | None:

@@ -35,7 +35,7 @@ from server.identity.service import BUCKET_RETENTION
 from server.pages import retention
 from server.personal import erasures
 from server.personal.dependencies import PersonalDataOf
-from server.personal.service import archive_headers
+from server.personal.service import export_archive_headers
 from server.web.forms import Field, account_form, redirect
 
 router = APIRouter(include_in_schema=False)
@@ -106,9 +106,9 @@ def _render_account_page(
         changed=changed,
         settings=settings,
         server=service_url(request),
-        calendar=calendar_addresses.find_address(db, account.id),
+        calendar=calendar_addresses.find_calendar_address(db, account.id),
         calendar_token=calendar_token,
-        standing=erasures.find_standing(db, account.id, None, settings, utc_now()),
+        standing=erasures.find_pending_erasure(db, account.id, None, settings, utc_now()),
     )
 
 
@@ -197,7 +197,7 @@ def revoke_api_token(person: SignedIn, db: Db, token_id: UUID) -> Response:
 @router.post("/compte/agenda")
 def renew_calendar_address(request: Request, person: SignedIn, database: DatabaseOf, settings: SettingsOf) -> Response:
     with database.write() as db:
-        token = calendars.renew_address(db, person)
+        token = calendars.renew_calendar_address(db, person)
     with database.read() as db:
         return _render_account_page(request, person, db, settings, calendar_token=token)
 
@@ -224,7 +224,9 @@ async def change_password(
 
 @router.get("/compte/donnees")
 def export_personal_data(person: SignedIn, personal: PersonalDataOf) -> StreamingResponse:
-    return OneAtATimeStream(personal.export(person), headers=archive_headers(utc_now()), media_type="application/zip")
+    return OneAtATimeStream(
+        personal.export(person), headers=export_archive_headers(utc_now()), media_type="application/zip"
+    )
 
 
 @router.get("/compte/supprimer")
@@ -245,8 +247,8 @@ def _render_erasure_page(
         refused,
         login=account.login,
         has_password=account.password_hash is not None,
-        preview=erasures.preview(db, account, None, now),
-        standing=erasures.find_standing(db, account.id, None, settings, now),
+        preview=erasures.preview_erasure(db, account, None, now),
+        standing=erasures.find_pending_erasure(db, account.id, None, settings, now),
         days=settings.erasure_days,
     )
 

@@ -43,7 +43,7 @@ from server.submissions import variants
 from server.submissions.dependencies import JobEventsOf, SubmissionsOf
 from server.submissions.job_events import STREAM_HEADERS, stream_sse
 from server.submissions.models import Submission
-from server.submissions.service import Submissions, job_key, parse_submission_id
+from server.submissions.service import SubmissionService, job_key, parse_submission_id
 from server.web import assets
 from server.web.dependencies import CurrentReader, Number, PageNumber
 from server.web.forms import FormFields
@@ -92,7 +92,7 @@ def show_exercise(
     exercise, database = find_exercise(reader.course, module, slug), _database(request.app)
     if exercise.answers is not None:
         account = account_or_guest(request, reader.account, _accounts(request.app))
-        seed = variants.seed_while_reading(reader.db, database, account, exercise.id)
+        seed = variants.ensure_seed_while_reading(reader.db, database, account, exercise.id)
         taken = service.find_attempt_at_exercise(reader, exercise, reprendre) if reprendre else None
         return render_exercise_page(request, replace(reader, who=lambda: account), database, exercise, seed, taken)
     taken = service.find_attempt_at_exercise(reader, exercise, reprendre) if reprendre else None
@@ -138,7 +138,7 @@ def mark_conversations_seen(
     """In a transaction of its own: a page only reads. (Where a form is shown again, its own is still open.)"""
     if talks and reader.account is not None and request.method in SAFE_METHODS:
         with database.write() as db:
-            comments.mark_seen(db, reader.account.id, talks)
+            comments.mark_conversations_seen(db, reader.account.id, talks)
 
 
 @router.get("/{module:module}/exercices/{slug}/essais")
@@ -163,7 +163,7 @@ def _read_code_field(fields: FormData) -> str:
 
 
 def _submit_form(
-    store: Submissions, db: Db, account: Account, exercise: Exercise, fields: FormData, *, address: str
+    store: SubmissionService, db: Db, account: Account, exercise: Exercise, fields: FormData, *, address: str
 ) -> tuple[Submission, bool]:
     """The attempt, and whether this very code had been sent already: it is no new attempt then."""
     if exercise.answers is not None:
@@ -203,7 +203,7 @@ def submit_attempt(
     return JSONResponse(answer, 202)
 
 
-def _initial_status_text(store: Submissions, db: Db, account: Account, submission: Submission) -> str:
+def _initial_status_text(store: SubmissionService, db: Db, account: Account, submission: Submission) -> str:
     """What there is to say until there is more; of what a test holds back, always the same."""
     held = gradebook.attempt_seen_by(db, account.id, submission, None)
     return held.held_text or describe_waiting(store.progress(db, submission))

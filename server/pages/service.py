@@ -248,7 +248,7 @@ def _build_submission_view(
     if attempt is None:
         return None
     submission = attempt.submission
-    verdict, is_search_pending = behaviour.load_verdict_and_search(reader.db, attempt)
+    verdict, is_search_pending = behaviour.load_visible_verdict_and_search_state(reader.db, attempt)
     href = f"/soumissions/{submission.id}"
     place = (
         GradingProgress(SubmissionState.running if attempt.settles_in else SubmissionState.done)

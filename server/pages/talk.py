@@ -180,7 +180,7 @@ def build_exercise_threads(
     if account is None:
         return ExerciseThreadsView()
     href = exercise_href(exercise)
-    talks = service.load_page_conversations(reader.db, account, exercise.id)
+    talks = service.load_exercise_page_conversations(reader.db, account, exercise.id)
     whole = [talk for talk in talks if talk.thread.submission_id is None]
     found = [
         UnreadThread(talk.thread, talk.messages[-1].text, talk.thread.account_id != account.id)

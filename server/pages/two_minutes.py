@@ -33,9 +33,9 @@ from server.pages.hunts import MAX_NAME, WORDS, Act, Kind, Typed, build_hunt_pag
 from server.polls.models import POLL_LENGTH
 from server.recall import calculations, repository, retrievals
 from server.recall.calculations import AskedCalculation
-from server.recall.retrievals import AskedQuestion
+from server.recall.retrievals import AskedRetrieval
 from server.recall.scheduling import SITTING_QUESTIONS
-from server.recall.service import OFF, REMINDERS, RecallCandidate, RecallState, load_recall
+from server.recall.service import OFF, REMINDERS, RecallCandidate, RecallState, load_account_recall_state
 from server.web.forms import redirect, redirect_to_login
 from server.web.rendering import render_page
 from server.web.views import exercise_href, find_exercise, find_module
@@ -51,7 +51,7 @@ def load_recall_state(database: Database, course: CourseOf, account: Account) ->
         progress = gradebook.load_progress(db, account)
         solved = {name for name, own in progress.items() if own.succeeded}
         choices = repository.load_choices(db, account.id)
-        return load_recall(
+        return load_account_recall_state(
             db, course, account.id, solved, lambda exercise: may_ask_about_mistakes_again(course, exercise), choices
         )
 
@@ -66,8 +66,8 @@ async def show_due_question(
     recall = await run_in_threadpool(load_recall_state, database, course, account)
     page: dict[str, Any] = {"offer": None}
     for subject, candidates in recall.due.items():
-        if found := retrievals.find_question(course, subject):
-            asked = await run_in_threadpool(retrievals.draw_retrieval, *found, account, retrievals.today())
+        if found := retrievals.find_retrieval_of_subject(course, subject):
+            asked = await run_in_threadpool(retrievals.draw_retrieval, *found, account, retrievals.today_at_school())
             page = _build_question_page(course, asked)
             break
         turn = recall.answers.get(subject, 0)
@@ -78,7 +78,7 @@ async def show_due_question(
                 chosen.exercise,
                 chosen.misconception,
                 account,
-                retrievals.today(),
+                retrievals.today_at_school(),
             )
             page = await run_in_threadpool(_build_calculation_page, calculation)
             break
@@ -203,7 +203,7 @@ def set_reminders(
     return redirect("/" if rappels == "non" else PATH)
 
 
-def _build_question_page(course: Course, asked: AskedQuestion) -> dict[str, Any]:
+def _build_question_page(course: Course, asked: AskedRetrieval) -> dict[str, Any]:
     module, slug = course.modules[asked.module], asked.name.partition("/")[0]
     title = next((lesson.title for lesson in module.lessons if lesson.slug == slug), module.title)
     return {"offer": None, "asked": asked, "lesson": title, "typed": "", "refusal": "", "marking": None}

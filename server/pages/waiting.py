@@ -12,7 +12,7 @@ from server.gradebook import service as gradebook
 from server.gradebook.schemas import Attempt
 from server.identity.models import Account
 from server.submissions.models import SubmissionState
-from server.submissions.service import GradingProgress, Submissions
+from server.submissions.service import GradingProgress, SubmissionService
 from server.web.words import plural
 
 
@@ -66,7 +66,7 @@ class WatchedSubmission:
     is over. Hundreds may look at the same time."""
 
     account: Account | None
-    store: Submissions
+    store: SubmissionService
     database: Database
     submission: UUID
     waits: bool = False

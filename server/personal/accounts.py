@@ -22,11 +22,11 @@ def make_account_service(database: Database, settings: Settings) -> AccountServi
         adopt_guest_data=adopt_guest_data,
         is_link_in_force=slips.is_password_link_in_force,
         check_join=require_joinable,
-        record_invited=_record_invited,
+        record_invited=_record_invitation_used,
     )
 
 
-def _record_invited(db: Session, account: Account) -> None:
+def _record_invitation_used(db: Session, account: Account) -> None:
     """Record in the administrators' log that an invitation was used: who is there now, with which role."""
     audit.record_event(
         db, None, account.id, AuditAction.account_created, student=account.id, about=BY_LINK,

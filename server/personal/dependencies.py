@@ -5,6 +5,6 @@ from typing import Annotated
 from fastapi import Depends
 
 from server.base.app_services import app_service
-from server.personal.service import PersonalData
+from server.personal.service import PersonalDataService
 
-PersonalDataOf = Annotated[PersonalData, Depends(app_service(PersonalData))]
+PersonalDataOf = Annotated[PersonalDataService, Depends(app_service(PersonalDataService))]

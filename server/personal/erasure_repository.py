@@ -21,23 +21,25 @@ from server.submissions.models import Submission
 STAFF = (ClassRole.assistant, ClassRole.teacher)
 
 
-def find_request(db: Session, account_id: UUID, class_id: UUID | None) -> ErasureRequest | None:
+def find_erasure_request(db: Session, account_id: UUID, class_id: UUID | None) -> ErasureRequest | None:
     query = select(ErasureRequest).where(ErasureRequest.account_id == account_id)
     same = ErasureRequest.class_id.is_(None) if class_id is None else ErasureRequest.class_id == class_id
     return db.execute(query.where(same)).scalar_one_or_none()
 
 
-def load_account_requests(db: Session, account_id: UUID) -> Sequence[ErasureRequest]:
+def load_erasure_requests_of_account(db: Session, account_id: UUID) -> Sequence[ErasureRequest]:
     query = select(ErasureRequest).where(ErasureRequest.account_id == account_id)
     return db.execute(query.order_by(ErasureRequest.requested_at)).scalars().all()
 
 
-def load_requests(db: Session) -> Sequence[ErasureRequest]:
+def load_erasure_requests(db: Session) -> Sequence[ErasureRequest]:
     """Load all requests that stand, oldest first."""
     return db.execute(select(ErasureRequest).order_by(ErasureRequest.requested_at)).scalars().all()
 
 
-def load_withholding_tests(db: Session, account_id: UUID, class_id: UUID | None, now: datetime) -> Sequence[str]:
+def load_titles_of_withholding_tests(
+    db: Session, account_id: UUID, class_id: UUID | None, now: datetime
+) -> Sequence[str]:
     """Load the titles of the tests that an account sits, or has sat and that are not published."""
     query = (
         select(Assignment.title)
@@ -52,13 +54,13 @@ def load_withholding_tests(db: Session, account_id: UUID, class_id: UUID | None,
     return db.execute(query if class_id is None else query.where(Assignment.class_id == class_id)).scalars().all()
 
 
-def load_class_ids(db: Session, account_id: UUID) -> Sequence[UUID]:
+def load_class_ids_of_account(db: Session, account_id: UUID) -> Sequence[UUID]:
     """Load the classes of an account, former ones included."""
     query = select(Membership.class_id).where(Membership.account_id == account_id)
     return db.execute(query.order_by(Membership.joined_at, Membership.class_id)).scalars().all()
 
 
-def is_staff(db: Session, account_id: UUID) -> bool:
+def has_been_staff(db: Session, account_id: UUID) -> bool:
     """Whether an account teaches or assists in a class, or did."""
     query = select(Membership.class_id).where(Membership.account_id == account_id, Membership.role.in_(STAFF))
     return db.execute(query.limit(1)).first() is not None
@@ -74,28 +76,28 @@ def count_classes_not_taught(db: Session, account_id: UUID, teacher_id: UUID) ->
 
 
 def count_attempts(db: Session, account_id: UUID) -> int:
-    return _count(db, Submission, Submission.account_id == account_id)
+    return _count_rows(db, Submission, Submission.account_id == account_id)
 
 
 def count_messages(db: Session, account_id: UUID) -> int:
     """Count the messages about an account's work, and those that it wrote."""
     own = select(Thread.id).where(Thread.account_id == account_id)
-    return _count(db, Message, or_(Message.thread_id.in_(own), Message.author_id == account_id))
+    return _count_rows(db, Message, or_(Message.thread_id.in_(own), Message.author_id == account_id))
 
 
-def count_marks(db: Session, account_id: UUID, class_id: UUID | None) -> int:
+def count_teacher_marks(db: Session, account_id: UUID, class_id: UUID | None) -> int:
     """Count the marks and decisions that teachers have typed for an account."""
-    rows = _rows_of_account(account_id, class_id)
-    return sum(_count(db, table, rows[table]) for table in (Override, StateDecision, ManualMark))
+    rows = _conditions_by_table(account_id, class_id)
+    return sum(_count_rows(db, table, rows[table]) for table in (Override, StateDecision, ManualMark))
 
 
 def count_sittings(db: Session, account_id: UUID, class_id: UUID | None) -> int:
-    return _count(db, Sitting, _rows_of_account(account_id, class_id)[Sitting])
+    return _count_rows(db, Sitting, _conditions_by_table(account_id, class_id)[Sitting])
 
 
 def delete_class_data(db: Session, account_id: UUID, class_id: UUID) -> None:
     """Delete what an account has in a class, its membership last; the reasons in the log too."""
-    for table, rows in _rows_of_account(account_id, class_id).items():
+    for table, rows in _conditions_by_table(account_id, class_id).items():
         db.execute(delete(table).where(rows).execution_options(synchronize_session=False))
     events = select(AuditEvent).where(AuditEvent.class_id == class_id, AuditEvent.student == account_id)
     for event in db.execute(events).scalars():
@@ -103,7 +105,7 @@ def delete_class_data(db: Session, account_id: UUID, class_id: UUID) -> None:
     db.flush()
 
 
-def _rows_of_account(account_id: UUID, class_id: UUID | None) -> dict[type[Base], ColumnElement[bool]]:
+def _conditions_by_table(account_id: UUID, class_id: UUID | None) -> dict[type[Base], ColumnElement[bool]]:
     """Return the condition of the rows of an account in each table of a class; without one, in all classes."""
 
     def inside(
@@ -134,5 +136,5 @@ def _rows_of_account(account_id: UUID, class_id: UUID | None) -> dict[type[Base]
     }
 
 
-def _count(db: Session, table: type[Base], condition: ColumnElement[bool]) -> int:
+def _count_rows(db: Session, table: type[Base], condition: ColumnElement[bool]) -> int:
     return db.execute(select(func.count()).select_from(table).where(condition)).scalar_one()

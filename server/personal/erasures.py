@@ -25,7 +25,7 @@ from server.identity import repository as identity
 from server.identity.models import Account, Role
 from server.personal import erasure_repository as repository
 from server.personal.models import ErasureRequest
-from server.personal.team_copies import hand_over_team_attempts
+from server.personal.team_copies import give_team_attempts_to_partners
 
 NO_ACCOUNT = "Ce compte n’existe pas, ou plus."
 NOT_A_STUDENT = (
@@ -62,7 +62,7 @@ class ErasurePreview:
 
 
 @dataclass(frozen=True)
-class StandingRequest:
+class PendingErasure:
     """A request that stands: the tests it waits for, and when it is carried out at the latest."""
 
     requested_at: datetime
@@ -71,13 +71,13 @@ class StandingRequest:
     latest_at: datetime
 
 
-def require_student(db: Session, account: Account) -> None:
+def require_erasable_student(db: Session, account: Account) -> None:
     """Raise Forbidden for an account that teaches, assists or administers: nobody erases it but its owner."""
-    if account.role not in {Role.student, Role.guest} or repository.is_staff(db, account.id):
+    if account.role not in {Role.student, Role.guest} or repository.has_been_staff(db, account.id):
         raise Forbidden(NOT_A_STUDENT.format(name=account.name))
 
 
-def find_class_student(db: Session, class_id: UUID, account_id: UUID) -> Account:
+def find_present_or_former_student(db: Session, class_id: UUID, account_id: UUID) -> Account:
     """Return a student of a class, a former one too. Raises NotFound or Forbidden."""
     membership = db.get(Membership, (class_id, account_id))
     account = identity.find_account(db, account_id)
@@ -85,20 +85,24 @@ def find_class_student(db: Session, class_id: UUID, account_id: UUID) -> Account
         raise NotFound(NO_ACCOUNT)
     if membership.role != ClassRole.student:
         raise Forbidden(NOT_A_STUDENT.format(name=account.name))
-    require_student(db, account)
+    require_erasable_student(db, account)
     return account
 
 
-def preview_for_class(db: Session, by: Account, class_id: UUID, account: Account, now: datetime) -> ErasurePreview:
+def preview_erasure_by_staff(
+    db: Session, by: Account, class_id: UUID, account: Account, now: datetime
+) -> ErasurePreview:
     """Preview what this teacher or administrator erases from the page of a class.
 
     A teacher erases an account whose classes are all theirs; of another one, what it has in this class.
     """
     elsewhere = 0 if by.is_administrator else repository.count_classes_not_taught(db, account.id, by.id)
-    return preview(db, account, class_id if elsewhere else None, now, elsewhere)
+    return preview_erasure(db, account, class_id if elsewhere else None, now, elsewhere)
 
 
-def preview(db: Session, account: Account, class_id: UUID | None, now: datetime, elsewhere: int = 0) -> ErasurePreview:
+def preview_erasure(
+    db: Session, account: Account, class_id: UUID | None, now: datetime, elsewhere: int = 0
+) -> ErasurePreview:
     whole = class_id is None
     return ErasurePreview(
         account_id=account.id,
@@ -106,31 +110,31 @@ def preview(db: Session, account: Account, class_id: UUID | None, now: datetime,
         class_only=not whole,
         elsewhere=elsewhere,
         attempts=repository.count_attempts(db, account.id),
-        marks=repository.count_marks(db, account.id, class_id),
+        marks=repository.count_teacher_marks(db, account.id, class_id),
         messages=repository.count_messages(db, account.id),
         sittings=repository.count_sittings(db, account.id, class_id),
-        classes=len(repository.load_class_ids(db, account.id)) if whole else 1,
-        tests=tuple(repository.load_withholding_tests(db, account.id, class_id, now)),
+        classes=len(repository.load_class_ids_of_account(db, account.id)) if whole else 1,
+        tests=tuple(repository.load_titles_of_withholding_tests(db, account.id, class_id, now)),
     )
 
 
-def find_standing(
+def find_pending_erasure(
     db: Session, account_id: UUID, class_id: UUID | None, settings: Settings, now: datetime
-) -> StandingRequest | None:
+) -> PendingErasure | None:
     """Return the request that stands for an account, or for what it has in a class."""
-    request = repository.find_request(db, account_id, class_id)
+    request = repository.find_erasure_request(db, account_id, class_id)
     if request is None:
         return None
-    tests = tuple(repository.load_withholding_tests(db, account_id, class_id, now))
+    tests = tuple(repository.load_titles_of_withholding_tests(db, account_id, class_id, now))
     latest = request.requested_at + timedelta(days=settings.erasure_days)
-    return StandingRequest(request.requested_at, request.by_staff, tests, latest)
+    return PendingErasure(request.requested_at, request.by_staff, tests, latest)
 
 
 def request_erasure(db: Session, account_id: UUID, class_id: UUID | None, by: UUID, now: datetime) -> None:
     """Record a request, once, with a line in the log of each class. Raises NotFound."""
     if identity.lock_account(db, account_id) is None:
         raise NotFound(NO_ACCOUNT)
-    if repository.find_request(db, account_id, class_id) is not None:
+    if repository.find_erasure_request(db, account_id, class_id) is not None:
         return
     db.add(
         ErasureRequest(
@@ -138,14 +142,14 @@ def request_erasure(db: Session, account_id: UUID, class_id: UUID | None, by: UU
         )
     )
     db.flush()
-    _record(db, AuditAction.erasure_requested, account_id, class_id, by)
+    _record_erasure_event(db, AuditAction.erasure_requested, account_id, class_id, by)
 
 
 def cancel_erasure(db: Session, account: Account, class_id: UUID | None, by: Account) -> None:
     """Cancel a request that stands; the person's own is cancelled by themselves alone. Raises NotFound, Forbidden or
     Conflict."""
     identity.lock_account(db, account.id)
-    request = repository.find_request(db, account.id, class_id)
+    request = repository.find_erasure_request(db, account.id, class_id)
     if request is None:
         raise NotFound(NO_REQUEST)
     if request.begun_at is not None:
@@ -153,10 +157,12 @@ def cancel_erasure(db: Session, account: Account, class_id: UUID | None, by: Acc
     if by.id != account.id and not request.by_staff:
         raise Forbidden(OWN_REQUEST.format(name=account.name))
     db.delete(request)
-    _record(db, AuditAction.erasure_cancelled, account.id, class_id, by.id)
+    _record_erasure_event(db, AuditAction.erasure_cancelled, account.id, class_id, by.id)
 
 
-def begin_erasure(db: Session, account_id: UUID, class_id: UUID | None, settings: Settings, now: datetime) -> bool:
+def begin_erasure_if_allowed(
+    db: Session, account_id: UUID, class_id: UUID | None, settings: Settings, now: datetime
+) -> bool:
     """Begin to carry out a request where nothing puts it off; return whether it has begun.
 
     What an account has in one class goes at once. A whole account is closed first, so that nobody begins a test with it
@@ -164,17 +170,17 @@ def begin_erasure(db: Session, account_id: UUID, class_id: UUID | None, settings
     administrator.
     """
     account = identity.lock_account(db, account_id)
-    request = repository.find_request(db, account_id, class_id) if account is not None else None
+    request = repository.find_erasure_request(db, account_id, class_id) if account is not None else None
     if account is None or request is None:
         return False
-    tests = repository.load_withholding_tests(db, account_id, class_id, now)
+    tests = repository.load_titles_of_withholding_tests(db, account_id, class_id, now)
     is_late = now >= request.requested_at + timedelta(days=settings.erasure_days)
     if tests and request.begun_at is None and not is_late:
         return False
     by, reached = request.requested_by or account_id, ", ".join(tests)
     if class_id is not None:
-        values = {"marks": repository.count_marks(db, account_id, class_id)}
-        hand_over_team_attempts(db, account_id, class_id)
+        values = {"marks": repository.count_teacher_marks(db, account_id, class_id)}
+        give_team_attempts_to_partners(db, account_id, class_id)
         repository.delete_class_data(db, account_id, class_id)
         db.delete(request)
         audit.record_event(
@@ -184,18 +190,18 @@ def begin_erasure(db: Session, account_id: UUID, class_id: UUID | None, settings
         values = {"attempts": repository.count_attempts(db, account_id)}
         administration.disable_account(db, account)
         request.begun_at = now
-        for own_class in repository.load_class_ids(db, account_id):
+        for own_class in repository.load_class_ids_of_account(db, account_id):
             audit.record_event(
                 db, own_class, by, AuditAction.student_erased, student=account_id, about=reached, before=values
             )
     return True
 
 
-def load_standing(db: Session) -> Sequence[tuple[UUID, UUID | None]]:
+def load_pending_erasure_ids(db: Session) -> Sequence[tuple[UUID, UUID | None]]:
     """Load account and class of each request that stands."""
-    return [(request.account_id, request.class_id) for request in repository.load_requests(db)]
+    return [(request.account_id, request.class_id) for request in repository.load_erasure_requests(db)]
 
 
-def _record(db: Session, action: AuditAction, account_id: UUID, class_id: UUID | None, by: UUID) -> None:
-    for own_class in repository.load_class_ids(db, account_id) if class_id is None else [class_id]:
+def _record_erasure_event(db: Session, action: AuditAction, account_id: UUID, class_id: UUID | None, by: UUID) -> None:
+    for own_class in repository.load_class_ids_of_account(db, account_id) if class_id is None else [class_id]:
         audit.record_event(db, own_class, by, action, student=account_id)

@@ -29,7 +29,7 @@ from server.identity.models import Account
 from server.lesson import repository as lessons
 from server.personal import erasure_repository, repository
 from server.personal.archive_readme import READ_ME
-from server.personal.marks_data import format_time, mail_data, marks_data, teams_data
+from server.personal.marks_data import format_time, iter_mail_data, marks_data, teams_data
 from server.polls import repository as polls
 from server.recall import repository as recall
 from server.studio import repository as studio
@@ -40,7 +40,7 @@ BATCH_SIZE = 500
 File = tuple[str, bytes]
 
 
-def export_files(database: Database, course: Course, account_id: UUID) -> Iterator[File]:
+def iter_export_files(database: Database, course: Course, account_id: UUID) -> Iterator[File]:
     """Yield path and content of each file; one transaction a file, so that a slow download holds none open.
 
     Concurrent submissions and deletions may be included or not.
@@ -50,25 +50,25 @@ def export_files(database: Database, course: Course, account_id: UUID) -> Iterat
         account = identity.find_account(db, account_id)
         if account is None:
             return
-        yield "compte.json", _json(_account(db, account))
-        yield "classes.json", _json(_classes(db, account_id))
-        yield "notes.json", _json(marks_data(db, account_id))
-        yield "exercices.json", _json(_exercises(db, account_id))
-        yield "messages.json", _json(_messages(db, account_id))
-        yield "controles.json", _json(_tests(db, account_id))
-        yield "mes_exercices.json", _json(_authored(db, account_id))
+        yield "compte.json", _encode_json(_account_data(db, account))
+        yield "classes.json", _encode_json(_classes_data(db, account_id))
+        yield "notes.json", _encode_json(marks_data(db, account_id))
+        yield "exercices.json", _encode_json(_exercises_data(db, account_id))
+        yield "messages.json", _encode_json(_messages_data(db, account_id))
+        yield "controles.json", _encode_json(_tests_data(db, account_id))
+        yield "mes_exercices.json", _encode_json(_authored_exercises_data(db, account_id))
     last: UUID | None = None
     while True:
         with database.read() as db:
-            names = repository.submission_ids(db, account_id, after=last, limit=BATCH_SIZE)
+            names = repository.load_submission_ids_page(db, account_id, after=last, limit=BATCH_SIZE)
         for name in names:
-            yield from _attempt(database, course, name)
+            yield from _iter_attempt_files(database, course, name)
         if len(names) < BATCH_SIZE:
             return
         last = names[-1]
 
 
-def _authored(db: Session, account_id: UUID) -> list[dict[str, Any]]:
+def _authored_exercises_data(db: Session, account_id: UUID) -> list[dict[str, Any]]:
     """Return the exercises that an account has written, as typed."""
     return [
         {"exercise": exercise.name, "module": exercise.module, "draft": exercise.draft, "versions": exercise.number}
@@ -77,7 +77,7 @@ def _authored(db: Session, account_id: UUID) -> list[dict[str, Any]]:
     ]
 
 
-def _attempt(database: Database, course: Course, name: UUID) -> Iterator[File]:
+def _iter_attempt_files(database: Database, course: Course, name: UUID) -> Iterator[File]:
     with database.read() as db:
         submission = submissions.find_submission(db, name)
         if submission is None:
@@ -87,7 +87,7 @@ def _attempt(database: Database, course: Course, name: UUID) -> Iterator[File]:
         history = (
             []
             if held
-            else [_grading(submission, grading, feedback_rules) for grading in gradings.list_gradings(db, name)]
+            else [_grading_data(submission, grading, feedback_rules) for grading in gradings.list_gradings(db, name)]
         )
     sent = submission.created_at.strftime("%Y-%m-%d-%H%M%S")
     folder = f"essais/{submission.exercise}/{sent}-{str(name)[:8]}"
@@ -96,10 +96,10 @@ def _attempt(database: Database, course: Course, name: UUID) -> Iterator[File]:
     yield f"{folder}/reponse.{ending}", submission.source
     about: dict[str, Any] = {"id": str(name), "exercise": submission.exercise}
     about |= {"sent_at": format_time(submission.created_at)} | ({"held_by_a_test": True} if held else {})
-    yield f"{folder}/corrections.json", _json({**about, "seed": submission.seed, "gradings": history})
+    yield f"{folder}/corrections.json", _encode_json({**about, "seed": submission.seed, "gradings": history})
 
 
-def _grading(submission: Submission, grading: Grading, feedback_rules: FeedbackHolds) -> dict[str, Any]:
+def _grading_data(submission: Submission, grading: Grading, feedback_rules: FeedbackHolds) -> dict[str, Any]:
     return {
         "counts": grading.id == submission.grading_id,
         "started_at": format_time(grading.started_at),
@@ -108,10 +108,10 @@ def _grading(submission: Submission, grading: Grading, feedback_rules: FeedbackH
     }
 
 
-def _account(db: Session, account: Account) -> dict[str, Any]:
+def _account_data(db: Session, account: Account) -> dict[str, Any]:
     sessions = identity.load_sessions(db, account.id)
     tokens = identity.load_all_tokens(db, account.id)
-    calendar = calendars.find_address(db, account.id)
+    calendar = calendars.find_calendar_address(db, account.id)
     return {
         "id": str(account.id),
         "name": account.name,
@@ -120,13 +120,13 @@ def _account(db: Session, account: Account) -> dict[str, Any]:
         "created_at": format_time(account.created_at),
         "erasure_requests": [
             {"requested_at": format_time(request.requested_at), "by_staff": request.by_staff}
-            for request in erasure_repository.load_account_requests(db, account.id)
+            for request in erasure_repository.load_erasure_requests_of_account(db, account.id)
         ],
         "known_browsers": [
             {"seen_at": format_time(device.seen_at)} for device in identity.load_devices(db, account.id)
         ],
         "calendar_address": None if calendar is None else {"created_at": format_time(calendar.created_at)},
-        "mails": list(mail_data(db, account.id)),
+        "mails": list(iter_mail_data(db, account.id)),
         "has_pseudonym": account.has_pseudonym,
         "identities": [
             {
@@ -165,7 +165,7 @@ def _account(db: Session, account: Account) -> dict[str, Any]:
     }
 
 
-def _exercises(db: Session, account_id: UUID) -> dict[str, Any]:
+def _exercises_data(db: Session, account_id: UUID) -> dict[str, Any]:
     sums = gradebook.load_visible_standings(db, account_id)
     hidden_diagnoses = {
         name
@@ -177,16 +177,16 @@ def _exercises(db: Session, account_id: UUID) -> dict[str, Any]:
             {
                 "exercise": name,
                 **{
-                    key: _plain(value)
+                    key: _json_value(value)
                     for key, value in asdict(standing).items()
-                    if _is_visible(key, name, hidden_diagnoses)
+                    if _is_visible_column(key, name, hidden_diagnoses)
                 },
             }
             for name, standing in sorted(sums.items())
         ],
         "deals": [
             {"exercise": variant.exercise, "seed": variant.seed, "created_at": format_time(variant.created_at)}
-            for variant in repository.variants_of(db, account_id)
+            for variant in repository.load_variants(db, account_id)
         ],
         "lesson_answers": [
             {
@@ -197,7 +197,7 @@ def _exercises(db: Session, account_id: UUID) -> dict[str, Any]:
                 "answered_at": format_time(poll_answer.answered_at),
                 "last_at": format_time(poll_answer.last_at),
             }
-            for poll_answer in polls.load_answers(db, account_id)
+            for poll_answer in polls.load_poll_answers(db, account_id)
         ],
         "recall_answers": [
             {
@@ -208,7 +208,7 @@ def _exercises(db: Session, account_id: UUID) -> dict[str, Any]:
                 "right": answer.is_right,
                 "answered_at": format_time(answer.answered_at),
             }
-            for answer in recall.load_answers(db, account_id)
+            for answer in recall.load_recall_answers(db, account_id)
         ],
         "choices": dict(recall.load_choices(db, account_id)),
         "seen_in_lessons": [
@@ -221,21 +221,21 @@ def _exercises(db: Session, account_id: UUID) -> dict[str, Any]:
         ],
         "solutions_opened": [
             {"exercise": opening.exercise, "opened_at": format_time(opening.opened_at)}
-            for opening in repository.solution_openings_by(db, account_id)
+            for opening in repository.load_solution_openings_by(db, account_id)
         ],
         "solutions_opened_to_classes": [
             {"exercise": opening.exercise, "class": name, "opened_at": format_time(opening.opened_at)}
-            for opening, name in repository.class_openings_by(db, account_id)
+            for opening, name in repository.load_class_openings_by(db, account_id)
         ],
     }
 
 
-def _is_visible(key: str, exercise: str, hidden_diagnoses: Collection[str]) -> bool:
+def _is_visible_column(key: str, exercise: str, hidden_diagnoses: Collection[str]) -> bool:
     """An assignment may hold diagnoses back."""
     return key != "last_diagnosis" or exercise not in hidden_diagnoses
 
 
-def _tests(db: Session, account_id: UUID) -> dict[str, Any]:
+def _tests_data(db: Session, account_id: UUID) -> dict[str, Any]:
     return {
         "sittings": [
             {
@@ -258,7 +258,7 @@ def _tests(db: Session, account_id: UUID) -> dict[str, Any]:
     }
 
 
-def _classes(db: Session, account_id: UUID) -> list[dict[str, Any]]:
+def _classes_data(db: Session, account_id: UUID) -> list[dict[str, Any]]:
     return [
         {
             "class": joined_class.school_class.name,
@@ -273,7 +273,7 @@ def _classes(db: Session, account_id: UUID) -> list[dict[str, Any]]:
             "left_at": format_time(joined_class.membership.left_at),
             "last_seen_at": format_time(joined_class.membership.last_seen_at),
             "exemptions": [
-                {"assignment": title, **{name: _plain(value) for name, value in changed_fields(exemption).items()}}
+                {"assignment": title, **{name: _json_value(value) for name, value in changed_fields(exemption).items()}}
                 for title, exemption in assignments.load_student_exemptions(
                     db, account_id, joined_class.school_class.id
                 )
@@ -283,10 +283,10 @@ def _classes(db: Session, account_id: UUID) -> list[dict[str, Any]]:
     ]
 
 
-def _messages(db: Session, account_id: UUID) -> dict[str, Any]:
+def _messages_data(db: Session, account_id: UUID) -> dict[str, Any]:
     own = comments.load_account_comments(db, account_id)
     return {
-        "threads": [_thread(talk, own.seen.get(talk.thread.id)) for talk in own.conversations],
+        "threads": [_thread_data(talk, own.seen.get(talk.thread.id)) for talk in own.conversations],
         "read_on_shared_work": [{"exercise": name, "seen_at": format_time(at)} for name, at in own.shared_readings],
         "written_on_work_of_others": [
             {"exercise": exercise, "text": message.text, "at": format_time(message.created_at)}
@@ -318,7 +318,7 @@ def _messages(db: Session, account_id: UUID) -> dict[str, Any]:
     }
 
 
-def _thread(talk: Conversation, seen_at: datetime | None) -> dict[str, Any]:
+def _thread_data(talk: Conversation, seen_at: datetime | None) -> dict[str, Any]:
     """Convert a thread; authors of answers are not named: their names are their own data."""
     thread = talk.thread
     return {
@@ -339,9 +339,9 @@ def _thread(talk: Conversation, seen_at: datetime | None) -> dict[str, Any]:
     }
 
 
-def _plain(value: Any) -> Any:
+def _json_value(value: Any) -> Any:
     return format_time(value) if isinstance(value, datetime) else value
 
 
-def _json(content: Any) -> bytes:
+def _encode_json(content: Any) -> bytes:
     return json.dumps(content, ensure_ascii=False, indent=2).encode()

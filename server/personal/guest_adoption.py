@@ -29,7 +29,7 @@ SAT_TWICE = (
 
 def require_joinable(db: Session, newcomer_id: UUID, account_id: UUID) -> None:
     """Raise Conflict where the data of an account cannot move to another one: it teaches, or both sat one test."""
-    if erasure_repository.is_staff(db, newcomer_id):
+    if erasure_repository.has_been_staff(db, newcomer_id):
         raise Conflict(STAFF)
     if sitting_repository.has_common_sitting(db, newcomer_id, account_id):
         raise Conflict(SAT_TWICE)
@@ -47,8 +47,8 @@ def adopt_guest_data(db: Session, guest_id: UUID, account_id: UUID) -> None:
     exemption_service.move_guest_exemptions(db, guest_id, account_id)
     team_repository.move_team_places(db, guest_id, account_id)
     marks.move_guest_marks(db, guest_id, account_id)
-    polls.move_answers(db, guest_id, account_id)
-    recall.move(db, guest_id, account_id)
+    polls.move_poll_answers(db, guest_id, account_id)
+    recall.move_answers_and_choices(db, guest_id, account_id)
     lessons.move_visits(db, guest_id, account_id)
     personal_rows.move_account_rows(db, guest_id, account_id)
     audit.move_events(db, guest_id, account_id)

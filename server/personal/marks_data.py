@@ -43,34 +43,34 @@ def marks_data(db: Session, account_id: UUID) -> dict[str, Any]:
     held = gradebook.load_withholding_times(db, account_id)
     since = min(held.values(), default=None)
     about = [
-        {**_event(event, name), "reason": _reason(event)}
+        {**_event_data(event, name), "reason": _event_reason(event)}
         for event, name in audit.load_events_about(db, account_id)
         if event.what not in UNTOLD and (since is None or event.at < since or event.what not in OF_MARKS)
     ]
-    by = [{**_event(event, name), "reason": event.reason} for event, name in audit.load_events_by(db, account_id)]
+    by = [{**_event_data(event, name), "reason": event.reason} for event, name in audit.load_events_by(db, account_id)]
     return {
         "overrides": [
-            _override(override, name)
+            _override_data(override, name)
             for override, name in marks.load_overrides_on_account(db, account_id)
             if override.exercise not in held or override.at < held[override.exercise]
         ],
         "decisions": [
-            _decision(decision, assignment, name)
+            _decision_data(decision, assignment, name)
             for decision, assignment, name in marks.load_decisions_about_account(db, account_id)
             if not is_test_withheld(assignment, utc_now())
         ],
         "columns": [
-            _column_mark(mark, column, name)
+            _column_mark_data(mark, column, name)
             for mark, column, name in columns_repository.load_account_marks(db, account_id)
             if column.published_at is not None and column.deleted_at is None
         ],
         "copies_marked_by_hand": [
-            _marking(marking, rubric, column, name)
+            _rubric_marking_data(marking, rubric, column, name)
             for marking, rubric, column, name in rubrics_repository.load_account_markings(db, account_id)
             if column.published_at is not None and column.deleted_at is None and marking.finished_at is not None
         ],
         "overrides_you_set": [
-            _override(override, name) for override, name in marks.load_overrides_by_author(db, account_id)
+            _override_data(override, name) for override, name in marks.load_overrides_by_author(db, account_id)
         ],
         "changes_about_you": about,
         "changes_you_made": by,
@@ -96,7 +96,7 @@ def teams_data(db: Session, account_id: UUID) -> dict[str, Any]:
     }
 
 
-def _override(override: Override, name: str) -> dict[str, Any]:
+def _override_data(override: Override, name: str) -> dict[str, Any]:
     return {
         "class": name,
         "exercise": override.exercise,
@@ -109,7 +109,7 @@ def _override(override: Override, name: str) -> dict[str, Any]:
     }
 
 
-def _decision(decision: StateDecision, assignment: Assignment, name: str) -> dict[str, Any]:
+def _decision_data(decision: StateDecision, assignment: Assignment, name: str) -> dict[str, Any]:
     return {
         "class": name,
         "assignment": assignment.title,
@@ -120,7 +120,7 @@ def _decision(decision: StateDecision, assignment: Assignment, name: str) -> dic
     }
 
 
-def _column_mark(mark: ManualMark, column: ManualColumn, name: str) -> dict[str, Any]:
+def _column_mark_data(mark: ManualMark, column: ManualColumn, name: str) -> dict[str, Any]:
     return {
         "class": name,
         "column": column.title,
@@ -133,7 +133,7 @@ def _column_mark(mark: ManualMark, column: ManualColumn, name: str) -> dict[str,
     }
 
 
-def _marking(marking: RubricMarking, rubric: Rubric, column: ManualColumn, name: str) -> dict[str, Any]:
+def _rubric_marking_data(marking: RubricMarking, rubric: Rubric, column: ManualColumn, name: str) -> dict[str, Any]:
     given = rubrics_repository.read_rubric_scores(marking)
     return {
         "class": name,
@@ -152,12 +152,12 @@ def _marking(marking: RubricMarking, rubric: Rubric, column: ManualColumn, name:
     }
 
 
-def _event(event: AuditEvent, name: str | None) -> dict[str, Any]:
+def _event_data(event: AuditEvent, name: str | None) -> dict[str, Any]:
     change = {"what": event.what, "about": event.about, "before": event.before, "after": event.after}
     return {"class": name, "at": format_time(event.at), **change}
 
 
-def _reason(event: AuditEvent) -> str:
+def _event_reason(event: AuditEvent) -> str:
     return "" if event.what in PRIVATE else event.reason
 
 
@@ -165,7 +165,7 @@ def format_time(when: datetime | None) -> str | None:
     return None if when is None else when.isoformat()
 
 
-def mail_data(db: Session, account_id: UUID) -> Iterator[dict[str, Any]]:
+def iter_mail_data(db: Session, account_id: UUID) -> Iterator[dict[str, Any]]:
     """Yield the addresses to which an account has mails sent."""
     for row, name in mails.load_account_subscriptions(db, account_id):
         asked, confirmed = format_time(row.created_at), format_time(row.confirmed_at)

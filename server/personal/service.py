@@ -12,8 +12,8 @@ from server.identity import repository as identity
 from server.identity.models import Account
 from server.limits import service as limits
 from server.personal import erasures, repository
-from server.personal.export import export_files
-from server.personal.team_copies import hand_over_team_attempts
+from server.personal.export import iter_export_files
+from server.personal.team_copies import give_team_attempts_to_partners
 from server.personal.zip_stream import stream_zip
 
 ERASE_BATCH = 100  # bounds how long a transaction delays others
@@ -23,7 +23,7 @@ PURGE_BATCH = 200
 TOO_MANY_EXPORTS = "Vous venez de télécharger vos données : réessayez dans {seconds} s."
 
 
-class PersonalData:
+class PersonalDataService:
     """Thread-safe: each method opens its own short transactions."""
 
     def __init__(self, database: Database, settings: Settings, course: Course) -> None:
@@ -33,7 +33,7 @@ class PersonalData:
         """Yield the chunks of a ZIP of all data of this person. Raises RateLimited before the first one."""
         with self._database.write() as db:
             limits.take_token(db, f"export:{account.id}", self._settings.export_bucket, TOO_MANY_EXPORTS)
-        return stream_zip(export_files(self._database, self._course, account.id), utc_now())
+        return stream_zip(iter_export_files(self._database, self._course, account.id), utc_now())
 
     def erase_on_request(self, account_id: UUID, *, by: UUID | None = None, class_id: UUID | None = None) -> bool:
         """Record a request to erase an account, or what it has in a class; carry it out unless a test puts it off.
@@ -44,7 +44,7 @@ class PersonalData:
         now = utc_now()
         with self._database.write() as db:
             erasures.request_erasure(db, account_id, class_id, by or account_id, now)
-            begun = erasures.begin_erasure(db, account_id, class_id, self._settings, now)
+            begun = erasures.begin_erasure_if_allowed(db, account_id, class_id, self._settings, now)
         if begun and class_id is None:
             self.erase(account_id)
         return begun
@@ -52,11 +52,11 @@ class PersonalData:
     def carry_out_erasures(self, now: datetime) -> int:
         """Carry out the erasures that nothing puts off any more, or that have stood too long; return how many."""
         with self._database.read() as db:
-            requests = erasures.load_standing(db)
+            requests = erasures.load_pending_erasure_ids(db)
         done = 0
         for account_id, class_id in requests:
             with self._database.write() as db:
-                begun = erasures.begin_erasure(db, account_id, class_id, self._settings, now)
+                begun = erasures.begin_erasure_if_allowed(db, account_id, class_id, self._settings, now)
             if begun and class_id is None:
                 self.erase(account_id)
             done += begun
@@ -69,7 +69,7 @@ class PersonalData:
         without the reasons of changes about this person.
         """
         with self._database.write() as db:
-            hand_over_team_attempts(db, account_id)
+            give_team_attempts_to_partners(db, account_id)
         erased = ERASE_BATCH
         while erased == ERASE_BATCH:
             with self._database.write() as db:
@@ -81,7 +81,7 @@ class PersonalData:
     def erase_lost_guests(self, now: datetime) -> int:
         """Erase a batch of unreachable guests, and of idle ones; return how many."""
         with self._database.read() as db:
-            guest_ids = repository.unreachable_guest_ids(db, now - GUEST_GRACE, limit=GUEST_BATCH)
+            guest_ids = repository.load_unreachable_guest_ids(db, now - GUEST_GRACE, limit=GUEST_BATCH)
         for account_id in guest_ids:
             self.erase_on_request(account_id)
         if not self._settings.guest_days:
@@ -109,8 +109,8 @@ class PersonalData:
         """Load a batch of students past the retention settings `left_days` and `silent_days`."""
         settings = self._settings
         rules = (
-            (settings.left_days, repository.departed_student_ids),
-            (settings.silent_days, repository.inactive_student_ids),
+            (settings.left_days, repository.load_departed_student_ids),
+            (settings.silent_days, repository.load_inactive_student_ids),
         )
         with self._database.read() as db:
             account_ids = [
@@ -119,14 +119,14 @@ class PersonalData:
                 if days
                 for account_id in find(db, now - timedelta(days=days), PURGE_BATCH)
             ]
-            return repository.accounts_by_name(db, account_ids[:PURGE_BATCH])
+            return repository.load_accounts_sorted_by_name(db, account_ids[:PURGE_BATCH])
 
     def erase_expired_students(self, now: datetime) -> Sequence[Account]:
         """Erase a batch of them; return who they were. Who has sat a test that is not published waits."""
         return [account for account in self.find_expired_students(now) if self.erase_on_request(account.id)]
 
 
-def archive_headers(now: datetime) -> dict[str, str]:
+def export_archive_headers(now: datetime) -> dict[str, str]:
     """Return the headers of the archive, which is compressed already."""
     return {
         "Content-Disposition": f'attachment; filename="balise-mes-donnees-{now:%Y-%m-%d}.zip"',

@@ -14,7 +14,7 @@ from server.gradebook import service as gradebook
 from server.submissions.models import Submission
 
 
-def hand_over_team_attempts(db: Session, account_id: UUID, class_id: UUID | None = None) -> None:
+def give_team_attempts_to_partners(db: Session, account_id: UUID, class_id: UUID | None = None) -> None:
     """Give to a partner what this account has sent for both, in one class or in all. The texts of the attempts stay as
     they were sent; nothing says any more who sent them."""
     given = {

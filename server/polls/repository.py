@@ -14,7 +14,7 @@ from server.polls.models import PollAnswer
 from server.polls.schemas import AnswerCount
 
 
-def save_answer(db: Session, account_id: UUID, poll: str, answer: str) -> None:
+def save_latest_answer(db: Session, account_id: UUID, poll: str, answer: str) -> None:
     """Insert the first answer, or update the last one and the number of tries."""
     now = utc_now()
     row = {"answer": answer, "last": answer, "tries": 1, "answered_at": now, "last_at": now}
@@ -31,7 +31,7 @@ def save_first_answer(db: Session, account_id: UUID, poll: str, answer: str) -> 
     db.execute(statement.on_conflict_do_nothing())
 
 
-def load_answers(db: Session, account_id: UUID) -> Sequence[PollAnswer]:
+def load_poll_answers(db: Session, account_id: UUID) -> Sequence[PollAnswer]:
     query = select(PollAnswer).where(PollAnswer.account_id == account_id).order_by(PollAnswer.poll)
     return db.execute(query).scalars().all()
 
@@ -63,7 +63,7 @@ def count_active_students(db: Session, class_id: UUID) -> int:
     return db.execute(query).scalar_one()
 
 
-def move_answers(db: Session, old: UUID, new: UUID) -> None:
+def move_poll_answers(db: Session, old: UUID, new: UUID) -> None:
     """Moves the answers to polls that `new` has not answered."""
     answered = select(PollAnswer.poll).where(PollAnswer.account_id == new)
     moved = update(PollAnswer).where(PollAnswer.account_id == old, PollAnswer.poll.not_in(answered))

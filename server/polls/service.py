@@ -35,22 +35,22 @@ def polls_of_module(module: Module) -> Mapping[str, Poll]:
 @lru_cache(maxsize=1024)
 def polls_of_lesson(module: Module, lesson: Lesson) -> Mapping[str, Poll]:
     """Return the questions of one lesson, by name."""
-    return {poll.name: poll for poll in _lesson_polls(module, lesson)}
+    return {poll.name: poll for poll in _iter_lesson_polls(module, lesson)}
 
 
-def _lesson_polls(module: Module, lesson: Lesson) -> Iterator[Poll]:
+def _iter_lesson_polls(module: Module, lesson: Lesson) -> Iterator[Poll]:
     for name in lesson.replays:
         source = import_file(lesson.text.source.path.parents[1] / "rejeux" / f"{name.replace('-', '_')}.py")
         prediction: Prediction | Placed | None = getattr(source, "PREDICTION", None)
         if prediction is not None:
-            yield _prediction_poll(lesson, name, source.TITLE, prediction)
+            yield _build_prediction_poll(lesson, name, source.TITLE, prediction)
     for name in lesson.questions:
         found = _find_choice_question(module, name)
         if found is not None:
-            yield _choice_poll(lesson, name, *found)
+            yield _build_choice_poll(lesson, name, *found)
 
 
-def _prediction_poll(lesson: Lesson, name: str, title: str, asked: Prediction | Placed) -> Poll:
+def _build_prediction_poll(lesson: Lesson, name: str, title: str, asked: Prediction | Placed) -> Poll:
     options = tuple(
         PollOption(answer_id, escape(french(words)), answer_id == asked.right) for answer_id, words in asked.answers
     )
@@ -59,7 +59,7 @@ def _prediction_poll(lesson: Lesson, name: str, title: str, asked: Prediction | 
     return Poll(f"rejeux/{name}", french(title), href, escape(french(asked.question)), options, True, place=place)
 
 
-def _choice_poll(lesson: Lesson, name: str, exercise: Exercise, question: ChoiceQuestion) -> Poll:
+def _build_choice_poll(lesson: Lesson, name: str, exercise: Exercise, question: ChoiceQuestion) -> Poll:
     """Build the poll of a choice question, its options shuffled."""
     order = [question.find_option(option_id) for option_id in question.letters(SHUFFLE_SEED).by_letter.values()]
     options = tuple(PollOption(option.id, Markup(exercise.line(option.text)), option.right) for option in order)
@@ -87,7 +87,7 @@ def find_poll(module: Module, name: str) -> Poll:
     return poll
 
 
-def submit_answer(db: Session, account: Account | None, module: Module, poll: Poll, answer: str) -> MarkedAnswer:
+def submit_poll_answer(db: Session, account: Account | None, module: Module, poll: Poll, answer: str) -> MarkedAnswer:
     """Keeps an answer, of who has an account; of what one expects of a replay, the first alone. Marks it, but for that.
 
     Raises Invalid; Unauthorised for what a visitor expects, which their browser keeps; Conflict where a test asks it.
@@ -97,15 +97,19 @@ def submit_answer(db: Session, account: Account | None, module: Module, poll: Po
         raise Invalid("Cette réponse n’est pas de celles que la question propose.")
     if account is None and poll.is_prediction:
         raise Unauthorised("Sans compte, votre navigateur garde ce que vous répondez.")
-    marked = MarkedAnswer("") if poll.is_prediction else _mark_answer(db, account, module, poll, ids)
+    marked = MarkedAnswer("") if poll.is_prediction else _mark_choice_answer(db, account, module, poll, ids)
     if account is None:
         return marked
     name = f"{module.slug}/{poll.name}"
-    (repository.save_first_answer if poll.is_prediction else repository.save_answer)(db, account.id, name, answer)
+    (repository.save_first_answer if poll.is_prediction else repository.save_latest_answer)(
+        db, account.id, name, answer
+    )
     return replace(marked, first=repository.load_first_answers(db, account.id, [name])[name])
 
 
-def _mark_answer(db: Session, account: Account | None, module: Module, poll: Poll, ids: Set[str]) -> MarkedAnswer:
+def _mark_choice_answer(
+    db: Session, account: Account | None, module: Module, poll: Poll, ids: Set[str]
+) -> MarkedAnswer:
     """Mark an answer with the grader of the question's exercise."""
     found = _find_choice_question(module, poll.name)
     if found is None:
@@ -121,7 +125,9 @@ def _mark_answer(db: Session, account: Account | None, module: Module, poll: Pol
     return MarkedAnswer("", result.passed, exercise.prose(result.message))
 
 
-def load_lesson_answers(db: Session, account: Account | None, module: Module, lesson: Lesson) -> Mapping[str, str]:
+def load_first_answers_in_lesson(
+    db: Session, account: Account | None, module: Module, lesson: Lesson
+) -> Mapping[str, str]:
     """What somebody said first to the questions of a lesson, by name. Nothing of a visitor: their browser keeps it."""
     names = [f"{module.slug}/{name}" for name in polls_of_lesson(module, lesson)]
     if account is None or not names:

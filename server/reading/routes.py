@@ -55,7 +55,7 @@ def choose_path(
     module: str, course: CourseOf, account: BrowserAccount, db: Db, chemin: Annotated[str, Form(max_length=200)] = ""
 ) -> RedirectResponse:
     """Store the path that the reader takes, which decides of their next exercises; none where it is empty."""
-    paths.save_path(db, account.id, find_module(course, module), chemin)
+    paths.save_chosen_path(db, account.id, find_module(course, module), chemin)
     return RedirectResponse(f"/{module}", HTTPStatus.SEE_OTHER)
 
 
@@ -85,7 +85,7 @@ def store_question_answer(module: str, body: LessonAnswerInput, reader: CurrentR
     """Keeps what somebody answers to a question of the lessons; tells what they answered first, and if it is right."""
     course_module = find_module(reader.course, module)
     poll = polls.find_poll(course_module, body.question)
-    marked = polls.submit_answer(reader.db, reader.account, course_module, poll, body.answer)
+    marked = polls.submit_poll_answer(reader.db, reader.account, course_module, poll, body.answer)
     told = {**asdict(marked), "why": root_path.with_external_paths(marked.why)}
     return JSONResponse(told, headers={"Cache-Control": "no-store"})
 

@@ -72,9 +72,9 @@ def find_lesson(module: Module, slug: str) -> Lesson:
 def build_course_home(reader: Reader, module: Module) -> CourseHome:
     progress = gradebook.load_progress(reader.db, reader.account)
     due = deadlines.due_soon(reader.db, reader.account, progress, module.slug)
-    choices = paths.load_paths(reader.db, reader.account.id if reader.account else None)
+    choices = paths.load_chosen_paths(reader.db, reader.account.id if reader.account else None)
     others = {edition.number: f"/{edition.slug}" for edition in reader.course.latest}
-    view = build_home_view(module, progress, due, others, paths.find_path(module, choices))
+    view = build_home_view(module, progress, due, others, paths.find_chosen_path(module, choices))
     names = studio.list_exercises_proposed_to_account(reader.db, reader.account, module.slug)
     found = [exercise for name in names if (exercise := reader.course.exercises.get(name)) is not None]
     proposed = tuple(_exercise_rows_by_slug(found, progress).values())
@@ -210,10 +210,12 @@ def _build_lesson_link(lesson: Lesson, left: Sequence[str] = ()) -> LessonLink:
 
 
 def build_lesson_page(reader: Reader, module: Module, lesson: Lesson, *, is_warning_read: bool = False) -> LessonPage:
-    said = polls.load_lesson_answers(reader.db, reader.account, module, lesson)
+    said = polls.load_first_answers_in_lesson(reader.db, reader.account, module, lesson)
     gate = gates.choose_solution_gate(reader, lesson, is_warning_read=is_warning_read)
     progress = gradebook.load_progress(reader.db, reader.account)
-    chosen = paths.find_path(module, paths.load_paths(reader.db, reader.account.id if reader.account else None))
+    chosen = paths.find_chosen_path(
+        module, paths.load_chosen_paths(reader.db, reader.account.id if reader.account else None)
+    )
     return build_lesson_view(module, lesson, progress, said, gate, account=reader.account, chosen_path=chosen)
 
 

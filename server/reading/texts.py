@@ -42,7 +42,7 @@ def fill_lesson_text(
     if lesson.text.exercises:
         text = EXERCISE.sub(lambda match: match[0] + _render_exercise_card(module, rows, match[1]), text)
     if lesson.text.retrievals:
-        day = retrievals.today()
+        day = retrievals.today_at_school()
         text = RETRIEVAL.sub(
             lambda match: match[0] + _render_retrieval_question(module, match[1], account, day, is_heard), text
         )

@@ -21,8 +21,8 @@ from server.course import Course, Exercise
 from server.identity.models import Account
 from server.recall import repository
 from server.recall.models import QuestionKind, RecallAnswer
-from server.recall.retrievals import NO_QUESTION, require_recent
-from server.recall.subjects import subject_of
+from server.recall.retrievals import NO_QUESTION, require_today_or_yesterday
+from server.recall.subjects import subject_of_misconception
 
 IN_TEST = "Cette question attend les résultats du contrôle « {title} »."
 EMPTY = "Donnez une réponse."
@@ -49,12 +49,12 @@ class CalculationMark:
     right: str
 
 
-def can_calculate(exercise: Exercise) -> bool:
+def has_calculation_questions(exercise: Exercise) -> bool:
     """Whether an exercise has questions of numbers or choices that may be asked again."""
     return exercise.hunts != "never" and isinstance(exercise.answers, NumericGrader | ChoiceGrader)
 
 
-def find_question_showing(exercise: Exercise, misconception: str) -> str | None:
+def find_question_showing_misconception(exercise: Exercise, misconception: str) -> str | None:
     """Return the first question of an exercise in which a misconception shows: it depends on the fewest others."""
     grader = exercise.answers
     if isinstance(grader, NumericGrader):
@@ -70,7 +70,11 @@ def draw_calculation(
 ) -> AskedCalculation:
     """Draw the question about a misconception for an account and a day. Raises NotFound."""
     exercise = course.exercises.get(exercise_id)
-    name = None if exercise is None or not can_calculate(exercise) else find_question_showing(exercise, misconception)
+    name = (
+        None
+        if exercise is None or not has_calculation_questions(exercise)
+        else find_question_showing_misconception(exercise, misconception)
+    )
     if exercise is None or exercise.answers is None or name is None:
         raise NotFound(NO_QUESTION)
     seed = make_seed("calculation", str(account.id), exercise_id, misconception, day.isoformat())
@@ -90,10 +94,10 @@ def mark_calculation(asked: AskedCalculation, typed: Sequence[str]) -> Calculati
     finding = next(finding for finding in findings if finding.result.id == question.id)
     if finding.cause is Outcome.INVALID_OUTPUT:
         raise Invalid(finding.result.message)
-    return CalculationMark(finding.passed, finding.result.message, _right_words(asked))
+    return CalculationMark(finding.passed, finding.result.message, _right_answer_text(asked))
 
 
-def _right_words(asked: AskedCalculation) -> str:
+def _right_answer_text(asked: AskedCalculation) -> str:
     grader, question = asked.exercise.answers, asked.question
     assert grader is not None
     right = grader.right_answers(asked.seed)[question.id]
@@ -109,12 +113,12 @@ def submit_calculation(
 
     Raises Conflict for another day and during a test that asks the exercise, Invalid for what is no answer.
     """
-    require_recent(asked.day)
+    require_today_or_yesterday(asked.day)
     if tests := feedback.load_holds(db, account.id, asked.exercise.id).tests:
         raise Conflict(IN_TEST.format(title=tests[0].title))
     marked = mark_calculation(asked, typed)
     repository.add_answer(db, RecallAnswer(
-        account_id=account.id, subject=subject_of(course, asked.exercise, asked.misconception),
+        account_id=account.id, subject=subject_of_misconception(course, asked.exercise, asked.misconception),
         kind=QuestionKind.calculation, exercise=asked.exercise.id, misconception=asked.misconception,
         is_right=marked.is_right,
     ))  # fmt: skip

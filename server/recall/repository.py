@@ -15,21 +15,21 @@ from server.recall.models import ReaderChoice, RecallAnswer
 MAX_ANSWERS, MAX_CLASS_ANSWERS = 3000, 30_000
 
 
-def load_answers(db: Session, account_id: UUID) -> Sequence[RecallAnswer]:
+def load_recall_answers(db: Session, account_id: UUID) -> Sequence[RecallAnswer]:
     """Load an account's latest answers, the oldest first."""
     query = select(RecallAnswer).where(RecallAnswer.account_id == account_id)
     latest = query.order_by(RecallAnswer.answered_at.desc(), RecallAnswer.id).limit(MAX_ANSWERS)
     return tuple(reversed(db.execute(latest).scalars().all()))
 
 
-def load_answers_of(db: Session, accounts: Collection[UUID]) -> Sequence[RecallAnswer]:
+def load_recall_answers_of_accounts(db: Session, accounts: Collection[UUID]) -> Sequence[RecallAnswer]:
     """Load the latest answers of several accounts, the oldest first."""
     query = select(RecallAnswer).where(RecallAnswer.account_id.in_(accounts))
     latest = query.order_by(RecallAnswer.answered_at.desc(), RecallAnswer.id).limit(MAX_CLASS_ANSWERS)
     return tuple(reversed(db.execute(latest).scalars().all()))
 
 
-def find_latest_answer(db: Session, account_id: UUID, subject: str) -> datetime | None:
+def find_latest_answer_time(db: Session, account_id: UUID, subject: str) -> datetime | None:
     """Return when an account last answered about a subject."""
     query = select(func.max(RecallAnswer.answered_at)).where(
         RecallAnswer.account_id == account_id, RecallAnswer.subject == subject
@@ -56,7 +56,7 @@ def save_choice(db: Session, account_id: UUID, name: str, value: str) -> None:
     db.execute(statement.on_conflict_do_update(index_elements=["account_id", "name"], set_={"value": value}))
 
 
-def move(db: Session, guest_id: UUID, account_id: UUID) -> None:
+def move_answers_and_choices(db: Session, guest_id: UUID, account_id: UUID) -> None:
     """Give an account the answers of a guest, and the choices that it has not made itself."""
     db.execute(update(RecallAnswer).where(RecallAnswer.account_id == guest_id).values(account_id=account_id))
     own = select(ReaderChoice.name).where(ReaderChoice.account_id == account_id)

@@ -26,7 +26,7 @@ VISITOR = "visiteur"
 
 
 @dataclass(frozen=True)
-class AskedQuestion:
+class AskedRetrieval:
     """A question with its numbers of a day. `name` is `lesson/question`; `seed` drew it."""
 
     module: str
@@ -49,23 +49,23 @@ class AskedQuestion:
         return f"/{self.module}/lire/{self.name.partition('/')[0]}#{self.anchor}"
 
 
-def today() -> date:
+def today_at_school() -> date:
     """Return the day on the school's clock."""
     return school_time.to_local(utc_now()).date()
 
 
-def require_recent(day: date) -> None:
+def require_today_or_yesterday(day: date) -> None:
     """Raise Conflict for a question of another day than today or yesterday."""
-    if not timedelta(0) <= today() - day <= timedelta(days=1):
+    if not timedelta(0) <= today_at_school() - day <= timedelta(days=1):
         raise Conflict(OTHER_DAY)
 
 
-def draw_retrieval(module: Module, name: str, account: Account | None, day: date) -> AskedQuestion:
+def draw_retrieval(module: Module, name: str, account: Account | None, day: date) -> AskedRetrieval:
     """Draw a question for an account and a day. Raises NotFound."""
     if name not in module.retrievals:
         raise NotFound(NO_QUESTION)
     seed = make_seed(VISITOR if account is None else str(account.id), module.slug, name, day.isoformat())
-    return AskedQuestion(module.slug, name, day, seed, draw_question(module, name, seed))
+    return AskedRetrieval(module.slug, name, day, seed, draw_question(module, name, seed))
 
 
 def submit_retrieval(db: Session, module: Module, name: str, account: Account | None, day: date, typed: str) -> Marking:
@@ -73,21 +73,21 @@ def submit_retrieval(db: Session, module: Module, name: str, account: Account | 
 
     Raises NotFound, Conflict for another day, and Invalid for what is no answer.
     """
-    require_recent(day)
+    require_today_or_yesterday(day)
     asked = draw_retrieval(module, name, account, day)
     try:
         marking = asked.question.mark(typed, asked.seed)
     except UnreadableAnswerError as error:
         raise Invalid(str(error)) from error
     if account is not None:
-        _store(db, account, module, name, is_right=marking.is_right)
+        _store_first_answer_of_day(db, account, module, name, is_right=marking.is_right)
     return marking
 
 
-def _store(db: Session, account: Account, module: Module, name: str, *, is_right: bool) -> None:
-    subject = subject_of_question(module.slug, name)
-    latest = repository.find_latest_answer(db, account.id, subject)
-    if latest is None or school_time.to_local(latest).date() != today():
+def _store_first_answer_of_day(db: Session, account: Account, module: Module, name: str, *, is_right: bool) -> None:
+    subject = subject_of_retrieval(module.slug, name)
+    latest = repository.find_latest_answer_time(db, account.id, subject)
+    if latest is None or school_time.to_local(latest).date() != today_at_school():
         page, _, question = name.partition("/")
         repository.add_answer(db, RecallAnswer(
             account_id=account.id, subject=subject, kind=QuestionKind.calculation, exercise=f"{module.slug}/{page}",
@@ -95,11 +95,11 @@ def _store(db: Session, account: Account, module: Module, name: str, *, is_right
         ))  # fmt: skip
 
 
-def subject_of_question(module: str, name: str) -> str:
+def subject_of_retrieval(module: str, name: str) -> str:
     return f"{PREFIX}{module}/{name}"
 
 
-def find_question(course: Course, subject: str) -> tuple[Module, str] | None:
+def find_retrieval_of_subject(course: Course, subject: str) -> tuple[Module, str] | None:
     """Return the module and name of the question that a subject is; None of other subjects, and of what is gone."""
     module, _, name = subject.removeprefix(PREFIX).partition("/")
     found = course.modules.get(module)

@@ -38,7 +38,7 @@ class Schedule:
     retrievability: float
 
 
-def schedule(reviews: Iterable[Review], now: datetime) -> Schedule:
+def compute_schedule(reviews: Iterable[Review], now: datetime) -> Schedule:
     """Return the schedule that follows from some reviews, at least one."""
     card = Card(card_id=1)
     for review in sorted(reviews, key=lambda review: review.at):
@@ -46,19 +46,19 @@ def schedule(reviews: Iterable[Review], now: datetime) -> Schedule:
     return Schedule(card.due, SCHEDULER.get_card_retrievability(card, now))
 
 
-def order_due(schedules: Mapping[str, Schedule], now: datetime) -> Sequence[str]:
+def sort_due_subjects(schedules: Mapping[str, Schedule], now: datetime) -> Sequence[str]:
     """Return the subjects that are due, the most forgotten first."""
     due = [name for name in schedules if schedules[name].due_at <= now]
     return sorted(due, key=lambda name: (schedules[name].retrievability, name))
 
 
-def choose_due(schedules: Mapping[str, Schedule], now: datetime, answered_today: int) -> Sequence[str]:
+def choose_subjects_for_today(schedules: Mapping[str, Schedule], now: datetime, answered_today: int) -> Sequence[str]:
     """Return the subjects to ask now, the most forgotten first, within what one day takes."""
-    due = order_due(schedules, now)
+    due = sort_due_subjects(schedules, now)
     return due[: max(0, min(SITTING_QUESTIONS, DAILY_QUESTIONS - answered_today))]
 
 
-def count_streak(days: Collection[date], today: date) -> int:
+def count_day_streak(days: Collection[date], today: date) -> int:
     """Count the days with answers in a row, between which no more than `FORGIVEN_DAYS` passed."""
     streak, after = 0, today
     for day in sorted(set(days), reverse=True):

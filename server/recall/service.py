@@ -18,8 +18,15 @@ from server.gradebook import mistakes
 from server.gradebook.mistakes import PastMistake
 from server.recall import repository, retrievals
 from server.recall.models import RecallAnswer
-from server.recall.scheduling import Review, Schedule, choose_due, count_streak, order_due, schedule
-from server.recall.subjects import list_misconceptions, subject_of
+from server.recall.scheduling import (
+    Review,
+    Schedule,
+    choose_subjects_for_today,
+    compute_schedule,
+    count_day_streak,
+    sort_due_subjects,
+)
+from server.recall.subjects import iter_misconceptions, subject_of_misconception
 
 REMINDERS, OFF = "reminders", "off"
 
@@ -49,7 +56,7 @@ class RecallState:
     is_off: bool
 
 
-def load_recall(
+def load_account_recall_state(
     db: Session,
     course: Course,
     account_id: UUID,
@@ -69,26 +76,27 @@ def load_recall(
     tested = {name for name, holds in held.items() if holds.tests}
     asked = [course.exercises[name] for name in course.exercises if name in solved and name not in tested]
     past = mistakes.load_past_mistakes(db, account_id, [exercise.id for exercise in asked]) if asked else ()
-    answers = repository.load_answers(db, account_id)
-    reviews, confused = gather_reviews(course, past, answers, can_ask)
+    answers = repository.load_recall_answers(db, account_id)
+    reviews, confused = collect_reviews_by_subject(course, past, answers, can_ask)
     days = [school_time.to_local(answer.answered_at).date() for answer in answers]
-    schedules: dict[str, Schedule] = {subject: schedule(history, now) for subject, history in reviews.items()}
+    schedules: dict[str, Schedule] = {subject: compute_schedule(history, now) for subject, history in reviews.items()}
     answered_today, counts = days.count(today), Counter(answer.subject for answer in answers)
-    due = choose_due(schedules, now, answered_today)
+    due = choose_subjects_for_today(schedules, now, answered_today)
     return RecallState(
         due={
-            subject: (*confused.get(subject, ()), *list_relatives(course, asked, subject, can_ask)) for subject in due
+            subject: (*confused.get(subject, ()), *list_family_candidates(course, asked, subject, can_ask))
+            for subject in due
         },
-        fading={subject: confused.get(subject, ()) for subject in order_due(schedules, now)},
+        fading={subject: confused.get(subject, ()) for subject in sort_due_subjects(schedules, now)},
         answered_today=answered_today,
         answers={subject: counts[subject] for subject in due},
-        streak=count_streak(days, today),
+        streak=count_day_streak(days, today),
         next_at=min((planned.due_at for planned in schedules.values()), default=None),
         is_off=choices.get(REMINDERS) == OFF,
     )
 
 
-def gather_reviews(
+def collect_reviews_by_subject(
     course: Course,
     past: Iterable[PastMistake],
     answers: Iterable[RecallAnswer],
@@ -103,17 +111,17 @@ def gather_reviews(
     for mistake in past:
         exercise = course.exercises[mistake.exercise]
         if mistake.mended is not None and can_ask(exercise):
-            subject = subject_of(course, exercise, mistake.misconception)
+            subject = subject_of_misconception(course, exercise, mistake.misconception)
             reviews[subject].append(Review(mistake.mended.sent_at, went_well=False))
             confused[subject].append(RecallCandidate(exercise.id, mistake.misconception))
     for answer in answers:
-        is_missed = not answer.is_right and retrievals.find_question(course, answer.subject) is not None
+        is_missed = not answer.is_right and retrievals.find_retrieval_of_subject(course, answer.subject) is not None
         if answer.subject in reviews or is_missed:
             reviews[answer.subject].append(Review(answer.answered_at, answer.is_right))
     return reviews, confused
 
 
-def list_relatives(
+def list_family_candidates(
     course: Course, solved: Sequence[Exercise], subject: str, can_ask: Callable[[Exercise], bool]
 ) -> Sequence[RecallCandidate]:
     """List the misconceptions of the same family in solved exercises: another program than the one confused."""
@@ -123,6 +131,6 @@ def list_relatives(
         RecallCandidate(exercise.id, name)
         for exercise in solved
         if subject in exercise.filing.families.values() and can_ask(exercise)
-        for name in list_misconceptions(exercise)
+        for name in iter_misconceptions(exercise)
         if exercise.filing.families.get(name) == subject
     ]

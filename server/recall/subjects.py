@@ -11,7 +11,7 @@ from server.course.families import find_family
 NO_CAUSE = "constat"
 
 
-def subject_of(course: Course, exercise: Exercise, misconception: str) -> str:
+def subject_of_misconception(course: Course, exercise: Exercise, misconception: str) -> str:
     """Return the family of a misconception, or its own name with its exercise."""
     family = find_family(course.families, exercise.filing, misconception)
     return f"{exercise.id}#{misconception}" if family is None else family.id
@@ -23,7 +23,7 @@ def title_of_subject(course: Course, subject: str) -> str:
     return "" if family is None else family.title
 
 
-def list_misconceptions(exercise: Exercise) -> Iterator[str]:
+def iter_misconceptions(exercise: Exercise) -> Iterator[str]:
     """Yield the misconceptions of an exercise, without those that only tell what is seen."""
     yield from exercise.filing.families
     yield from (name for name, reason in exercise.filing.apart.items() if not reason.startswith(NO_CAUSE))

@@ -49,7 +49,7 @@ from server.regrades.schemas import (
     RegradeProgress,
     RegradeState,
 )
-from server.submissions.service import version_requirement
+from server.submissions.service import worker_version_requirement
 
 #: The kind of the job that grades the next attempt of a regrade; the job's key is the regrade's id.
 REGRADE_JOB = "regrade"
@@ -91,7 +91,7 @@ class RegradeService:
         db.add(regrade)
         db.flush()
         repository.add_regrade_items(db, regrade.id, items)
-        version = version_requirement(regrade.exercise, self.course.needed_version(regrade.exercise))
+        version = worker_version_requirement(regrade.exercise, self.course.needed_version(regrade.exercise))
         enqueue_next_attempt(db, self.queue, regrade.id, regrade.class_id, version)
         return regrade
 
@@ -111,7 +111,7 @@ class RegradeService:
 
 
 def enqueue_next_attempt(db: Session, queue: Queue, regrade_id: UUID, class_id: UUID, version: str | None) -> None:
-    """Enqueue the next attempt in the class's flow, for a worker of this version (see `version_requirement`)."""
+    """Enqueue the next attempt in the class's flow, for a worker of this version (see `worker_version_requirement`)."""
     flow = f"class {class_id}"
     sender = Sender(flow, flow=flow, rank=REGRADE_RANK)
     queue.enqueue(db, REGRADE_JOB, str(regrade_id), sender=sender, required_version=version)

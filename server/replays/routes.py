@@ -53,21 +53,21 @@ DeskOf = Annotated[ReplayQueue, Depends(app_service(ReplayQueue))]
 
 @router.get("/{module}/rejeux/{name}")
 async def compute_replay(request: Request, desk: DeskOf, module: str, name: str) -> Response:
-    return await _respond(request, desk, desk.replays.find, module, name)
+    return await _find_and_compute(request, desk, desk.replays.find, module, name)
 
 
 @router.get("/{module}/manipulations/{name}")
 async def compute_manipulation(request: Request, desk: DeskOf, module: str, name: str) -> Response:
-    return await _respond(request, desk, desk.replays.find_manipulation, module, name)
+    return await _find_and_compute(request, desk, desk.replays.find_manipulation, module, name)
 
 
 @router.get("/{module}/manipulations/{name}/{file}")
-async def manipulation_script(request: Request, desk: DeskOf, module: str, name: str, file: str) -> Response:
+async def send_manipulation_script(request: Request, desk: DeskOf, module: str, name: str, file: str) -> Response:
     text = await run_in_threadpool(desk.replays.script, module, name, file)
     return with_etag(request, Response(text, media_type="text/javascript", headers={"Cache-Control": "no-cache"}))
 
 
-async def _respond(
+async def _find_and_compute(
     request: Request, desk: ReplayQueue, find: Callable[[str, str], ReplayScript], module: str, name: str
 ) -> Response:
     try:
@@ -75,10 +75,10 @@ async def _respond(
         answer = await desk.answer(request, script, script.read(request.query_params.multi_items()))
     except ServiceError as error:
         return problem_response(error_document(request, error), error.headers)
-    return Response(status_code=CLIENT_CLOSED_REQUEST) if answer is None else _answer_response(request, answer)
+    return Response(status_code=CLIENT_CLOSED_REQUEST) if answer is None else _compressed_response(request, answer)
 
 
-def _answer_response(request: Request, answer: CompressedReplay) -> Response:
+def _compressed_response(request: Request, answer: CompressedReplay) -> Response:
     tag = f'"{answer.tag}"'
     headers = {"ETag": tag, "Cache-Control": "no-cache", "Vary": "Accept-Encoding"}
     if request.headers.get("if-none-match") == tag:

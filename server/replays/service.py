@@ -99,7 +99,7 @@ class ReplayLibrary:
 
     def replay_names(self, module: str) -> tuple[str, ...]:
         """Return the names of a module's replays, as in URLs."""
-        return replay_names(self._module_folder(module)) if MODULE_SLUG.fullmatch(module) else ()
+        return list_replay_names(self._module_folder(module)) if MODULE_SLUG.fullmatch(module) else ()
 
     def find(self, module: str, name: str) -> ReplayScript:
         """Raises NotFound."""
@@ -109,18 +109,18 @@ class ReplayLibrary:
 
     def find_manipulation(self, module: str, name: str) -> ReplayScript:
         """What a manipulation starts from, or what it asks to have computed. Raises NotFound."""
-        return load_scene(self._manipulation(module, name) / "scene.py", name)
+        return load_scene(self._manipulation_folder(module, name) / "scene.py", name)
 
     def script(self, module: str, name: str, file: str) -> str:
         """One of the scripts that follow the reader's hand. Raises NotFound."""
-        path = self._manipulation(module, name) / file
+        path = self._manipulation_folder(module, name) / file
         if not FILE.fullmatch(file) or not path.is_file():
             raise NotFound(NO_MANIPULATION)
         return path.read_text(encoding="utf-8")
 
     def scripts(self, module: str, name: str) -> dict[str, str]:
         """All of them, by their names. Raises NotFound."""
-        folder = self._manipulation(module, name)
+        folder = self._manipulation_folder(module, name)
         return {path.name: self.script(module, name, path.name) for path in sorted(folder.glob("[!_.]*.js"))}
 
     def needs_no_server(self, module: str, manipulation: str) -> bool:
@@ -134,7 +134,7 @@ class ReplayLibrary:
         scenes = sorted((self._module_folder(module) / MANIPULATIONS).glob("*/scene.py"))
         return tuple(path.parent.name for path in scenes if NAME.fullmatch(path.parent.name))
 
-    def _manipulation(self, module: str, name: str) -> Path:
+    def _manipulation_folder(self, module: str, name: str) -> Path:
         if name not in self.manipulation_names(module):
             raise NotFound(NO_MANIPULATION)
         return self._module_folder(module) / MANIPULATIONS / name
@@ -157,7 +157,7 @@ def _cache_key(script: ReplayScript, values: Values) -> Key:
     return script, tuple(values.by_name.values())
 
 
-def replay_names(module: Path) -> tuple[str, ...]:
+def list_replay_names(module: Path) -> tuple[str, ...]:
     """The names of the replays in a module's folder `rejeux`; files that begin with _ are helpers."""
     files = sorted((module / "rejeux").glob("*.py"))
     return tuple(name for path in files if NAME.fullmatch(name := path.stem.replace("_", "-")))

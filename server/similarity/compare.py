@@ -46,7 +46,7 @@ def limit_resources() -> None:
     resource.setrlimit(resource.RLIMIT_FSIZE, (0, 0))
 
 
-def fingerprint(code: str, known: Collection[int] = ()) -> Any:
+def fingerprint_code(code: str, known: Collection[int] = ()) -> Any:
     """Of what is in the code and not among the `known` grams.
 
     The library's own removal of known grams supposes that none comes twice in a code: here it is done by name.
@@ -62,32 +62,32 @@ def fingerprint(code: str, known: Collection[int] = ()) -> Any:
     return found
 
 
-def collect_grams(codes: Sequence[str]) -> frozenset[int]:
-    return frozenset(gram for code in codes for gram in fingerprint(code).hashes)
+def collect_gram_hashes(codes: Sequence[str]) -> frozenset[int]:
+    return frozenset(gram for code in codes for gram in fingerprint_code(code).hashes)
 
 
 def own_code_length(code: str, known: Collection[int]) -> int:
     """Characters of a code, without names and layout, that the course does not have."""
-    return int(fingerprint(code, known).token_coverage)
+    return int(fingerprint_code(code, known).token_coverage)
 
 
 def find_matching_pairs(codes: Sequence[str], course: Sequence[str]) -> Iterator[MatchingPair]:
     """The pairs of codes of which each has most of what the other has of its own, in their order."""
     from copydetect import compare_files
 
-    known = collect_grams(course)
-    prints = [fingerprint(code, known) for code in codes]
+    known = collect_gram_hashes(course)
+    prints = [fingerprint_code(code, known) for code in codes]
     for first, second in combinations(range(len(codes)), 2):
         left, other = prints[first], prints[second]
         if min(left.token_coverage, other.token_coverage) < MIN_CODE_LENGTH:
             continue
         _, shares, slices = compare_files(left, other)
         if min(shares) >= MIN_SHARE:
-            lines = (_matched_lines(left.raw_code, slices[0]), _matched_lines(other.raw_code, slices[1]))
+            lines = (_lines_of_slices(left.raw_code, slices[0]), _lines_of_slices(other.raw_code, slices[1]))
             yield MatchingPair(first, second, (float(shares[0]), float(shares[1])), lines)
 
 
-def _matched_lines(code: str, slices: Any) -> tuple[int, ...]:
+def _lines_of_slices(code: str, slices: Any) -> tuple[int, ...]:
     """The lines, from 1, in which something of these slices of characters stands."""
     found: set[int] = set()
     for start, end in zip(*slices, strict=True):
@@ -96,13 +96,13 @@ def _matched_lines(code: str, slices: Any) -> tuple[int, ...]:
     return tuple(sorted(found))
 
 
-def compare_codes(question: dict[str, Any]) -> dict[str, Any]:
+def compare_codes_of_request(question: dict[str, Any]) -> dict[str, Any]:
     """`course`: what everyone has; `model`: how the exercise may be answered; `known`: other answers of the course;
     `codes`: what students sent.
 
     `too_short`: too little of the model is its own for codes to be compared.
     """
-    length = own_code_length(question["model"], collect_grams(question["course"]))
+    length = own_code_length(question["model"], collect_gram_hashes(question["course"]))
     if length < MIN_MODEL_LENGTH:
         return {"too_short": True, "pairs": []}
     course = [*question["course"], question["model"], *question["known"]]
@@ -113,4 +113,4 @@ def compare_codes(question: dict[str, Any]) -> dict[str, Any]:
 
 if __name__ == "__main__":
     limit_resources()
-    json.dump(compare_codes(json.load(sys.stdin)), sys.stdout)
+    json.dump(compare_codes_of_request(json.load(sys.stdin)), sys.stdout)

@@ -12,7 +12,7 @@ from server.gradebook.models import Grading
 from server.submissions.models import Submission
 
 
-def load_best_codes(
+def load_best_attempt_codes(
     db: Session, class_id: UUID, exercise: str, since: datetime, until: datetime | None, most: int
 ) -> Sequence[Row[UUID, UUID, bytes]]:
     """Student, attempt and file: each student's best attempt at the exercise in that time, the last of equals."""

@@ -56,11 +56,11 @@ class CopyComparison:
     pairs: tuple[SimilarPair, ...]
 
 
-def load_copies(db: Session, assignment: Assignment, exercise: Exercise) -> Sequence[ComparedCopy]:
+def load_best_copies(db: Session, assignment: Assignment, exercise: Exercise) -> Sequence[ComparedCopy]:
     """Each student's best attempt while the assignment was open. Raises Invalid where there are too many."""
     if exercise.answers is not None:
         raise Invalid(NO_CODE)
-    rows = repository.load_best_codes(
+    rows = repository.load_best_attempt_codes(
         db,
         assignment.class_id,
         exercise.id,
@@ -95,7 +95,7 @@ def compare_copies(course: Course, exercise: Exercise, sent: Sequence[ComparedCo
     return CopyComparison(len(sent), bool(found["too_short"]), pairs)
 
 
-def without_teammates(comparison: CopyComparison, places: Sequence[TeamPlace]) -> CopyComparison:
+def exclude_teammate_pairs(comparison: CopyComparison, places: Sequence[TeamPlace]) -> CopyComparison:
     """Leave out the pairs of students who hand in together, or have."""
     teams: dict[UUID, set[UUID]] = {}
     for place in places:

@@ -38,7 +38,7 @@ from server.steps.questions import (
 )
 from server.steps.replayable import can_replay
 from server.steps.schemas import CallBody, CellBody, ReplayBody
-from server.submissions.queue_senders import queue_sender
+from server.submissions.queue_senders import sender_of_account
 from server.submissions.service import UNKNOWN_SUBMISSION
 
 TOO_FAST = "Vous avez suivi beaucoup de programmes en peu de temps : le prochain est possible dans {seconds} s."
@@ -165,7 +165,7 @@ class StepService:
         def prepare() -> tuple[bytes, Sender]:
             with self.database.read() as db:
                 question = TraceQuestion(steps=build(db))
-                sender = queue_sender(account, address, member=presence.is_active_member(db, account.id))
+                sender = sender_of_account(account, address, member=presence.is_active_member(db, account.id))
             with self.database.write() as db:
                 limits.take_token(db, key, self.settings.step_bucket, TOO_FAST)
             return question.model_dump_json().encode(), sender

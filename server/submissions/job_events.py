@@ -34,14 +34,14 @@ MIN_SETTLING_SECONDS = 0.05  # between two looks at what is about to be done by 
 MAX_RECENT_JOBS = 4096  # recently changed jobs: one may end before its sender starts to wait
 
 
-class Snapshot(Protocol):
+class JobSnapshot(Protocol):
     """A watcher's reading of a job; the watch ends when `done`, changes are sent."""
 
     @property
     def done(self) -> bool: ...
 
 
-SnapshotType = TypeVar("SnapshotType", bound=Snapshot)
+SnapshotType = TypeVar("SnapshotType", bound=JobSnapshot)
 
 
 Watchers = dict[str, set[asyncio.Event]]
@@ -79,7 +79,7 @@ class JobEvents:
         """
         key = notification.removesuffix(JOB_STARTED_SUFFIX)
         if key == notification:
-            self._record_change(key)
+            self._record_recent_change(key)
             for event in self._global_watchers:
                 event.set()
         for event in self._watchers.get(key, ()):
@@ -89,7 +89,7 @@ class JobEvents:
             self._refreshing = True
             self._schedule_refresh()
 
-    def _record_change(self, key: str) -> None:
+    def _record_recent_change(self, key: str) -> None:
         self._recently_changed.pop(key, None)
         self._recently_changed[key] = None
         if len(self._recently_changed) > MAX_RECENT_JOBS:
@@ -98,9 +98,9 @@ class JobEvents:
             event.set()
 
     def _schedule_refresh(self) -> None:
-        asyncio.get_running_loop().call_later(REFRESH_SECONDS, self._refresh_batch)
+        asyncio.get_running_loop().call_later(REFRESH_SECONDS, self._wake_batch)
 
-    def _refresh_batch(self) -> None:
+    def _wake_batch(self) -> None:
         """Wake a batch of watchers: a refresh costs queries, and hundreds at once would delay page requests."""
         if not self._refresh_queue and self._changed_again:
             self._changed_again = False
@@ -118,7 +118,7 @@ class JobEvents:
 
     @contextmanager
     def _watch(self, key: str, *, watches_all_jobs: bool) -> Iterator[asyncio.Event]:
-        with _registered(self._watchers, key) as event:
+        with _registered_watcher(self._watchers, key) as event:
             if watches_all_jobs:
                 self._global_watchers.add(event)
             try:
@@ -144,7 +144,7 @@ class JobEvents:
             while True:
                 woken = time.time_ns()
                 event.clear()  # before reading: a change during the read is not missed
-                snapshot = await _read_snapshot(key, read)
+                snapshot = await _read_snapshot_or_none(key, read)
                 if snapshot is not None and snapshot != latest:
                     yield snapshot
                     latest = snapshot
@@ -154,7 +154,7 @@ class JobEvents:
                 if self._closed:
                     return
                 await asyncio.sleep(find_rest())
-                await _wait(event, min(self._poll_interval(), _settling_time(snapshot)))
+                await _wait_for_event(event, min(self._poll_interval_seconds(), _seconds_until_settled(snapshot)))
 
     async def wait_until_done(self, key: str, read: Callable[[], SnapshotType], seconds: float) -> SnapshotType:
         """Return the snapshot once it is done, or as it is after `seconds`.
@@ -166,33 +166,33 @@ class JobEvents:
             return await self._wait_until_done(key, read, deadline)
 
     async def _wait_until_done(self, key: str, read: Callable[[], SnapshotType], deadline: float) -> SnapshotType:
-        with _registered(self._end_watchers, key) as event:
+        with _registered_watcher(self._end_watchers, key) as event:
             if key in self._recently_changed:
                 event.set()
             while not self._closed:
-                await _wait(event, min(deadline - time.monotonic(), self._poll_interval()))
+                await _wait_for_event(event, min(deadline - time.monotonic(), self._poll_interval_seconds()))
                 if time.monotonic() >= deadline:
                     break
                 woken = time.time_ns()
                 event.clear()
-                snapshot = await _read_snapshot(key, read)
+                snapshot = await _read_snapshot_or_none(key, read)
                 if snapshot is not None and snapshot.done:
                     traces.record_notification(key, woken)
                     return snapshot
         return await run_in_threadpool(read)
 
-    def _poll_interval(self) -> float:
+    def _poll_interval_seconds(self) -> float:
         return max(SAFETY_POLL, self.count_watchers() / POLLS_PER_SECOND)
 
 
-def _settling_time(snapshot: Snapshot | None) -> float:
+def _seconds_until_settled(snapshot: JobSnapshot | None) -> float:
     """Return the seconds until a snapshot that says so is done by itself."""
     settles_in = getattr(snapshot, "settles_in", None)
     return math.inf if settles_in is None else max(settles_in, MIN_SETTLING_SECONDS)
 
 
 @contextmanager
-def _registered(watchers: Watchers, key: str) -> Iterator[asyncio.Event]:
+def _registered_watcher(watchers: Watchers, key: str) -> Iterator[asyncio.Event]:
     """Register an event among the watchers of a key for the duration of the block."""
     event = asyncio.Event()
     watchers[key].add(event)
@@ -204,7 +204,7 @@ def _registered(watchers: Watchers, key: str) -> Iterator[asyncio.Event]:
             del watchers[key]
 
 
-async def _read_snapshot(key: str, read: Callable[[], SnapshotType]) -> SnapshotType | None:
+async def _read_snapshot_or_none(key: str, read: Callable[[], SnapshotType]) -> SnapshotType | None:
     """Return None where the database is unavailable: the watchers' response has already started."""
     try:
         return await run_in_threadpool(read)
@@ -215,7 +215,7 @@ async def _read_snapshot(key: str, read: Callable[[], SnapshotType]) -> Snapshot
         return None
 
 
-async def _wait(event: asyncio.Event, seconds: float) -> None:
+async def _wait_for_event(event: asyncio.Event, seconds: float) -> None:
     """Wait until the event is set, by others or after `seconds`. (Cancellation by a timeout costs more.)"""
     timeout = asyncio.get_running_loop().call_later(seconds, event.set)
     try:

@@ -7,7 +7,7 @@ from server.queue.interfaces import Sender
 MEMBER_RANK, ACCOUNT_RANK, GUEST_RANK = 0, 1, 2
 
 
-def queue_sender(account: Account, address: str, *, member: bool = False) -> Sender:
+def sender_of_account(account: Account, address: str, *, member: bool = False) -> Sender:
     """Return the queue sender of an account: an account has a flow of its own, guests share their address's.
 
     Anybody may become any number of guests, hence the shared flow. `address` counts as one visitor in the rate limits

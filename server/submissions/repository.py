@@ -40,12 +40,12 @@ GRADING_ROW = select(*(_submissions.c[name] for name in GradingRow._fields)).whe
 
 
 @prepared_statement
-def _submission_by_id(submission_id: UUID) -> Select[Submission]:
+def _select_submission_by_id(submission_id: UUID) -> Select[Submission]:
     return select(Submission).where(Submission.id == submission_id)
 
 
 def find_submission(db: Session, submission_id: UUID) -> Submission | None:
-    return db.execute(*_submission_by_id(submission_id)).scalar_one_or_none()
+    return db.execute(*_select_submission_by_id(submission_id)).scalar_one_or_none()
 
 
 def load_grading_row(db: Session, submission_id: UUID) -> GradingRow | None:
@@ -59,14 +59,14 @@ def insert_submission(db: Session, **values: Any) -> Submission:
     return detached_instance(Submission, {**values, "grading_id": None}.items())
 
 
-def list_ungraded(db: Session) -> Sequence[Submission]:
+def list_ungraded_submissions(db: Session) -> Sequence[Submission]:
     """Load all submissions that wait for their first grading, without their source."""
     query = select(Submission).where(Submission.grading_id.is_(None)).options(defer(Submission.source))
     return db.execute(query.order_by(Submission.created_at, Submission.id)).scalars().all()
 
 
 @prepared_statement
-def _waiting_counts(account_id: UUID, exercise: str, *, everywhere: bool) -> Select[str, int]:
+def _select_waiting_counts(account_id: UUID, exercise: str, *, everywhere: bool) -> Select[str, int]:
     query = (
         select(Submission.exercise, func.count())
         .where(Submission.account_id == account_id, Submission.grading_id.is_(None))
@@ -75,22 +75,22 @@ def _waiting_counts(account_id: UUID, exercise: str, *, everywhere: bool) -> Sel
     return query if everywhere else query.where(Submission.exercise == exercise)
 
 
-def count_waiting(db: Session, account_id: UUID, exercise: str | None = None) -> Mapping[str, int]:
+def count_ungraded_by_exercise(db: Session, account_id: UUID, exercise: str | None = None) -> Mapping[str, int]:
     """Count an account's submissions that wait for their first grading, by exercise (in all, or in one alone)."""
-    return dict(select_core(db, *_waiting_counts(account_id, exercise or "", everywhere=exercise is None)).all())
+    return dict(select_core(db, *_select_waiting_counts(account_id, exercise or "", everywhere=exercise is None)).all())
 
 
-def count_waiting_or_since(db: Session, account_id: UUID, since: Mapping[str, datetime]) -> Mapping[str, int]:
+def count_ungraded_or_sent_since(db: Session, account_id: UUID, since: Mapping[str, datetime]) -> Mapping[str, int]:
     """Count an account's submissions that wait, or were sent since a time, by exercise."""
-    return _count_by_exercise(db, account_id, since, Submission.grading_id.is_(None))
+    return _count_sent_since_by_exercise(db, account_id, since, Submission.grading_id.is_(None))
 
 
-def count_since(db: Session, account_id: UUID, since: Mapping[str, datetime]) -> Mapping[str, int]:
+def count_sent_since(db: Session, account_id: UUID, since: Mapping[str, datetime]) -> Mapping[str, int]:
     """Count an account's submissions sent since a time, by exercise."""
-    return _count_by_exercise(db, account_id, since)
+    return _count_sent_since_by_exercise(db, account_id, since)
 
 
-def _count_by_exercise(
+def _count_sent_since_by_exercise(
     db: Session, account_id: UUID, since: Mapping[str, datetime], *alternatives: ColumnElement[bool]
 ) -> Mapping[str, int]:
     if not since:
@@ -103,7 +103,7 @@ def _count_by_exercise(
     return dict(db.execute(query.group_by(Submission.exercise)).all())
 
 
-def find_latest(db: Session, account_id: UUID, exercise: str) -> Submission | None:
+def find_latest_submission(db: Session, account_id: UUID, exercise: str) -> Submission | None:
     """Load an account's latest submission to an exercise, graded or not."""
     query = select(Submission).where(Submission.account_id == account_id, Submission.exercise == exercise)
     return db.execute(query.order_by(Submission.created_at.desc(), Submission.id.desc()).limit(1)).scalar_one_or_none()
@@ -113,26 +113,26 @@ def move_submissions(db: Session, old: UUID, new: UUID) -> None:
     db.execute(update(Submission).where(Submission.account_id == old).values(account_id=new))
 
 
-def give_submissions(db: Session, submissions: Collection[UUID], new: UUID) -> None:
+def give_submissions_to(db: Session, submissions: Collection[UUID], new: UUID) -> None:
     db.execute(update(Submission).where(Submission.id.in_(submissions)).values(account_id=new))
 
 
 @prepared_statement
-def _seed(account_id: UUID, exercise: str) -> Select[int]:
+def _select_seed(account_id: UUID, exercise: str) -> Select[int]:
     return select(Variant.seed).where(Variant.account_id == account_id, Variant.exercise == exercise)
 
 
 def find_seed(db: Session, account_id: UUID, exercise: str) -> int | None:
-    return select_core(db, *_seed(account_id, exercise)).scalar_one_or_none()
+    return select_core(db, *_select_seed(account_id, exercise)).scalar_one_or_none()
 
 
-def load_seed(db: Session, account_id: UUID, exercise: str) -> int:
+def load_existing_seed(db: Session, account_id: UUID, exercise: str) -> int:
     """Load a seed that exists."""
-    seed: int = select_core(db, *_seed(account_id, exercise)).scalar_one()
+    seed: int = select_core(db, *_select_seed(account_id, exercise)).scalar_one()
     return seed
 
 
-def insert_seed(db: Session, account_id: UUID, exercise: str, seed: int) -> None:
+def insert_seed_once(db: Session, account_id: UUID, exercise: str, seed: int) -> None:
     """Insert a seed unless there is one: of two concurrent requests, the first one's stays."""
     row = {"account_id": account_id, "exercise": exercise, "seed": seed, "created_at": utc_now()}
     db.execute(upsert_statement(db, Variant).on_conflict_do_nothing(), row)

@@ -25,7 +25,7 @@ from server.queue.interfaces import BacklogLimits, Queue, QueueFullError
 from server.rights import service as rights
 from server.submissions import repository, variants
 from server.submissions.models import Submission, SubmissionState
-from server.submissions.queue_senders import queue_sender
+from server.submissions.queue_senders import sender_of_account
 
 #: Kind of the job that grades a submission; its key is `job_key(submission.id)`.
 GRADE = "grade"
@@ -89,7 +89,7 @@ class GradingProgress:
         return OUTDATED_NOTICE if self.outdated else STALLED_NOTICE if self.stalled else None
 
 
-class Submissions:
+class SubmissionService:
     """Stores submissions within the settings' limits, and has them graded."""
 
     def __init__(
@@ -114,7 +114,7 @@ class Submissions:
 
         Submitted again under the same idempotency `key` of this account, return the stored one.
         """
-        return self._submit(db, account, address, exercise_id, self.encode_code(code), key, answers=False)
+        return self._submit_source(db, account, address, exercise_id, self.encode_code(code), key, answers=False)
 
     def submit_answers(
         self,
@@ -127,14 +127,16 @@ class Submissions:
         key: str | None = None,
     ) -> Submission:
         """Store answers without code to this account's variant, as canonical JSON. Otherwise as `submit`."""
-        return self._submit(db, account, address, exercise_id, self.encode_answers(answers), key, answers=True)
+        return self._submit_source(db, account, address, exercise_id, self.encode_answers(answers), key, answers=True)
 
     def submit_saved(
         self, db: Session, account: Account, exercise_id: str, source: bytes, sent_at: datetime, *, answers: bool
     ) -> Submission:
         """Store what a student had saved as their test ended, as if submitted then; no limit applies."""
         is_member = presence.record_presence_and_check_membership(db, account.id)
-        return self._store(db, account, "", exercise_id, source, sent_at, uuid4(), answers=answers, is_member=is_member)
+        return self._store_and_enqueue(
+            db, account, "", exercise_id, source, sent_at, uuid4(), answers=answers, is_member=is_member
+        )
 
     def save_work(
         self, db: Session, account: Account, exercise_id: str, source: bytes, base_version: str | None = None
@@ -160,7 +162,7 @@ class Submissions:
             raise Invalid("Ces réponses sont trop imbriquées.") from error
         return encode_bounded(text, self._settings.code_bytes, "Le texte des réponses")
 
-    def _submit(
+    def _submit_source(
         self,
         db: Session,
         account: Account,
@@ -171,7 +173,7 @@ class Submissions:
         *,
         answers: bool,
     ) -> Submission:
-        now, submission_id = arrival_time(), _submission_id(account, key)
+        now, submission_id = arrival_time(), _derive_submission_id(account, key)
         if key is not None and (stored := _find_resubmission(db, account, submission_id, exercise_id, source)):
             return stored
         if not sittings.require_may_submit(db, account.id, exercise_id, now).tests:
@@ -181,7 +183,7 @@ class Submissions:
         is_member = presence.record_presence_and_check_membership(db, account.id)
         if not is_member and free_bytes(self._settings.data_dir) < MIN_FREE_FOR_STRANGERS:
             raise StorageFull(DISK_NEARLY_FULL, retry_after=DISK_RETRY_SECONDS)
-        draws = self._draws(account, len(source), None if is_member else address)
+        draws = self._rate_limit_draws(account, len(source), None if is_member else address)
         limits.take_tokens(db, *draws)
         if key is not None and (stored := _find_resubmission(db, account, submission_id, exercise_id, source)):
             for draw in draws:  # another process was first, and held the buckets until its commit
@@ -189,7 +191,7 @@ class Submissions:
             return stored
         backlog_limits = BacklogLimits(self._settings.waiting_each, self._settings.waiting_from_address)
         try:
-            return self._store(
+            return self._store_and_enqueue(
                 db,
                 account,
                 address,
@@ -206,7 +208,7 @@ class Submissions:
                 _queue_full_message(error, account, backlog_limits), retry_after=QUEUE_FULL_RETRY_SECONDS
             ) from error
 
-    def _store(
+    def _store_and_enqueue(
         self,
         db: Session,
         account: Account,
@@ -221,18 +223,18 @@ class Submissions:
         backlog_limits: BacklogLimits | None = None,
     ) -> Submission:
         seed = variants.get_or_create_seed(db, account, exercise_id) if answers else secrets.randbits(SEED_BITS)
-        values = {"source": source, "digest": code_digest(source.decode()), "seed": seed, "created_at": sent_at}
+        values = {"source": source, "digest": digest_code(source.decode()), "seed": seed, "created_at": sent_at}
         submission = repository.insert_submission(
             db, id=submission_id, account_id=account.id, exercise=exercise_id, **values
         )
-        sender = queue_sender(account, address, member=is_member)
-        needs = version_requirement(exercise_id, self._needed_version(exercise_id))
+        sender = sender_of_account(account, address, member=is_member)
+        needs = worker_version_requirement(exercise_id, self._needed_version(exercise_id))
         self._queue.enqueue(
             db, GRADE, job_key(submission.id), sender=sender, limits=backlog_limits, required_version=needs
         )
         return submission
 
-    def _draws(self, account: Account, size: int, stranger_address: str | None) -> list[limits.TokenDraw]:
+    def _rate_limit_draws(self, account: Account, size: int, stranger_address: str | None) -> list[limits.TokenDraw]:
         """Return what a submission of `size` bytes takes: of its account and, unless in a class, of its address."""
         kib, bucket = VERDICT_KIB + -(-size // 1024), self._settings.storage_bucket
         draws = [
@@ -248,7 +250,7 @@ class Submissions:
         """Enqueue a submission (again); False where it is queued already."""
         if self._queue.position(db, GRADE, job_key(submission.id)) is not None:
             return False
-        sender = queue_sender(account, "", member=presence.is_active_member(db, account.id))
+        sender = sender_of_account(account, "", member=presence.is_active_member(db, account.id))
         self._queue.enqueue(db, GRADE, job_key(submission.id), sender=sender)
         return True
 
@@ -274,7 +276,7 @@ def _queue_full_message(error: QueueFullError, account: Account, backlog_limits:
     return QUEUE_FULL[error.scope].format(each=backlog_limits.per_sender) + hint
 
 
-def _submission_id(account: Account, key: str | None) -> UUID:
+def _derive_submission_id(account: Account, key: str | None) -> UUID:
     """Return the submission's id: derived from the account and its idempotency key, or random."""
     return uuid4() if key is None else uuid5(account.id, key)
 
@@ -289,7 +291,7 @@ def _find_resubmission(
     return stored
 
 
-def version_requirement(exercise_id: str, version: str | None) -> str | None:
+def worker_version_requirement(exercise_id: str, version: str | None) -> str | None:
     """Return the requirement on a worker: this exercise in this version; None where any worker can grade it."""
     return None if version is None else f"{exercise_id}@{version}"
 
@@ -299,7 +301,7 @@ def job_key(submission_id: UUID) -> str:
     return str(submission_id)
 
 
-def code_digest(code: str) -> str:
+def digest_code(code: str) -> str:
     """Hash the code without blank lines, whole-line comments and trailing spaces: equal for an unchanged attempt."""
     lines = (line.rstrip() for line in code.removeprefix("\ufeff").splitlines())
     code_lines = "\n".join(line for line in lines if line and not line.lstrip().startswith("#"))
@@ -311,5 +313,5 @@ def parse_submission_id(text: UUID | str) -> UUID:
     return parse_uuid(text, UNKNOWN_SUBMISSION)
 
 
-def may_view(db: Session, account: Account | None, submission: Submission) -> bool:
+def may_view_submission(db: Session, account: Account | None, submission: Submission) -> bool:
     return rights.may_read_work(db, account, submission.account_id, submission.exercise, submission.created_at)

@@ -19,7 +19,7 @@ from server.database import Database, utc_now
 from server.identity import repository as identity
 from server.identity.models import Account
 from server.submissions import repository as stored
-from server.submissions.service import Submissions
+from server.submissions.service import SubmissionService
 
 log = logging.getLogger(__name__)
 
@@ -29,7 +29,7 @@ class SittingCollector:
     """Several processes may run it at once: one of them ends each sitting, in its own transaction."""
 
     course: Course
-    submissions: Submissions
+    submissions: SubmissionService
 
     def hand_in(self, db: Session, assignment: Assignment, account_id: UUID, now: datetime) -> None:
         """End a student's sitting at their request; one that has ended stays as it is."""
@@ -37,7 +37,9 @@ class SittingCollector:
         if sitting is None or sitting.ended_by == EndedBy.student:
             return
         if is_sitting_running(rules, sitting, now):
-            self._end(db, assignment, sitting, max(now, utc_now()), EndedBy.student)  # after what went before it
+            self._end_and_submit_saved_work(
+                db, assignment, sitting, max(now, utc_now()), EndedBy.student
+            )  # after what went before it
         else:
             self._end_by_time(db, assignment, sitting, rules, now)
         feedback.clear_holds_memo(db)
@@ -79,22 +81,26 @@ class SittingCollector:
         )
 
     def _end_by_time(self, db: Session, assignment: Assignment, sitting: Sitting, rules: Rules, now: datetime) -> None:
-        self._end(db, assignment, sitting, rules.latest_sitting_end(sitting.began_at) or now, EndedBy.time)
+        self._end_and_submit_saved_work(
+            db, assignment, sitting, rules.latest_sitting_end(sitting.began_at) or now, EndedBy.time
+        )
 
-    def _end(self, db: Session, assignment: Assignment, sitting: Sitting, ended_at: datetime, by: EndedBy) -> None:
+    def _end_and_submit_saved_work(
+        self, db: Session, assignment: Assignment, sitting: Sitting, ended_at: datetime, by: EndedBy
+    ) -> None:
         account = identity.find_account(db, sitting.account_id)
         assert account is not None  # a sitting goes with its account
         for saved in sitting_repository.load_saved_work(db, assignment.id, account.id):
-            self._submit(db, account, saved, ended_at)
+            self._submit_saved_work(db, account, saved, ended_at)
         sitting_repository.end_sitting(db, sitting, ended_at, by)
 
-    def _submit(self, db: Session, account: Account, saved: SavedWork, end: datetime) -> None:
+    def _submit_saved_work(self, db: Session, account: Account, saved: SavedWork, end: datetime) -> None:
         """Submit saved work, unless it was submitted or anything was submitted after it was saved."""
         exercise = self.course.exercises.get(saved.exercise)
         if exercise is None:
             log.warning("%s has left the course: what was saved in a test is kept, and not graded", saved.exercise)
             return
-        last_submission = stored.find_latest(db, account.id, saved.exercise)
+        last_submission = stored.find_latest_submission(db, account.id, saved.exercise)
         if last_submission is not None and (
             last_submission.created_at >= saved.saved_at or last_submission.source == saved.source
         ):

@@ -13,8 +13,8 @@ from server.submissions import repository
 
 def get_or_create_seed(db: Session, account: Account, exercise_id: str) -> int:
     """Return the seed of this account's variant; create it in this writing transaction where there is none."""
-    repository.insert_seed(db, account.id, exercise_id, secrets.randbits(SEED_BITS))
-    return repository.load_seed(db, account.id, exercise_id)
+    repository.insert_seed_once(db, account.id, exercise_id, secrets.randbits(SEED_BITS))
+    return repository.load_existing_seed(db, account.id, exercise_id)
 
 
 def find_seed(db: Session, account: Account, exercise_id: str) -> int | None:
@@ -22,7 +22,7 @@ def find_seed(db: Session, account: Account, exercise_id: str) -> int | None:
     return repository.find_seed(db, account.id, exercise_id)
 
 
-def seed_while_reading(db: Session, database: Database, account: Account, exercise_id: str) -> int:
+def ensure_seed_while_reading(db: Session, database: Database, account: Account, exercise_id: str) -> int:
     """Return the seed for a caller that only reads, through `db`.
 
     A missing seed is written in a transaction of its own, which later reads of `db` may not see.
@@ -37,7 +37,7 @@ def seed_while_reading(db: Session, database: Database, account: Account, exerci
 def ensure_seed(database: Database, account: Account, exercise_id: str) -> int:
     """Return the seed, for a caller that reads nothing else."""
     with database.read() as db:
-        return seed_while_reading(db, database, account, exercise_id)
+        return ensure_seed_while_reading(db, database, account, exercise_id)
 
 
 def adopt_guest_variants(db: Session, guest_id: UUID, account_id: UUID) -> None:

@@ -9,7 +9,7 @@ from datetime import datetime
 from uuid import UUID
 
 from server.board.schemas import FEWEST_TO_PROJECT
-from server.recall.scheduling import Review, schedule
+from server.recall.scheduling import Review, compute_schedule
 from server.recall.service import RecallCandidate
 
 
@@ -48,7 +48,9 @@ def rank_subjects_to_review(
     for memory in memories.values():
         for subject in {*memory.reviews, *memory.unmended}:
             met[subject] += 1
-            to_see[subject] += subject in memory.unmended or schedule(memory.reviews[subject], now).due_at <= now
+            to_see[subject] += (
+                subject in memory.unmended or compute_schedule(memory.reviews[subject], now).due_at <= now
+            )
             candidates[subject].update(dict.fromkeys(memory.confused.get(subject, ()), 1))
     needs = [
         SubjectReviewNeed(subject, to_see[subject], count, _most_common_first(candidates[subject]))

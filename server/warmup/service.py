@@ -28,8 +28,8 @@ from server.polls import repository as polls
 from server.recall import repository as recall
 from server.recall import retrievals
 from server.recall.models import QuestionKind, RecallAnswer
-from server.recall.service import RecallCandidate, gather_reviews, list_relatives
-from server.recall.subjects import subject_of
+from server.recall.service import RecallCandidate, collect_reviews_by_subject, list_family_candidates
+from server.recall.subjects import subject_of_misconception
 from server.rights import service as rights
 from server.rights.models import Right
 from server.warmup import repository
@@ -62,7 +62,7 @@ class WarmUpService:
     async def prepare_today(self, account: Account, class_id: str, address: str) -> None:
         """Store the questions of today, unless there are some. Raises NotFound, Forbidden, Conflict or what
         `HuntService` raises."""
-        day = retrievals.today()
+        day = retrievals.today_at_school()
         planned = await run_in_threadpool(self._load_needs_unless_prepared, account, class_id, day)
         if planned is None:
             return
@@ -92,7 +92,7 @@ class WarmUpService:
     async def _make_question(
         self, account: Account, need: SubjectReviewNeed, seed: int, address: str
     ) -> WarmUpQuestion | None:
-        found = retrievals.find_question(self.course, need.subject)
+        found = retrievals.find_retrieval_of_subject(self.course, need.subject)
         if found is not None:
             return await run_in_threadpool(build_retrieval_question, *found, need, seed)
         comparison = await self.hunts.find_distinguishing_call(
@@ -119,7 +119,7 @@ def load_subjects_to_review(
     return [
         SubjectReviewNeed(
             need.subject, need.students_to_review, need.students_confused,
-            tuple(dict.fromkeys([*need.candidates, *list_relatives(course, exercises, need.subject, may_ask)])),
+            tuple(dict.fromkeys([*need.candidates, *list_family_candidates(course, exercises, need.subject, may_ask)])),
         )
         for need in needs
     ]  # fmt: skip
@@ -142,7 +142,7 @@ def _load_recall_histories(
     """Return what each student confused, with one query for the answers of all."""
     course = progress.course
     answers: dict[UUID, list[RecallAnswer]] = {student.id: [] for student in progress.students}
-    for answer in recall.load_answers_of(db, answers.keys()):
+    for answer in recall.load_recall_answers_of_accounts(db, answers.keys()):
         answers[answer.account_id].append(answer)
     past: dict[UUID, list[PastMistake]] = {student: [] for student in answers}
     for (account, exercise), attempts in progress.attempts.items():
@@ -154,12 +154,12 @@ def _load_recall_histories(
 def _build_recall_history(
     course: Course, past: Sequence[PastMistake], answers: Sequence[RecallAnswer], may_ask: MayAsk
 ) -> StudentRecallHistory:
-    reviews, confused = gather_reviews(course, past, answers, may_ask)
+    reviews, confused = collect_reviews_by_subject(course, past, answers, may_ask)
     met: dict[str, list[RecallCandidate]] = {subject: list(own) for subject, own in confused.items()}
     unmended = set()
     for mistake in past:
         if mistake.mended is None:
-            subject = subject_of(course, course.exercises[mistake.exercise], mistake.misconception)
+            subject = subject_of_misconception(course, course.exercises[mistake.exercise], mistake.misconception)
             unmended.add(subject)
             met.setdefault(subject, []).append(RecallCandidate(mistake.exercise, mistake.misconception))
     return StudentRecallHistory(reviews, met, unmended)
@@ -168,13 +168,13 @@ def _build_recall_history(
 def load_relapse_stats(db: Session, course: Course, school_class: SchoolClass) -> RelapseStats:
     """Load whether what was asked again is rarer later, with one query beside those of the class's progress."""
     progress = load_class_progress(db, course, school_class, utc_now())
-    answers = recall.load_answers_of(db, [student.id for student in progress.students])
+    answers = recall.load_recall_answers_of_accounts(db, [student.id for student in progress.students])
     return count_relapses(course, progress.attempts, answers)
 
 
 def find_todays_warm_up(db: Session, class_id: UUID) -> WarmUp | None:
     """Return the questions of today."""
-    return repository.find_warm_up(db, class_id, retrievals.today())
+    return repository.find_warm_up(db, class_id, retrievals.today_at_school())
 
 
 def parse_stored_questions(warm_up: WarmUp) -> Sequence[WarmUpQuestion]:

@@ -16,13 +16,13 @@ from server.database import Database
 from server.database.dependencies import Db
 from server.identity.dependencies import load_session_account, load_session_account_in
 from server.identity.models import Account
-from server.submissions.service import Submissions
+from server.submissions.service import SubmissionService
 from server.web.views import Reader
 
 _database, _course, _submissions, _presence = (
     app_service_getter(Database),
     app_service_getter(Course),
-    app_service_getter(Submissions),
+    app_service_getter(SubmissionService),
     app_service_getter(PresenceRecorder),
 )
 

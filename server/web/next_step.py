@@ -33,7 +33,7 @@ class NextExercise:
 
 def list_way(module: Module, path: ReadingPath | None) -> Sequence[Exercise]:
     """List the exercises of a path in its order; those of the module as one reads it, without a path."""
-    return paths.order_exercises(path, exercises_in_reading_order(module))
+    return paths.order_exercises_by_path(path, exercises_in_reading_order(module))
 
 
 def choose_next(

@@ -15,7 +15,7 @@ from server.course.models import Lesson
 from server.gradebook.schemas import NOTHING_YET, ExerciseProgress
 from server.gradebook.solutions import SolutionAudience
 from server.identity.models import Account
-from server.submissions.service import Submissions
+from server.submissions.service import SubmissionService
 from server.web.schemas import ExerciseRow, ModuleLink, OwnProgress, SolutionSwitchView
 from server.web.words import format_mark
 
@@ -29,7 +29,7 @@ class Reader:
 
     db: Session
     course: Course
-    submissions: Submissions
+    submissions: SubmissionService
     who: Callable[[], Account | None]
 
     @cached_property

@@ -19,7 +19,7 @@ from fastapi import FastAPI
 from graders.core.contract.findings import Judgement
 from graders.core.contract.outcomes import Outcome
 from graders.core.contract.verdict import CheckResult, Verdict
-from server.api.guide import Guide, shape
+from server.api.guide import OpenApiGuide, format_json_shape
 from server.api.words import PARAMETERS, ROUTES, STATUSES
 from server.base.app_services import get_service
 from server.base.helpers import HelperError
@@ -29,7 +29,7 @@ from server.figures.service import FigureService
 from server.grading.grading_task import GradingInput
 from server.identity.models import Role
 from server.queue.interfaces import WorkerCapabilities
-from server.submissions.service import GRADE, OUTDATED_NOTICE, Submissions, version_requirement
+from server.submissions.service import GRADE, OUTDATED_NOTICE, SubmissionService, worker_version_requirement
 from tests.support.service import EXERCISE, Site
 
 BODY = {"exercise": EXERCISE, "code": "pass\n"}
@@ -314,7 +314,7 @@ def test_what_nobody_takes_is_told(site: Site, monkeypatch: pytest.MonkeyPatch) 
     headers = site.token()
     sent = site.submit(headers)
     assert sent["notice"] is None
-    monkeypatch.setattr(get_service(site.app, Submissions), "_is_stalled", lambda: True)
+    monkeypatch.setattr(get_service(site.app, SubmissionService), "_is_stalled", lambda: True)
     told = site.client.get(sent["url"], headers=headers).json()
     assert told["notice"].startswith("En attente : plus rien n’est corrigé")
     assert told["position"] == 1
@@ -327,11 +327,13 @@ def test_what_waits_for_a_worker_of_its_version_is_told(site: Site) -> None:
     sent = site.submit(headers)
     with site.database.write() as db:
         version = get_service(site.app, Course).version_of(EXERCISE)
-        queue = get_service(site.app, Submissions)._queue
+        queue = get_service(site.app, SubmissionService)._queue
         assert not queue.mark_refused(
-            db, [GRADE], WorkerCapabilities([version_requirement(EXERCISE, version)], 60.0)
+            db, [GRADE], WorkerCapabilities([worker_version_requirement(EXERCISE, version)], 60.0)
         ), "as the page has it"
-        assert queue.mark_refused(db, [GRADE], WorkerCapabilities([version_requirement(EXERCISE, "another")], 60.0))
+        assert queue.mark_refused(
+            db, [GRADE], WorkerCapabilities([worker_version_requirement(EXERCISE, "another")], 60.0)
+        )
     assert site.client.get(sent["url"], headers=headers).json()["notice"] == OUTDATED_NOTICE
     assert site.worker.run_one(), "one machine has one version"
     assert site.client.get(sent["url"], headers=headers).json()["notice"] is None
@@ -343,7 +345,7 @@ def test_an_unexpected_failure_is_a_problem_too(site: Site, monkeypatch: pytest.
     def broken(*_: object) -> None:
         raise RuntimeError("a secret of ours")
 
-    monkeypatch.setattr("server.submissions.service.Submissions.submit", broken)
+    monkeypatch.setattr("server.submissions.service.SubmissionService.submit", broken)
     answer = site.client.post("/api/v1/submissions", json=BODY, headers=headers)
     assert "secret" not in json.dumps(problem(answer, 500))
     page = site.client.post("/l20/exercices/poses/soumissions", data={"code": "x"})
@@ -471,9 +473,9 @@ def test_the_page_for_people_says_all_that_the_document_says_in_french(site: Sit
 def test_the_shapes_of_answers_are_those_of_the_schemas() -> None:
     inner = {"type": "object", "properties": {"n": {"type": "integer"}, "any": {}}}
     schemas = {"Inner": inner, "Again": {"type": "object", "properties": {"more": {"$ref": "#/c/s/Again"}}}}
-    guide = Guide({"components": {"schemas": schemas}}, "l20/poses", "")
+    guide = OpenApiGuide({"components": {"schemas": schemas}}, "l20/poses", "")
     several = {"type": "array", "items": {"$ref": "#/c/s/Inner"}}
     maybe = {"anyOf": [{"$ref": "#/c/s/Inner"}, {"type": "null"}]}
     spelt = '{\n  "n": entier,\n  "any": valeur JSON\n}'
-    assert (shape(guide, several), shape(guide, maybe)) == (f"[{spelt}, …]", f"{spelt} | null")
-    assert shape(guide, {"$ref": "#/c/s/Again"}).count("more") == 4, "a schema that holds itself ends"
+    assert (format_json_shape(guide, several), format_json_shape(guide, maybe)) == (f"[{spelt}, …]", f"{spelt} | null")
+    assert format_json_shape(guide, {"$ref": "#/c/s/Again"}).count("more") == 4, "a schema that holds itself ends"

@@ -8,7 +8,7 @@ from typing import Any
 
 import pytest
 
-from server.api.board import changes
+from server.api.board import format_board_changes
 from server.api.board_schemas import DashboardOut
 from server.base.app_services import get_service
 from server.board import service
@@ -97,10 +97,10 @@ def test_events_tell_the_counts_then_what_changes(
     before = board()
     first = ask(site, martin, made, "events")
     assert first.headers["content-type"].startswith("text/event-stream")
-    assert first.text == changes(None, before)
+    assert first.text == format_board_changes(None, before)
     assert first.text.startswith("event: counts\ndata: {")
     store(site.database, [Sent(ada, EXERCISE, utc_now(), 1.0)])
-    cell, counts, _ = changes(before, board()).split("\n\n")
+    cell, counts, _ = format_board_changes(before, board()).split("\n\n")
     assert cell.startswith("event: cell\n")
     told = json.loads(cell.partition("data: ")[2])
     assert (told["student"], told["state"], told["points"]) == (str(ada), "solved", 20.0)

@@ -29,7 +29,7 @@ from server.marks import rubrics
 from server.marks.loading import load_gradebook
 from server.marks.rubric_items import RubricInput, RubricItem, RubricScores
 from server.marks.service import load_visible_marks
-from server.personal.team_copies import hand_over_team_attempts
+from server.personal.team_copies import give_team_attempts_to_partners
 from server.rights.service import ClassAccess, build_class_access
 from tests.support.marks import AFTER, CLOSES, DAY, DUE, ODOMETRY, OPENS, POSES, Term
 
@@ -239,7 +239,7 @@ def test_what_an_erased_student_sent_for_both_stays_with_the_other(term: Term, c
     pair_up(term, work, ada, blaise, since=OPENS + DAY)
     alone, shared = term.send(ada, POSES, 4, OPENS + HOUR), term.send(ada, POSES, 20, OPENS + 2 * DAY)
     with term.database.write() as db:
-        hand_over_team_attempts(db, ada.id)
+        give_team_attempts_to_partners(db, ada.id)
     with term.database.read() as db:
         assert find_attempt(db, blaise, shared).submission.account_id == blaise.id
         assert find_attempt(db, ada, alone).submission.account_id == ada.id

@@ -33,7 +33,7 @@ from server.gradebook.models import Grading
 from server.identity.models import Account
 from server.queue.models import Job
 from server.submissions.models import Submission
-from server.submissions.service import Submissions
+from server.submissions.service import SubmissionService
 from server.tables import TABLE_NAMES, metadata
 from tests.support.crowd import Sent, store
 from tests.support.service import EXERCISE, QUIET, new_account, worker_of
@@ -48,7 +48,9 @@ def busy(database: Database, settings: Settings, writers: int = 3) -> Iterator[d
     """Students who send without pause, and a worker that grades; what was acknowledged so far, while it goes on."""
     acknowledged: dict[UUID, bytes] = {}
     over = threading.Event()
-    store = Submissions(settings.model_copy(update={"submission_refill_seconds": 0, "waiting_each": 10**6}), QUIET)
+    store = SubmissionService(
+        settings.model_copy(update={"submission_refill_seconds": 0, "waiting_each": 10**6}), QUIET
+    )
     started = threading.Barrier(writers + 2)
 
     def send(account: Account) -> None:

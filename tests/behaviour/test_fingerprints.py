@@ -27,7 +27,7 @@ from server.queue.service import MAX_TRIES
 from server.sandbox import Policy, Sandbox
 from server.submissions.models import Submission
 from server.submissions.queue_senders import GUEST_RANK
-from server.submissions.service import GRADE, Submissions
+from server.submissions.service import GRADE, SubmissionService
 from tests.support.behaviour import (
     DIFFERENCE,
     SUM,
@@ -101,7 +101,7 @@ def test_a_sweep_queues_one_job_behind_all_gradings(database: Database, ada: Acc
     scheduler.queue_next()
     with database.write() as db:
         assert db.execute(select(func.count()).select_from(Job)).scalar_one() == 1
-        waiting = Submissions(both, QUIET).submit(db, ada, EXERCISE, "x = 1", address=ADDRESS)
+        waiting = SubmissionService(both, QUIET).submit(db, ada, EXERCISE, "x = 1", address=ADDRESS)
     assert SENDER.rank > GUEST_RANK
     with database.write() as db:
         lease = QUIET.claim(db, asking_worker(database, both)._owner, [FINGERPRINT, GRADE], 60)

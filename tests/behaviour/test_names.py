@@ -23,7 +23,7 @@ from graders.core.code.stored_answers import same_answers
 from graders.core.contract.local import LOCAL
 from server.audit.models import AuditAction, AuditEvent
 from server.behaviour import service
-from server.behaviour.export import anonymise_program, misconception_id
+from server.behaviour.export import anonymise_program, make_misconception_id
 from server.classes.models import ClassRole, SchoolClass
 from server.gradebook.models import Grading
 from server.identity.models import Role
@@ -179,7 +179,7 @@ def test_descriptions_are_bounded(scene: Scene, words: dict[str, str], says: str
 
 
 def test_descriptions_hold_no_invisible_characters() -> None:
-    given = service.parse_description("  Une\u202e \x00erreur\n\n", "a\r\n\r\n\tb \ud800\n", "")
+    given = service.parse_group_description("  Une\u202e \x00erreur\n\n", "a\r\n\r\n\tb \ud800\n", "")
     assert given == service.GroupDescription("Une erreur", "a\n\n\tb", "")
 
 
@@ -321,8 +321,8 @@ if __name__ == "__main__":
 
 
 def test_misconception_ids_are_file_names() -> None:
-    assert misconception_id("La rotation est oubliée !", ()) == "la_rotation_est_oubliee"
-    assert misconception_id("../../etc", ()) == "etc"
-    assert misconception_id("角度", ()) == "erreur"
-    assert misconception_id("2 fois", ()) == "erreur_2_fois"
-    assert misconception_id("Degrés", {"degres", "degres_2"}) == "degres_3"
+    assert make_misconception_id("La rotation est oubliée !", ()) == "la_rotation_est_oubliee"
+    assert make_misconception_id("../../etc", ()) == "etc"
+    assert make_misconception_id("角度", ()) == "erreur"
+    assert make_misconception_id("2 fois", ()) == "erreur_2_fois"
+    assert make_misconception_id("Degrés", {"degres", "degres_2"}) == "degres_3"

@@ -62,4 +62,4 @@ def test_an_error_of_the_search_costs_the_observation_nothing(
     assert "could not be searched" in caplog.text
     with database.read() as db:
         grading_id = db.execute(select(Fingerprint.grading_id)).scalar_one()
-        assert place_queries.load_observation(db, grading_id) == (True, None)
+        assert place_queries.load_mistake_places(db, grading_id) == (True, None)

@@ -17,7 +17,7 @@ from server.gradebook.schemas import GradingResult
 from server.identity.models import Account, Role
 from server.personal.guest_adoption import adopt_guest_data
 from server.submissions.models import Submission
-from server.submissions.service import code_digest
+from server.submissions.service import digest_code
 from tests.support.classes import Person, person, seat
 from tests.support.marks import DAY, POSES, Term
 from tests.support.service import Site, fake_verdict, new_account
@@ -41,7 +41,7 @@ class Pair:
         self.remark()
 
     def send(self, at: datetime) -> UUID:
-        row = {"exercise": POSES, "source": b"x = 1\n", "digest": code_digest("x = 1\n"), "seed": 1, "created_at": at}
+        row = {"exercise": POSES, "source": b"x = 1\n", "digest": digest_code("x = 1\n"), "seed": 1, "created_at": at}
         with self.site.database.write() as db:
             sent = Submission(account_id=self.ada.id, **row)
             db.add(sent)
@@ -109,7 +109,7 @@ def test_a_guest_s_readings_go_to_their_account(pair: Pair) -> None:
     blaise = pair.blaise.account
     with site.database.write() as db:
         for row in service.load_unread_threads(db, guest):
-            service.mark_seen(db, guest.id, [service.load_conversation(db, row.thread)])
+            service.mark_conversations_seen(db, guest.id, [service.load_conversation(db, row.thread)])
         own = service.load_account_comments(db, guest.id)
         assert [name for name, at in own.shared_readings if utc_now() - at < timedelta(minutes=5)] == [POSES]
         adopt_guest_data(db, guest.id, blaise.id)

@@ -26,7 +26,7 @@ from server.identity import repository as identity
 from server.identity.models import Account, Role
 from server.personal.guest_adoption import adopt_guest_data
 from server.submissions.models import Submission
-from server.submissions.service import code_digest
+from server.submissions.service import digest_code
 from tests.support.classes import new_class, seat
 from tests.support.service import EXERCISE, fake_verdict, new_account
 
@@ -50,7 +50,7 @@ class Room:
             verdict = replace(verdict, diagnosis=Diagnosis(diagnosis, "Erreur", "Pourquoi."))
         with self.database.write() as db:
             author = by or self.ada
-            row = {"source": code.encode(), "digest": code_digest(code), "seed": 1}
+            row = {"source": code.encode(), "digest": digest_code(code), "seed": 1}
             sent = Submission(account_id=author.id, exercise=EXERCISE, **row)
             db.add(sent)
             db.flush()
@@ -111,7 +111,7 @@ def test_a_question_waits_is_answered_and_settled_and_an_answer_opens_it_again(e
     with room.database.write() as db:
         (news,) = service.load_unread_threads(db, room.ada)
         assert (news.thread.id, news.text) == (thread.id, "Parce que.")
-        service.mark_seen(db, room.ada.id, [service.load_conversation(db, news.thread)])
+        service.mark_conversations_seen(db, room.ada.id, [service.load_conversation(db, news.thread)])
     with room.database.write() as db:
         assert not service.load_unread_threads(db, room.ada)
         service.set_settled(service.find_thread(db, room.ada, thread.id), True)
@@ -228,7 +228,7 @@ def test_who_goes_takes_their_words_along_and_a_teacher_s_stay_unsigned(either: 
     room.reply(room.teacher, thread)
     with room.database.write() as db:
         notes.save_phrase(db, room.teacher, "Relisez l’énoncé.", EXERCISE, None)
-        notes.send_note(db, room.teacher, room.made, EXERCISE, None, "Bonjour", "", room.settings)
+        notes.send_note_to_students(db, room.teacher, room.made, EXERCISE, None, "Bonjour", "", room.settings)
         identity.delete_account(db, room.teacher.id)
     with room.database.read() as db:
         talk = service.load_conversation(db, service.find_thread(db, room.ada, thread.id))
@@ -254,7 +254,7 @@ def test_a_guest_s_questions_are_those_of_their_account(either: Room) -> None:
     thread = room.say(guest, room.send(by=guest))
     room.reply(room.teacher, thread)
     with room.database.write() as db:
-        notes.send_note(db, room.teacher, room.made, EXERCISE, None, "À tous", "", room.settings)
+        notes.send_note_to_students(db, room.teacher, room.made, EXERCISE, None, "À tous", "", room.settings)
         adopt_guest_data(db, guest.id, room.ada.id)
     with room.database.read() as db:
         talk = service.load_conversation(db, service.find_thread(db, room.ada, thread.id))
@@ -275,7 +275,9 @@ def test_a_word_is_for_those_who_have_the_mistake_now(either: Room) -> None:
     room.send(by=dan, diagnosis="signe")
     with room.database.write() as db:
         classes.leave_class(db, room.made, dan.id)
-        note, count = notes.send_note(db, room.teacher, room.made, EXERCISE, "signe", "Relisez.", "/l20", room.settings)
+        note, count = notes.send_note_to_students(
+            db, room.teacher, room.made, EXERCISE, "signe", "Relisez.", "/l20", room.settings
+        )
     assert count == 1
     with room.database.read() as db:
         assert notes_repository.load_current_misconceptions(db, room.made.id, EXERCISE) == [
@@ -299,7 +301,7 @@ def test_a_word_is_for_those_who_have_the_mistake_now(either: Room) -> None:
         assert all(note.seen_at for note in notes_repository.load_received_notes(db, bob.id, EXERCISE))
         assert [(told.readers, told.seen) for told in notes_repository.load_class_notes(db, room.made.id)] == [(1, 1)]
         with pytest.raises(Conflict):
-            notes.send_note(db, room.teacher, room.made, EXERCISE, "nul", "Relisez.", "", room.settings)
+            notes.send_note_to_students(db, room.teacher, room.made, EXERCISE, "nul", "Relisez.", "", room.settings)
 
 
 def test_kept_phrases_come_first_where_they_fit_and_are_one_s_own(room: Room) -> None:

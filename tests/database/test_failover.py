@@ -21,7 +21,7 @@ from server.base.settings import Settings
 from server.database import Database, is_unavailable
 from server.gradebook.models import Grading
 from server.identity.models import Account
-from server.submissions.service import Submissions
+from server.submissions.service import SubmissionService
 from tests.support.cluster import free_port, until
 from tests.support.quick import migrated
 from tests.support.service import ADDRESS, EXERCISE, QUIET, new_account, worker_of
@@ -117,7 +117,12 @@ def patiently(doing: Callable[[], object]) -> None:
 def test_a_standby_takes_over(pair: Pair, settings: Settings) -> None:
     settings = settings.model_copy(update={"database_url": pair.url, "submission_burst": 1000, "waiting_each": 1000})
     with closing(migrated(settings)) as database:
-        account, store, sent, ended = new_account(database), Submissions(settings, QUIET), set[str](), threading.Event()
+        account, store, sent, ended = (
+            new_account(database),
+            SubmissionService(settings, QUIET),
+            set[str](),
+            threading.Event(),
+        )
 
         def grade() -> None:
             worker = worker_of(database, settings)
@@ -138,7 +143,7 @@ def test_a_standby_takes_over(pair: Pair, settings: Settings) -> None:
         grading.join()
 
 
-def send(database: Database, store: Submissions, account: Account, number: int) -> str:
+def send(database: Database, store: SubmissionService, account: Account, number: int) -> str:
     with database.write() as db:
         return str(store.submit(db, account, EXERCISE, f"x = {number}", address=ADDRESS, key=str(number)).id)
 

@@ -24,7 +24,7 @@ from server.demo.story import LESSON_DURATION, divide_exercises_among_lessons, l
 from server.gradebook import standings
 from server.marks.loading import load_gradebook
 from server.submissions.models import Submission
-from server.submissions.service import Submissions
+from server.submissions.service import SubmissionService
 from tests.support.quick import the_course
 from tests.support.service import fake_verdict
 
@@ -75,7 +75,7 @@ def test_each_exercise_is_in_one_lesson(course: Course) -> None:
 
 
 def test_what_is_written_is_a_class_whose_standings_are_right(
-    database: Database, course: Course, store: Submissions
+    database: Database, course: Course, store: SubmissionService
 ) -> None:
     graded: list[tuple[str, bytes, int]] = []
 

@@ -756,7 +756,9 @@ def test_a_word_to_who_makes_a_mistake_waits_until_the_test_is_released(room: Ro
     def tell() -> int:
         with room.site.database.write() as db:
             teacher = db.merge(room.teacher.account)
-            return notes.send_note(db, teacher, room.made, EXERCISE, "signe", "Relisez.", "", room.site.settings)[1]
+            return notes.send_note_to_students(
+                db, teacher, room.made, EXERCISE, "signe", "Relisez.", "", room.site.settings
+            )[1]
 
     with pytest.raises(Conflict, match="retient ce diagnostic"):
         tell()

@@ -18,7 +18,7 @@ from server.gradebook import service as gradebook
 from server.gradebook.schemas import GradingResult
 from server.identity.models import Role
 from server.submissions.models import Submission
-from server.submissions.service import code_digest
+from server.submissions.service import digest_code
 from tests.support.classes import Person, new_class, person, seat
 from tests.support.client import TestClient
 from tests.support.counting import Counted
@@ -49,7 +49,7 @@ class Desk:
                 verdict = fake_verdict(code, 1)
                 if mistake:
                     verdict = replace(verdict, diagnosis=Diagnosis(mistake, f"Titre de {mistake}", "Pourquoi."))
-                row = {"source": code.encode(), "digest": code_digest(code), "seed": 1, "created_at": utc_now()}
+                row = {"source": code.encode(), "digest": digest_code(code), "seed": 1, "created_at": utc_now()}
                 sent = Submission(account_id=(by or self.ada).id, exercise=EXERCISE, **row)
                 db.add(sent)
                 db.flush()

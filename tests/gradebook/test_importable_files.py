@@ -15,7 +15,7 @@ from server.gradebook import importable_files, service
 from server.gradebook.schemas import GradingResult
 from server.identity.models import Account
 from server.submissions.models import Submission
-from server.submissions.service import code_digest
+from server.submissions.service import digest_code
 from tests.support.quick import the_course
 from tests.support.service import new_account
 
@@ -85,7 +85,7 @@ def test_importing_a_file_reveals_no_withheld_verdict(database: Database) -> Non
 def test_a_file_that_imports_earlier_functions_is_graded_anew_each_time(database: Database) -> None:
     ada = new_account(database, name="ada")
     for code in ("x = 1\n", ASKS.decode()):
-        sent(database, ada, GRAPH, code.encode(), 1, digest=code_digest(code))
+        sent(database, ada, GRAPH, code.encode(), 1, digest=digest_code(code))
     with database.read() as db:
         found = [service.find_duplicate(db, ada, GRAPH, code, "v") is not None for code in ("x = 1\n", ASKS.decode())]
     assert found == [True, False]

@@ -41,7 +41,7 @@ from server.queue.polling import PollingSource
 from server.queue.worker import Worker
 from server.sandbox import FaultKind, Sandbox, SandboxFault
 from server.submissions.models import Submission
-from server.submissions.service import GRADE, Submissions
+from server.submissions.service import GRADE, SubmissionService
 from tests.support.counting import Counted
 from tests.support.quick import the_course
 from tests.support.service import ADDRESS, EXERCISE, QUIET, fake_grade, new_account, worker_of
@@ -51,7 +51,7 @@ Row = TypeVar("Row")
 
 def submitted(database: Database, settings: Settings, account: Account, code: str = "pass") -> Submission:
     with database.write() as db:
-        return Submissions(settings, QUIET).submit(db, account, EXERCISE, code, address=ADDRESS)
+        return SubmissionService(settings, QUIET).submit(db, account, EXERCISE, code, address=ADDRESS)
 
 
 def only(database: Database, table: type[Row]) -> Row:

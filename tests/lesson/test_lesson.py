@@ -102,7 +102,7 @@ def test_exercises_of_open_assignments_are_proposed(sqlite: Database, course: Co
     assign(sqlite, made, OTHER, THIRD, opened=timedelta(hours=1))
     store(sqlite, [Sent(student, OTHER, utc_now(), 1.0) for student in students[:3]])
     with sqlite.read() as db:
-        available = service.available_exercises(db, course, made, utc_now())
+        available = service.list_available_exercises(db, course, made, utc_now())
         assert list(available) == [OTHER, THIRD, EXERCISE], "what is open comes first"
         progress = load_class_progress(db, course, made, utc_now())
         assert propose_lesson_exercises(progress, available) == (THIRD, EXERCISE), "most have solved the other one"
@@ -165,14 +165,14 @@ def test_a_row_says_who_was_seen_who_is_silent_and_who_can_help(
     with site.database.write() as db:
         plan = LessonPlan((EXERCISE,), Afterwards.help)
         service.start_lesson(db, course, made, martin.account.id, plan, now - timedelta(minutes=35))
-        service.record_visit(db, made, martin.account.id, seen, EXERCISE, now - timedelta(minutes=5))
+        service.record_student_visit(db, made, martin.account.id, seen, EXERCISE, now - timedelta(minutes=5))
     page, rows = f"/classes/{made.id}/seance", []
     for _ in range(2):
         rows.append(
             [words_of(row) for row in text_of(martin.browser(site), page).split("<li class=")[1:] if "data-key" in row]
         )
         with site.database.write() as db:
-            service.record_visit(db, made, martin.account.id, seen, EXERCISE, now - timedelta(minutes=12))
+            service.record_student_visit(db, made, martin.account.id, seen, EXERCISE, now - timedelta(minutes=12))
     (first, second, last), later = rows[0][:3], rows[1][0]
     assert "25 min Échoue : « Première »" in first, "a mistake without a name by what fails"
     assert "2 essais ratés, rien envoyé depuis 10 min" in first
@@ -261,7 +261,7 @@ def test_a_lesson_is_read_again_where_it_has_changed(
 
     look()
     with site.database.write() as db:
-        service.record_visit(db, made, martin.account.id, student, EXERCISE, utc_now())
+        service.record_student_visit(db, made, martin.account.id, student, EXERCISE, utc_now())
     look()
     with site.database.write() as db:
         service.change_lesson(db, course, made, martin.account.id, LessonPlan((EXERCISE,), Afterwards.help), utc_now())

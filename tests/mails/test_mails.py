@@ -353,8 +353,8 @@ def test_a_mail_that_is_stopped_while_it_leaves_does_not_leave(desk: Desk, serve
 
     def stop_meanwhile(settings: Settings, message: EmailMessage, on_handover: Callable[[], None]) -> None:
         with desk.site.database.write() as db:
-            service.unsubscribe(db, desk.made.id, desk.martin.id)
-        smtp.send(settings, message, on_handover)
+            service.delete_subscription(db, desk.made.id, desk.martin.id)
+        smtp.send_message(settings, message, on_handover)
 
     post = MailSender(
         desk.site.database, desk.settings, ReviewMails(get_service(desk.site.app, Course), desk.settings),
@@ -412,7 +412,7 @@ def test_a_mail_goes_over_tls_to_a_server_that_is_known(settings: Settings, tmp_
         def send(**more: Any) -> str:
             values = settings_of(server, smtp_ca=certificate, smtp_user="balise", smtp_password="secret") | more
             try:
-                smtp.send(settings.model_copy(update=values), message)
+                smtp.send_message(settings.model_copy(update=values), message)
             except MailError as error:
                 return error.reason
             return ""

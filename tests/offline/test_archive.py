@@ -22,7 +22,7 @@ import pytest
 from server.base.errors import NotFound, Overloaded, WrongMoment
 from server.course import Module
 from server.offline import site
-from server.offline.addresses import ON_THE_SERVER, ArchivePaths
+from server.offline.addresses import ON_THE_SERVER, ArchiveLinkRewriter
 from server.offline.service import OfflineArchives
 from server.reading.downloads import DownloadArchives
 from tests.support.quick import the_course
@@ -76,7 +76,7 @@ def lessened(module: Module) -> Module:
 def opened() -> dict[str, bytes]:
     course = the_course()
     module = lessened(course.modules["l20"])
-    pictures = dict.fromkeys(site.needed_pictures(module), PICTURE)
+    pictures = dict.fromkeys(site.list_needed_pictures(module), PICTURE)
     with zipfile.ZipFile(
         io.BytesIO(site.build_archive_zip(course, module, pictures, DownloadArchives(course)))
     ) as archive:
@@ -118,7 +118,7 @@ def test_a_manipulation_that_needs_no_server_comes_along() -> None:
     assert json.loads(brought)["scripts"].keys() == {"main.js", "calcul.js"}
     course = the_course()
     whole = site.OfflineSite(course, course.modules["l20"], {}, DownloadArchives(course))
-    alone = set(whole._manipulations())
+    alone = set(whole._serverless_manipulation_names())
     assert alone >= {"elastique", "passant", "ressorts"}
     assert alone.isdisjoint({"carte", "particules"})
 
@@ -179,10 +179,10 @@ def test_a_page_can_be_read_aloud(name: str) -> None:
 def test_the_same_course_makes_the_same_bytes() -> None:
     course = the_course()
     module = course.modules["l20"]
-    assert site.content_digest(module) == site.content_digest(module)
+    assert site.archive_content_digest(module) == site.archive_content_digest(module)
     made = site.OfflineSite(course, lessened(module), {}, DownloadArchives(course))
-    assert made._addresses  # the places are told before a page is written
-    places = ArchivePaths("/static/abc", {"/l20": "index.html", "/l20/lire/slam": "lire/slam.html"})
+    assert made._iter_addresses_and_paths  # the places are told before a page is written
+    places = ArchiveLinkRewriter("/static/abc", {"/l20": "index.html", "/l20/lire/slam": "lire/slam.html"})
     text = '<a href="/l20/lire/slam#x">a</a> <a href="/classes">b</a> <img src="/static/abc/i.svg"> <a href="#y">c</a>'
     away = '<a href="slam.html#x">a</a> <a href="../sur-le-serveur.html">b</a>'
     assert places.relative(text, "lire/a.html") == f'{away} <img src="../static/i.svg"> <a href="#y">c</a>'
@@ -207,8 +207,8 @@ class Drawn:
 def quick_site(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("server.offline.service.RETRY_SECONDS", 0.0)
     monkeypatch.setattr(site, "build_archive_zip", lambda *_: b"PK-made")
-    monkeypatch.setattr(site, "content_digest", lambda _module: "abc123")
-    monkeypatch.setattr(site, "needed_pictures", lambda _module: [("a", "light"), ("a", "dark")])
+    monkeypatch.setattr(site, "archive_content_digest", lambda _module: "abc123")
+    monkeypatch.setattr(site, "list_needed_pictures", lambda _module: [("a", "light"), ("a", "dark")])
 
 
 def told_to_the_end(story: Coroutine[Any, Any, None]) -> None:

@@ -20,14 +20,17 @@ PICTURE = b"<svg xmlns='http://www.w3.org/2000/svg' viewBox='0 0 1 1'/>"
 
 
 def pictures(course: Course) -> site.Pictures:
-    return dict.fromkeys(site.needed_pictures(course.modules["l20"]), PICTURE)
+    return dict.fromkeys(site.list_needed_pictures(course.modules["l20"]), PICTURE)
 
 
 def test_the_printer_gets_all_pictures_at_once_and_no_way_to_other_files() -> None:
     page = (
         '<a class="x" href="slam.html#un">S</a> <a href="#ici">I</a> <a href="https://a.fr">A</a> <img loading="lazy">'
     )
-    assert paper.page_for_print(page) == '<a class="x">S</a> <a href="#ici">I</a> <a href="https://a.fr">A</a> <img>'
+    assert (
+        paper.prepare_page_for_print(page)
+        == '<a class="x">S</a> <a href="#ici">I</a> <a href="https://a.fr">A</a> <img>'
+    )
 
 
 def test_on_paper_a_module_has_the_answers_and_no_script() -> None:
@@ -36,7 +39,7 @@ def test_on_paper_a_module_has_the_answers_and_no_script() -> None:
     lessons = tuple(one for one in module.lessons if one.solution)
     only = replace(module, lessons=lessons, exercises=(), glossary={})
     made = site.OfflineSite(course, only, {}, DownloadArchives(course), on_paper=True)
-    (copy,) = (page for place, page in made._pages() if place == "lire/epreuve-corrige.html")
+    (copy,) = (page for place, page in made._render_pages() if place == "lire/epreuve-corrige.html")
     assert "En ligne seulement" not in copy
     assert "6{,}368" in copy
     assert "<script" not in copy
@@ -53,7 +56,7 @@ def test_an_archive_has_nothing_of_what_the_answers_of_a_paper_show() -> None:
             place
             for _, place in site.OfflineSite(
                 course, only, pictures(course), DownloadArchives(course), on_paper=paper
-            )._addresses()
+            )._iter_addresses_and_paths()
         }
         for paper in (False, True)
     )
@@ -74,8 +77,8 @@ def test_a_browser_that_prints_nothing_is_told(tmp_path: Path, script: str) -> N
     command = tmp_path / "chromium"
     command.write_text(f"#!/bin/sh\n{script}\n", encoding="utf-8")
     command.chmod(0o755)
-    with pytest.raises(paper.NotPrinted, match="une : le navigateur a répondu"):
-        paper._print(str(command), tmp_path / "une.html", tmp_path / "une.pdf")
+    with pytest.raises(paper.PrintError, match="une : le navigateur a répondu"):
+        paper._print_page_to_pdf(str(command), tmp_path / "une.html", tmp_path / "une.pdf")
 
 
 @pytest.mark.slow
@@ -83,7 +86,7 @@ def test_a_browser_that_prints_nothing_is_told(tmp_path: Path, script: str) -> N
 def test_pages_are_printed(tmp_path: Path) -> None:
     course = the_course()
     counted: list[int] = []
-    made = paper.write_pdfs(
+    made = paper.print_module_pdfs(
         course,
         course.modules["l20"],
         pictures(course),

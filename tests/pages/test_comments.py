@@ -188,7 +188,7 @@ def test_a_question_on_the_whole_and_a_word_to_several(school: School) -> None:
     assert "Par où commencer ?" in get(school.staff, f"/fils/{thread_of(asked.headers['location'])}")
     with school.site.database.write() as db:
         args = (EXERCISE, None, "Relisez **tout** `a < b`.", "/l20/lire/localiser", school.site.settings)
-        note, _ = notes.send_note(db, school.teacher.account, school.made, *args)
+        note, _ = notes.send_note_to_students(db, school.teacher.account, school.made, *args)
     told = get(school.student, PAGE)
     assert "Relisez **tout** <code>a &lt; b</code>." in told
     assert 'class="button" href="/l20/lire/localiser"' in told

@@ -17,7 +17,7 @@ from server.identity.models import Account
 from server.pages.waiting import WatchedSubmission
 from server.queue.interfaces import WorkerCapabilities
 from server.submissions.models import Submission
-from server.submissions.service import GRADE, Submissions
+from server.submissions.service import GRADE, SubmissionService
 from tests.support.counting import Counted
 from tests.support.service import new_account
 from tests.support.small_site import CHECK, PAGE, SmallSite, verdict
@@ -154,7 +154,7 @@ def test_who_waits_asks_for_the_place_alone_until_the_verdict_is_there(small_sit
     identity = UUID(small_site.submit("b").rpartition("/")[2])
     with database.read() as db:
         author = db.get_one(Account, db.get_one(Submission, identity).account_id)
-    watch = WatchedSubmission(author, get_service(app, Submissions), database, identity)
+    watch = WatchedSubmission(author, get_service(app, SubmissionService), database, identity)
     assert watch.read_state().text == "En attente : 1 envoi passe avant le vôtre."
     with Counted(database) as counted:
         assert not watch.read_state().done
@@ -263,7 +263,7 @@ def test_a_teacher_opens_and_closes_the_solution_for_all(small_site: SmallSite) 
 
 def test_what_nobody_takes_is_told_to_who_waits(small_site: SmallSite, monkeypatch: pytest.MonkeyPatch) -> None:
     app: Any = small_site.client.app
-    monkeypatch.setattr(get_service(app, Submissions), "_is_stalled", lambda: True)
+    monkeypatch.setattr(get_service(app, SubmissionService), "_is_stalled", lambda: True)
     href = small_site.submit()
     for path in (f"{href}/verdict", PAGE):
         assert "plus rien n’est corrigé depuis un moment" in small_site.get(path)
@@ -275,7 +275,7 @@ def test_what_waits_for_a_worker_of_its_version_is_told_to_who_waits(small_site:
     app: Any = small_site.client.app
     href = small_site.submit()
     with get_service(app, Database).write() as db:
-        assert get_service(app, Submissions)._queue.mark_refused(db, [GRADE], WorkerCapabilities([], 60.0))
+        assert get_service(app, SubmissionService)._queue.mark_refused(db, [GRADE], WorkerCapabilities([], 60.0))
     for path in (f"{href}/verdict", PAGE):
         assert "attend un correcteur de la même version" in small_site.get(path)
     small_site.grade(verdict())

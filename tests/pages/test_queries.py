@@ -18,7 +18,7 @@ from server.identity import tokens
 from server.identity.models import Account
 from server.pages.service import ATTEMPTS_A_PAGE
 from server.submissions.models import Submission
-from server.submissions.service import Submissions
+from server.submissions.service import SubmissionService
 from tests.support.counting import Counted
 from tests.support.quick import some
 from tests.support.service import ADDRESS, EXERCISE, QUIET, Site, worker_of
@@ -39,7 +39,7 @@ class Ada:
 
     def send(self, count: int, *, graded: bool = True) -> None:
         generous = self.site.settings.model_copy(update={"submission_burst": 1000, "waiting_each": 1000})
-        store = Submissions(generous, QUIET)
+        store = SubmissionService(generous, QUIET)
         worker = worker_of(self.site.database, generous)
         for number in range(count):
             code = f"x = {number}  # outcome: {'ok' if number % 7 == 3 else 'wrong_answer'}"

@@ -29,7 +29,7 @@ from server.marks.models import ManualColumn, ManualMark, Override
 from server.personal import erasure_repository as repository
 from server.personal import erasures
 from server.personal.models import ErasureRequest
-from server.personal.service import PersonalData
+from server.personal.service import PersonalDataService
 from server.submissions.models import Submission
 from server.tables import metadata
 from tests.support.classes import Person, assign, new_class, person, seat
@@ -155,7 +155,7 @@ def test_the_same_login_has_no_second_clock(school: School, erase: str, monkeypa
     elif erase == "admin":
         assert main(["admin", "erase", "ada", "--yes", "--data", str(site.settings.data_dir)]) == 0
     else:
-        personal = PersonalData(site.database, Settings(silent_days=1), None)  # type: ignore[arg-type]
+        personal = PersonalDataService(site.database, Settings(silent_days=1), None)  # type: ignore[arg-type]
         monkeypatch.setattr(personal, "find_expired_students", lambda _now: _accounts(site.database, "ada"))
         assert personal.erase_expired_students(utc_now()) == []
     school.tidy()
@@ -290,7 +290,7 @@ def test_every_table_of_a_class_and_an_account_is_erased_with_it() -> None:
         targets = {key.column.table.name for key in keys}
         if "account" in targets and targets & in_class:
             both.add(table.name)
-    named = {inspect(model).local_table.name for model in repository._rows_of_account(UUID(int=0), None)}
+    named = {inspect(model).local_table.name for model in repository._conditions_by_table(UUID(int=0), None)}
     assert both - {"erasure_request"} == named
 
 
@@ -352,7 +352,7 @@ def test_what_was_interrupted_is_finished_and_not_cancelled(school: School) -> N
     assert ada is not None
     with school.site.database.write() as db:
         erasures.request_erasure(db, ada, None, ada, utc_now())
-        assert erasures.begin_erasure(db, ada, None, school.site.settings, utc_now())
+        assert erasures.begin_erasure_if_allowed(db, ada, None, school.site.settings, utc_now())
     assert school.ada.get("/compte").status_code == 303, "nobody enters any more"
     assert school.begin() == 401
     assert school.teacher.browser(school.site).post(school.page, data={"action": "annuler"}).status_code == 409
@@ -366,7 +366,7 @@ def test_on_both_databases_erasing_and_beginning_at_once_leave_one_or_the_other(
     """Either the sitting is there, and the account waits; or the account goes, and the test was not begun."""
     made = new_class(database, new_account(database, Role.teacher, "Mme Martin"))
     test = assign(database, made, EXERCISE, mode=Mode.test)
-    personal = PersonalData(database, both, None)  # type: ignore[arg-type]
+    personal = PersonalDataService(database, both, None)  # type: ignore[arg-type]
     for _ in range(8):
         ada = seat(database, made, new_account(database))
         together, begun, erased = threading.Barrier(2), [], []

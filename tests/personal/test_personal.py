@@ -36,11 +36,11 @@ from server.marks.models import Override
 from server.marks.repository import load_prevailing_overrides
 from server.personal import service
 from server.personal.guest_adoption import adopt_guest_data
-from server.personal.service import PersonalData
+from server.personal.service import PersonalDataService
 from server.personal.zip_stream import CHUNK_BYTES, stream_zip
 from server.queue.models import Job
 from server.submissions.models import Submission, Variant
-from server.submissions.service import Submissions
+from server.submissions.service import SubmissionService
 from tests.support.classes import new_class, seat
 from tests.support.client import TestClient
 from tests.support.service import EXERCISE, QUIET, Site, new_account, worker_of
@@ -113,7 +113,7 @@ def test_it_is_given_to_its_owner_alone_and_not_too_often(ada: Site, course: Cou
     assert nobody.get("/compte/donnees").status_code == 401
     assert nobody.get("/api/v1/me/export").status_code == 401
     slow = ada.settings.model_copy(update={"export_burst": 1, "export_refill_seconds": 1000.0})
-    add_services(ada.app, PersonalData(ada.database, slow, course))
+    add_services(ada.app, PersonalDataService(ada.database, slow, course))
     assert ada.client.get("/compte/donnees").status_code == 200
     assert ada.client.get("/compte/donnees").status_code == 429
 
@@ -192,14 +192,14 @@ def test_a_token_takes_away_and_erases_with_the_password_alone(ada: Site) -> Non
 
 def test_what_a_teacher_opened_stays_open_without_a_name(database: Database, both: Any, course: Any) -> None:
     teacher, ada = new_account(database, Role.teacher), new_account(database)
-    store = Submissions(both, QUIET)
+    store = SubmissionService(both, QUIET)
     with database.write() as db:
         db.add(SolutionOpening(exercise=EXERCISE, opened_by=teacher.id))
         for account in (teacher, ada):
             store.submit(db, account, EXERCISE, "pass", address="192.0.2.1")
     while worker_of(database, both).run_one():
         pass
-    PersonalData(database, both, course).erase(teacher.id)
+    PersonalDataService(database, both, course).erase(teacher.id)
     with database.read() as db:
         opening = db.execute(select(SolutionOpening)).scalar_one()
         assert (opening.exercise, opening.opened_by) == (EXERCISE, None)
@@ -217,7 +217,7 @@ def test_erasing_does_not_read_every_submission(sqlite: Database) -> None:
 def test_guests_that_nothing_leads_to_are_forgotten(site: Site) -> None:
     site.client.post(f"{POSES}/soumissions", data={"code": CODE})
     kept = new_account(site.database)  # a student without a session
-    personal = PersonalData(site.database, site.settings, None)  # type: ignore[arg-type]
+    personal = PersonalDataService(site.database, site.settings, None)  # type: ignore[arg-type]
     later = utc_now() + timedelta(days=2)
     assert personal.erase_lost_guests(later) == 0, "its browser may come back"
     site.client.post("/deconnexion")
@@ -268,7 +268,7 @@ class Establishment:
 
     def outdated(self, **settings: int) -> set[UUID]:
         kept = Settings(**settings)  # type: ignore[arg-type]
-        personal = PersonalData(self.database, kept, None)  # type: ignore[arg-type]
+        personal = PersonalDataService(self.database, kept, None)  # type: ignore[arg-type]
         return {account.id for account in personal.find_expired_students(utc_now())}
 
 
@@ -309,7 +309,7 @@ def test_what_is_heard_of_somebody_keeps_them(school: Establishment) -> None:
 
 def test_who_is_kept_no_longer_is_erased_by_the_service(school: Establishment) -> None:
     gone, kept = school.student(), school.student(status=Status.active, left_at=None)
-    PersonalData(school.database, Settings(left_days=90), None).erase_expired_students(utc_now())  # type: ignore[arg-type]
+    PersonalDataService(school.database, Settings(left_days=90), None).erase_expired_students(utc_now())  # type: ignore[arg-type]
     with school.database.read() as db:
         assert db.get(Account, gone) is None
         assert db.get(Account, kept) is not None
@@ -345,7 +345,7 @@ def test_what_is_said_is_taken_away_without_the_names_of_others(ada: Site) -> No
         )
         comments.reply_to_thread(db, teacher, asked, "Relisez.", ada.settings)
         notes.save_phrase(db, teacher, "Relisez l’énoncé.", EXERCISE, None)
-        notes.send_note(db, teacher, made, EXERCISE, None, "À tous", "", ada.settings)
+        notes.send_note_to_students(db, teacher, made, EXERCISE, None, "À tous", "", ada.settings)
     files = archive(ada.client.get("/compte/donnees"))
     told = read(files, "messages.json")
     (thread,) = told["threads"]
@@ -371,8 +371,8 @@ def test_classes_are_taken_away_and_left_with_the_account(ada: Site) -> None:
     (one,) = read(archive(ada.client.get("/compte/donnees")), "classes.json")
     assert (one["class"], one["role"], one["status"]) == ("MPSI 2", "student", "active")
     assert (one["family_name"], one["groups"]) == ("Lovelace", ["TP1"])
-    get_service(ada.app, PersonalData).erase(account.id)
-    get_service(ada.app, PersonalData).erase(teacher.id)
+    get_service(ada.app, PersonalDataService).erase(account.id)
+    get_service(ada.app, PersonalDataService).erase(teacher.id)
     with ada.database.read() as db:
         assert db.execute(select(Membership)).first() is None
         assert db.execute(select(SchoolClass.created_by)).scalar_one() is None
@@ -397,8 +397,8 @@ def test_marks_and_the_log_are_taken_away_and_the_log_forgets_who(ada: Site, cou
     changed = {one["what"]: one["reason"] for one in kept["changes_about_you"]}
     assert changed == {"mark_overridden": "malade ce jour-là", "exemption_made": ""}
     assert kept["changes_you_made"] == kept["overrides_you_set"] == []
-    get_service(ada.app, PersonalData).erase(account.id)
-    get_service(ada.app, PersonalData).erase(teacher.id)
+    get_service(ada.app, PersonalDataService).erase(account.id)
+    get_service(ada.app, PersonalDataService).erase(teacher.id)
     with ada.database.read() as db:
         assert db.execute(select(Override)).first() is None
         events = db.execute(select(AuditEvent)).scalars().all()

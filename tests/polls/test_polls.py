@@ -28,7 +28,7 @@ SAID = re.compile(r'data-said="([^"]*)"')
 
 def kept(database: Database, account: Account) -> dict[str, tuple[str, str, int]]:
     with database.read() as db:
-        return {one.poll: (one.answer, one.last, one.tries) for one in repository.load_answers(db, account.id)}
+        return {one.poll: (one.answer, one.last, one.tries) for one in repository.load_poll_answers(db, account.id)}
 
 
 def test_each_replay_of_the_module_asks_one_question_with_one_right_answer(course: Course) -> None:
@@ -175,7 +175,7 @@ def test_answers_are_kept_twice_over_and_move_without_loss(database: Database) -
             repository.save_first_answer(db, account.id, poll, "z")
     with database.write() as db:
         adopt_guest_data(db, guest.id, ada.id)
-        repository.save_answer(db, ada.id, "l20/a", "w")
+        repository.save_latest_answer(db, ada.id, "l20/a", "w")
     assert kept(database, ada) == {"l20/a": ("x", "w", 2), "l20/b": ("y", "y", 1)}
 
 

@@ -21,7 +21,7 @@ from server.queue.interfaces import BacklogLimits, Lease, NullNotifier, QueueFul
 from server.queue.lease_owner import process_owner
 from server.queue.models import Job
 from server.queue.service import TableQueue
-from server.submissions.queue_senders import queue_sender
+from server.submissions.queue_senders import sender_of_account
 from tests.support.counting import Counted
 
 HERE, KIND = process_owner(os.getpid()), "bake"
@@ -284,9 +284,9 @@ def test_an_account_has_turns_of_its_own_and_guests_those_of_their_address() -> 
     ada, bob = (Account(id=uuid4(), role=role, name="…") for role in (Role.student, Role.teacher))
     one, two = (Account(id=uuid4(), role=Role.guest, name="…") for _ in range(2))
     at = "192.0.2.1"
-    senders = [queue_sender(account, at) for account in (ada, bob, one, two)]
+    senders = [sender_of_account(account, at) for account in (ada, bob, one, two)]
     assert [sender.rank for sender in senders] == [1, 1, 2, 2]
-    pupils = [queue_sender(account, at, member=True) for account in (ada, one)]
+    pupils = [sender_of_account(account, at, member=True) for account in (ada, one)]
     assert [sender.rank for sender in pupils] == [0, 0], "a class comes first"
     assert pupils[1].flow not in {at, pupils[0].flow}, "a line has one rank"
     assert len({sender.flow for sender in senders}) == 3
@@ -312,7 +312,7 @@ def test_what_the_limits_call_a_visitor_is_taken_as_it_is() -> None:
 
 
 def guest_at(address: str) -> Sender:
-    return queue_sender(Account(id=uuid4(), role=Role.guest, name="…"), address)
+    return sender_of_account(Account(id=uuid4(), role=Role.guest, name="…"), address)
 
 
 def test_jobs_are_read_back_with_their_sender(bakery: Bakery) -> None:

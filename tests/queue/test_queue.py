@@ -26,7 +26,7 @@ from server.queue.lease_owner import is_dead, parse_owner, process_owner
 from server.queue.models import Job
 from server.queue.service import MAX_TRIES, TableQueue
 from server.submissions.models import SubmissionState
-from server.submissions.service import GRADE, GradingProgress, Submissions
+from server.submissions.service import GRADE, GradingProgress, SubmissionService
 from tests.support.service import ADDRESS, EXERCISE
 
 HERE = process_owner(os.getpid())
@@ -222,7 +222,7 @@ def test_job_that_kills_its_workers_repeatedly_is_given_up(bakery: Bakery) -> No
 
 
 def test_a_submission_given_up_is_our_error_and_costs_nothing(
-    database: Database, store: Submissions, ada: Account, course: Course, caplog: pytest.LogCaptureFixture
+    database: Database, store: SubmissionService, ada: Account, course: Course, caplog: pytest.LogCaptureFixture
 ) -> None:
     with database.write() as db:
         sent = store.submit(db, ada, EXERCISE, "pass", address=ADDRESS)

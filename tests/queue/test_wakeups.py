@@ -224,7 +224,7 @@ def test_many_who_wait_do_not_all_look_at_once(monkeypatch: pytest.MonkeyPatch) 
                 board_wakes.append(board.is_set())
             woken = []
             for _ in range(4):
-                events._refresh_batch()
+                events._wake_batch()
                 woken.append(sum(one.is_set() for one in waiting))
         return board_wakes, woken
 
@@ -254,7 +254,7 @@ def test_the_more_wait_the_more_rarely_each_looks_for_nothing(monkeypatch: pytes
     async def note(_event: asyncio.Event, seconds: float) -> None:
         waits.append(seconds)
 
-    monkeypatch.setattr(events_module, "_wait", note)
+    monkeypatch.setattr(events_module, "_wait_for_event", note)
 
     async def main() -> None:
         events = JobEvents()

@@ -58,12 +58,12 @@ def test_a_lesson_is_read_without_the_questions_of_the_others(monkeypatch: pytes
         asked.append(lesson.slug)
         return iter(())
 
-    monkeypatch.setattr(polls, "_lesson_polls", of_lesson)
+    monkeypatch.setattr(polls, "_iter_lesson_polls", of_lesson)
     polls.polls_of_lesson.cache_clear()
     course: Course = the_course()
     module = course.modules["l20"]
     lesson = module.lessons[0]
     nobody: Any = None
-    polls.load_lesson_answers(nobody, nobody, module, lesson)
+    polls.load_first_answers_in_lesson(nobody, nobody, module, lesson)
     assert asked == [lesson.slug]
     polls.polls_of_lesson.cache_clear()

@@ -103,7 +103,7 @@ def test_a_question_at_fault_is_told(question: RetrievalQuestion, fault: str) ->
 
 
 def test_numbers_are_of_an_account_and_a_day(site: Site) -> None:
-    module, day = the_course().modules["l20"], retrievals.today()
+    module, day = the_course().modules["l20"], retrievals.today_at_school()
     ada, bob = person(site).account, person(site).account
     questions = [(ada, day), (bob, day), (ada, day + timedelta(days=1)), (None, day)]
     drawn = [retrievals.draw_retrieval(module, "localiser/copies", who, when).question for who, when in questions]
@@ -112,7 +112,7 @@ def test_numbers_are_of_an_account_and_a_day(site: Site) -> None:
 
 
 def test_the_first_answer_of_a_day_is_stored_and_others_are_marked(site: Site) -> None:
-    ada, module, day = person(site), the_course().modules["l20"], retrievals.today()
+    ada, module, day = person(site), the_course().modules["l20"], retrievals.today_at_school()
     browser = ada.browser(site)
     asked = retrievals.draw_retrieval(module, "localiser/cap", ada.account, day)
     form = {"question": "localiser/cap", "jour": day.isoformat()}
@@ -123,12 +123,12 @@ def test_the_first_answer_of_a_day_is_stored_and_others_are_marked(site: Site) -
     assert right["right"] is True
     assert "La réponse était" in browser.post("/l20/rappels", data={**form, "reponse": "-3"}).text, "without script"
     with site.database.read() as db:
-        (stored,) = repository.load_answers(db, ada.account.id)
+        (stored,) = repository.load_recall_answers(db, ada.account.id)
     assert (stored.subject, stored.kind, stored.is_right) == ("rappel:l20/localiser/cap", "calculation", False)
 
 
 def test_what_is_no_answer_is_told_in_words(site: Site) -> None:
-    browser, day = person(site).browser(site), retrievals.today()
+    browser, day = person(site).browser(site), retrievals.today_at_school()
     form = {"question": "localiser/cap", "jour": day.isoformat(), "reponse": "douze"}
     assert browser.post("/l20/rappels", data=form, headers=JSON).status_code == 422
     shown = browser.post("/l20/rappels", data=form)

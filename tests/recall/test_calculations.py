@@ -34,7 +34,7 @@ def mistakes_of(course: Course, exercise_id: str) -> list[str]:
 @pytest.mark.parametrize("exercise_id", [EXERCISE, "l20/calcul_kabsch", "l20/verification"])
 def test_each_mistake_has_a_question_that_tells_it_from_the_right_answer(course: Course, exercise_id: str) -> None:
     for name in mistakes_of(course, exercise_id):
-        asked = calculations.draw_calculation(course, exercise_id, name, ADA, retrievals.today())
+        asked = calculations.draw_calculation(course, exercise_id, name, ADA, retrievals.today_at_school())
         grader = asked.exercise.answers
         assert grader is not None
         right = grader.right_answers(asked.seed)[asked.question.id]
@@ -59,7 +59,7 @@ def test_a_calculation_comes_back_with_fresh_numbers_and_not_during_a_test(site:
     store(site.database, sent)
     assert "1 question" in browser.get("/").text.replace("\u202f", " ").replace("\xa0", " ")
     assert f'name="erreur" value="{name}"' in browser.get(PATH).text
-    day = retrievals.today()
+    day = retrievals.today_at_school()
     asked = calculations.draw_calculation(course, EXERCISE, name, ada.account, day)
     later = calculations.draw_calculation(course, EXERCISE, name, ada.account, day + timedelta(days=1))
     assert [datum.text for datum in asked.given] != [datum.text for datum in later.given]

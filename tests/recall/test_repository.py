@@ -23,9 +23,9 @@ def test_a_guest_gives_its_answers_and_the_choices_not_made_yet(sqlite: Database
         repository.save_choice(db, guest.id, "reminders", "off")
         repository.save_choice(db, guest.id, "path:l20", "lycee")
         repository.save_choice(db, pupil.id, "path:l20", "prepa")
-        repository.move(db, guest.id, pupil.id)
+        repository.move_answers_and_choices(db, guest.id, pupil.id)
     with sqlite.read() as db:
-        assert [answer.subject for answer in repository.load_answers(db, pupil.id)] == ["degres"]
+        assert [answer.subject for answer in repository.load_recall_answers(db, pupil.id)] == ["degres"]
         assert repository.load_choices(db, pupil.id) == {"reminders": "off", "path:l20": "prepa"}
     with sqlite.write() as db:
         repository.save_choice(db, pupil.id, "path:l20", "")

@@ -13,9 +13,9 @@ from server.recall.scheduling import (
     DAILY_QUESTIONS,
     SITTING_QUESTIONS,
     Review,
-    choose_due,
-    count_streak,
-    schedule,
+    choose_subjects_for_today,
+    compute_schedule,
+    count_day_streak,
 )
 
 START = datetime(2026, 9, 1, 18, 0, tzinfo=UTC)
@@ -25,7 +25,7 @@ MINUTES_A_QUESTION = 0.6
 def test_what_is_known_comes_back_later_and_later_and_what_is_not_the_next_day() -> None:
     reviews, at, gaps = [Review(START, went_well=False)], START, []
     for _ in range(5):
-        due = schedule(reviews, at).due_at
+        due = compute_schedule(reviews, at).due_at
         gaps.append((due - at).days)
         at = due
         reviews.append(Review(at, went_well=True))
@@ -33,7 +33,7 @@ def test_what_is_known_comes_back_later_and_later_and_what_is_not_the_next_day()
     assert gaps == sorted(gaps)
     assert 14 <= gaps[3] <= 21
     failed = [*reviews[:-1], Review(at, went_well=False)]
-    assert (schedule(failed, at).due_at - at).days <= 7 < gaps[4]
+    assert (compute_schedule(failed, at).due_at - at).days <= 7 < gaps[4]
 
 
 class ForgetfulStudent:
@@ -52,8 +52,8 @@ class ForgetfulStudent:
             self.reviews.setdefault(name, []).append(Review(now - timedelta(hours=2), went_well=False))
             self.strength[name] = 2.0
         answered: list[tuple[str, bool]] = []
-        while due := choose_due(
-            {name: schedule(reviews, now) for name, reviews in self.reviews.items()}, now, len(answered)
+        while due := choose_subjects_for_today(
+            {name: compute_schedule(reviews, now) for name, reviews in self.reviews.items()}, now, len(answered)
         ):
             for name in due:
                 days = (now - self.reviews[name][-1].at) / timedelta(days=1)
@@ -76,7 +76,7 @@ def test_two_months_of_a_forgetful_student_takes_no_more_than_five_minutes_a_day
         answered = student.live_a_day(now)
         asked_in_all += len(answered)
         assert len(answered) * MINUTES_A_QUESTION <= 5
-        left = {name: schedule(reviews, now) for name, reviews in student.reviews.items()}
+        left = {name: compute_schedule(reviews, now) for name, reviews in student.reviews.items()}
         if len(answered) < DAILY_QUESTIONS:
             assert not [name for name in left if left[name].due_at <= now], "what is due is asked"
         assert len(set(answered)) == len(answered), "nothing is asked twice in a day"
@@ -85,16 +85,16 @@ def test_two_months_of_a_forgetful_student_takes_no_more_than_five_minutes_a_day
 
 def test_the_most_forgotten_come_first_and_a_sitting_is_short() -> None:
     later = START + timedelta(days=30)
-    once = {f"s{k}": schedule([Review(START + timedelta(days=k), went_well=False)], later) for k in range(9)}
-    assert choose_due(once, later, 0) == ["s0", "s1", "s2", "s3"][:SITTING_QUESTIONS]
-    assert len(choose_due(once, later, DAILY_QUESTIONS - 1)) == 1
-    assert choose_due(once, later, DAILY_QUESTIONS) == []
-    assert choose_due(once, START, 0) == []
+    once = {f"s{k}": compute_schedule([Review(START + timedelta(days=k), went_well=False)], later) for k in range(9)}
+    assert choose_subjects_for_today(once, later, 0) == ["s0", "s1", "s2", "s3"][:SITTING_QUESTIONS]
+    assert len(choose_subjects_for_today(once, later, DAILY_QUESTIONS - 1)) == 1
+    assert choose_subjects_for_today(once, later, DAILY_QUESTIONS) == []
+    assert choose_subjects_for_today(once, START, 0) == []
 
 
 def test_a_streak_forgives_a_week() -> None:
     today = date(2026, 11, 28)
-    assert count_streak([], today) == 0
-    assert count_streak([date(2026, 11, 21), date(2026, 11, 27), date(2026, 11, 27)], today) == 2
-    assert count_streak([date(2026, 11, 10), date(2026, 11, 21)], today) == 1
-    assert count_streak([date(2026, 11, 20)], today) == 0
+    assert count_day_streak([], today) == 0
+    assert count_day_streak([date(2026, 11, 21), date(2026, 11, 27), date(2026, 11, 27)], today) == 2
+    assert count_day_streak([date(2026, 11, 10), date(2026, 11, 21)], today) == 1
+    assert count_day_streak([date(2026, 11, 20)], today) == 0

@@ -83,7 +83,7 @@ def test_what_is_not_mended_yet_or_cannot_be_asked_does_not_come_back(site: Site
 
 
 def test_a_missed_question_of_a_lesson_comes_back_with_other_numbers(site: Site) -> None:
-    ada, module, day = person(site), the_course().modules["l20"], retrievals.today()
+    ada, module, day = person(site), the_course().modules["l20"], retrievals.today_at_school()
     browser = ada.browser(site)
     for name, reply in (("localiser/cap", "-3"), ("localiser/copies", None)):
         right = retrievals.draw_retrieval(module, name, ada.account, day).question.answer

@@ -70,13 +70,15 @@ def test_what_the_course_gives_is_nobody_s(course: Course) -> None:
     """Two students who send the course's own code share nothing of their own."""
     first = own(course)[0]
     assert list(compare.find_matching_pairs([first, first], [first])) == []
-    known = compare.collect_grams([first])
+    known = compare.collect_gram_hashes([first])
     assert compare.own_code_length(first, known) == 0
     assert compare.own_code_length(first, ()) > compare.MIN_CODE_LENGTH
 
 
 def test_pairs_are_found_and_short_exercises_are_refused(course: Course, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(service, "_run_comparison", lambda question: compare.compare_codes(json.loads(question)))
+    monkeypatch.setattr(
+        service, "_run_comparison", lambda question: compare.compare_codes_of_request(json.loads(question))
+    )
     first = own(course)[0]
     mine = first.replace("def ", "def moi_") + "\n".join(f"x{n} = {n} ** {n % 7} + y{n}" for n in range(60))
     sent = [copy_of(mine), copy_of(disguised(mine)), copy_of("x = 1\n")]
@@ -117,7 +119,7 @@ class Classroom:
 
     def codes(self, course: Course, exercise: str = LONG) -> dict[UUID, str]:
         with self.site.database.read() as db:
-            found = service.load_copies(db, db.get_one(Assignment, self.assignment), course.exercises[exercise])
+            found = service.load_best_copies(db, db.get_one(Assignment, self.assignment), course.exercises[exercise])
         return {one.student: one.code for one in found}
 
     @property

@@ -23,7 +23,7 @@ from server.queue.worker import Worker
 from server.sandbox import Sandbox
 from server.submissions import variants
 from server.submissions.models import Submission, Variant
-from server.submissions.service import Submissions
+from server.submissions.service import SubmissionService
 from tests.support.quick import some
 from tests.support.service import ADDRESS, EXERCISE, Site, new_account
 
@@ -148,7 +148,7 @@ def test_hostile_values_are_refused_or_judged(site: Site, grading: Worker, value
         assert verdict["outcome"] == "invalid_output"
 
 
-def test_a_deal_is_made_once_whoever_asks_first(database: Database, store: Submissions, ada: Account) -> None:
+def test_a_deal_is_made_once_whoever_asks_first(database: Database, store: SubmissionService, ada: Account) -> None:
     with ThreadPoolExecutor(4) as pool:
         seeds = set(pool.map(lambda _: variants.ensure_seed(database, ada, ODOMETRY), range(12)))
     assert len(seeds) == 1
@@ -160,7 +160,7 @@ def test_a_deal_is_made_once_whoever_asks_first(database: Database, store: Submi
 
 
 def test_a_guest_s_deals_follow_and_an_account_keeps_its_own(
-    database: Database, store: Submissions, ada: Account
+    database: Database, store: SubmissionService, ada: Account
 ) -> None:
     guest = new_account(database, Role.guest)
     mine = variants.ensure_seed(database, ada, ODOMETRY)

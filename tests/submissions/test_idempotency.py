@@ -13,7 +13,7 @@ from server.base.settings import Settings
 from server.database import Database
 from server.identity.models import Account
 from server.submissions.models import Submission
-from server.submissions.service import Submissions
+from server.submissions.service import SubmissionService
 from tests.support.service import ADDRESS, EXERCISE, QUIET, Site, new_account
 
 KEY, SEVERAL = "un envoi", 4
@@ -26,7 +26,7 @@ def stored(database: Database) -> int:
 
 def test_one_of_several_concurrent_submissions_is_stored(database: Database, both: Settings, ada: Account) -> None:
     """The first is slow to commit: the others have looked for it before it was there."""
-    store = Submissions(both.model_copy(update={"submission_burst": 2}), QUIET)
+    store = SubmissionService(both.model_copy(update={"submission_burst": 2}), QUIET)
 
     def send(_number: int) -> str:
         with database.write() as db:
@@ -41,7 +41,7 @@ def test_one_of_several_concurrent_submissions_is_stored(database: Database, bot
         store.submit(db, ada, EXERCISE, "x = 1\n", address=ADDRESS)  # the others have cost nothing
 
 
-def test_a_name_is_its_account_s_own(database: Database, store: Submissions, ada: Account) -> None:
+def test_a_name_is_its_account_s_own(database: Database, store: SubmissionService, ada: Account) -> None:
     other = new_account(database)
     with database.write() as db:
         one, its = (store.submit(db, who, EXERCISE, "x = 1\n", address=ADDRESS, key=KEY) for who in (ada, other))
@@ -52,7 +52,7 @@ def test_a_name_is_its_account_s_own(database: Database, store: Submissions, ada
 def test_a_name_that_has_served_for_something_else_is_refused(
     sqlite: Database, settings: Settings, exercise: str, code: str
 ) -> None:
-    store, account = Submissions(settings, QUIET), new_account(sqlite)
+    store, account = SubmissionService(settings, QUIET), new_account(sqlite)
     with sqlite.write() as db:
         store.submit(db, account, EXERCISE, "x = 1\n", address=ADDRESS, key=KEY)
     with pytest.raises(Invalid, match="Idempotency-Key"), sqlite.write() as db:

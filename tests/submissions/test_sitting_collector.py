@@ -16,14 +16,14 @@ from server.course import Course
 from server.database import Database, utc_now
 from server.identity.models import Account, Role
 from server.submissions.models import Submission
-from server.submissions.service import Submissions
+from server.submissions.service import SubmissionService
 from server.submissions.sitting_collector import SittingCollector
 from tests.support.classes import assign, new_class, seat
 from tests.support.service import ADDRESS, EXERCISE, new_account
 
 
 def test_submissions_racing_with_the_end_come_before_it_or_are_refused(
-    database: Database, store: Submissions, course: Course, ada: Account
+    database: Database, store: SubmissionService, course: Course, ada: Account
 ) -> None:
     made = new_class(database, new_account(database, Role.teacher))
     seat(database, made, ada)
@@ -88,7 +88,7 @@ def test_submissions_racing_with_the_end_come_before_it_or_are_refused(
 
 
 def test_one_of_several_collectors_submits_the_saved_work(
-    database: Database, store: Submissions, course: Course, ada: Account
+    database: Database, store: SubmissionService, course: Course, ada: Account
 ) -> None:
     made = new_class(database, new_account(database, Role.teacher))
     seat(database, made, ada)

@@ -27,7 +27,7 @@ from server.limits.models import TokenBucket
 from server.submissions import service
 from server.submissions.job_events import stream_sse
 from server.submissions.models import Submission, SubmissionState
-from server.submissions.service import VERDICT_KIB, GradingProgress, Submissions
+from server.submissions.service import VERDICT_KIB, GradingProgress, SubmissionService
 from tests.support.classes import new_class, seat
 from tests.support.quick import in_a_loop
 from tests.support.service import ADDRESS, EXERCISE, QUIET, new_account, worker_of
@@ -41,7 +41,7 @@ class Desk:
 
     database: Database
     settings: Settings
-    store: Submissions
+    store: SubmissionService
 
     def submit(self, account: Account, code: str = "x = 1\n") -> Submission:
         with self.database.write() as db:
@@ -60,7 +60,7 @@ def settings(settings: Settings) -> Settings:
 
 
 @pytest.fixture
-def desk(database: Database, both: Settings, store: Submissions) -> Desk:
+def desk(database: Database, both: Settings, store: SubmissionService) -> Desk:
     return Desk(database, both, store)
 
 
@@ -114,7 +114,7 @@ def test_what_an_account_stores_is_bounded(desk: Desk, ada: Account) -> None:
     """Three short files, or two long ones; whoever is in no class shares what is left at their address."""
     short = VERDICT_KIB + 1
     settings = desk.settings.model_copy(update={"storage_burst": 3 * short, "storage_refill_seconds": 3600.0})
-    bounded = Desk(desk.database, settings, Submissions(settings, QUIET))
+    bounded = Desk(desk.database, settings, SubmissionService(settings, QUIET))
     for _ in range(3):
         bounded.submit(ada)
     with pytest.raises(RateLimited, match="place réservée à vos propositions") as refused:
@@ -261,7 +261,7 @@ def test_attempts_come_newest_first(desk: Desk, ada: Account) -> None:
 
 
 def test_a_guest_whose_address_has_its_heap_learns_that_accounts_come_first(desk: Desk, ada: Account) -> None:
-    store = Submissions(desk.settings.model_copy(update={"waiting_from_address": 1}), QUIET)
+    store = SubmissionService(desk.settings.model_copy(update={"waiting_from_address": 1}), QUIET)
     one, two = (new_account(desk.database, Role.guest) for _ in range(2))
 
     def send(account: Account, address: str = ADDRESS) -> None:
@@ -282,11 +282,11 @@ def test_a_guest_whose_address_has_its_heap_learns_that_accounts_come_first(desk
 @given(st.text(), st.integers(0, 3), st.sampled_from(["", "# note", "   # note", "\t"]))
 def test_blank_lines_and_whole_line_comments_never_count(code: str, spaces: int, line: str) -> None:
     changed = "\n".join(one + " " * spaces for one in code.splitlines()) + f"\n{line}\n"
-    assert service.code_digest(changed) == service.code_digest(code)
+    assert service.digest_code(changed) == service.digest_code(code)
 
 
 def test_indentation_and_content_count() -> None:
-    digests = {service.code_digest(code) for code in ("x = 1", "x = 2", "  x = 1", "x = 1 # note", "")}
+    digests = {service.digest_code(code) for code in ("x = 1", "x = 2", "  x = 1", "x = 1 # note", "")}
     assert len(digests) == 5
 
 

@@ -20,7 +20,7 @@ from server.gradebook.schemas import GradingResult
 from server.identity.models import Account
 from server.queue.worker import Worker
 from server.submissions.models import Submission
-from server.submissions.service import code_digest
+from server.submissions.service import digest_code
 from tests.support.quick import the_course
 from tests.support.service import EXERCISE, QUIET
 
@@ -58,7 +58,7 @@ def sent(database: Database, account: Account, code: str, verdict: Verdict | Non
     """An attempt of this account, graded."""
     with database.write() as db:
         source = code.encode()
-        made = Submission(account_id=account.id, exercise=EXERCISE, source=source, digest=code_digest(code), seed=1)
+        made = Submission(account_id=account.id, exercise=EXERCISE, source=source, digest=digest_code(code), seed=1)
         db.add(made)
         db.flush()
         gradebook.record_grading(db, made.id, GradingResult(Judgement(verdict or failed_verdict()), utc_now()))

@@ -20,7 +20,7 @@ from server.gradebook.models import Grading, Standing
 from server.gradebook.standings import CountedAttempt, compute_standing_totals
 from server.identity.models import Account, Role
 from server.submissions.models import Submission
-from server.submissions.service import code_digest
+from server.submissions.service import digest_code
 
 GROUPS = ("TP1", "TP2")
 GIVEN = ("Ada", "Alan", "Grace", "Edsger", "Emmy", "Blaise", "Sophie", "Évariste", "Kurt", "Hypatie")
@@ -99,7 +99,7 @@ def _rows(sent: Sent, padding: int) -> tuple[dict[str, Any], dict[str, Any]]:
     identity = uuid4()
     submission = {
         "id": identity, "account_id": sent.account, "exercise": sent.exercise, "source": sent.code.encode(),
-        "digest": code_digest(sent.code), "seed": 1, "created_at": sent.at,
+        "digest": digest_code(sent.code), "seed": 1, "created_at": sent.at,
     }  # fmt: skip
     grading = {
         "id": uuid4(), "submission_id": identity, "exercise_version": "v1", "outcome": sent.ended.value,

@@ -44,7 +44,7 @@ from server.classes.schemas import validate_class_name, validate_guest_name
 from server.classes.sheets import read_rows, to_csv
 from server.comments.difference import diff_lines, split_lines
 from server.comments.models import TEXT_LENGTH
-from server.comments.schemas import validate_text
+from server.comments.schemas import normalise_message_text
 from server.comments.side_by_side import compare_side_by_side
 from server.desk.assignments.forms import parse_assignment, parse_exemption
 from server.desk.rubrics.forms import parse_copy, read_copy
@@ -64,7 +64,7 @@ from server.federation.tokens import read_header
 from server.hunts.service import MAX_TYPED_CHARACTERS
 from server.identity.schemas import validate_new_account, validate_new_password, validate_token_label
 from server.identity.secrets import normalise_typed_token, sha256_hex
-from server.mails.service import parse_address
+from server.mails.service import parse_mail_address
 from server.marks.cells import ascii_slug, write_french_csv, write_plain_csv
 from server.marks.rubric_items import RubricItem, parse_rubric_item
 from server.marks.typed import parse_mark_comment, parse_typed_mark
@@ -77,7 +77,7 @@ from server.steps.calls import MAX_CHARACTERS, parse_call, parse_stdin_lines, pa
 from server.studio.drafts import ExerciseDraft
 from server.studio.import_drafts import ImportRefused
 from server.studio.importing import import_exercise_file
-from server.submissions.service import code_digest
+from server.submissions.service import digest_code
 from server.text.lines import require_line, tidy_lines
 from server.text.python_colours import colour_lines_uncached
 from server.text.said import render_message
@@ -209,7 +209,7 @@ def _platform_form(form: FormData) -> object:
 
 
 READERS: tuple[Reader, ...] = (
-    Reader("a mail address", lambda text: _caught(lambda: parse_address(text)), BODY, TEXTS, "form:adresse"),
+    Reader("a mail address", lambda text: _caught(lambda: parse_mail_address(text)), BODY, TEXTS, "form:adresse"),
     Reader(
         "the signature of a link",
         lambda text: compare_digest(b"x" * 64, text.encode("utf-8", "replace")),
@@ -259,7 +259,7 @@ READERS: tuple[Reader, ...] = (
     Reader("a class's name", validate_class_name, BODY, TEXTS, "body:NewClass.name"),
     Reader("a class's code", parse_join_code, HEAD, TEXTS, "body:JoinCode.code"),
     Reader("a guest's name", lambda text: validate_guest_name(text, text), BODY, TEXTS, "form:given form:family"),
-    Reader("a message", validate_text, BODY, TEXTS, "form:texte body:NewComment.text"),
+    Reader("a message", normalise_message_text, BODY, TEXTS, "form:texte body:NewComment.text"),
     Reader("a message that is shown", render_message, MESSAGE, {**TEXTS, **MARKDOWN}),
     Reader("the form of an address", _matched, HEAD, TEXTS, "raw:server.base.routing.FilteringRouter.matches"),
     Reader("a next address", local_path, BODY, TEXTS, "query:suite form:suite form:retour"),
@@ -394,7 +394,7 @@ READERS: tuple[Reader, ...] = (
     ),
     Reader(
         "a program",
-        lambda text: code_digest(encode_bounded(text, CODE).decode()),
+        lambda text: digest_code(encode_bounded(text, CODE).decode()),
         BODY,
         {**TEXTS, **PROGRAMS},
         "body:NewSubmission.code body:CellRunInput.code body:CallBody.code body:CallBody.after body:CellBody.code "
@@ -480,7 +480,7 @@ READERS: tuple[Reader, ...] = (
         lambda text: parse_qsl(text, keep_blank_values=True),
         HEAD,
         TEXTS,
-        "raw:server.replays.routes._respond",
+        "raw:server.replays.routes._find_and_compute",
     ),
     Reader("the body of a submission", _body(NewSubmission), BODY, JSON),
     Reader("the body of an assignment", _body(AssignmentIn), BODY, JSON),
@@ -492,7 +492,8 @@ READERS: tuple[Reader, ...] = (
         HEAD,
         TEXTS,
         """
-        raw:server.api.routes.Api.matches raw:server.base.http.cookie_value raw:server.base.http.problem_document
+        raw:server.api.routes.PrefixedApiRouter.matches
+        raw:server.base.http.cookie_value raw:server.base.http.problem_document
         raw:server.base.middleware.RefusedEncodingsMiddleware.__call__
         raw:server.base.middleware.BodyLimitMiddleware.__call__ raw:server.client.routes.download_client
         raw:server.base.http.bearer_token raw:server.base.turns.FairTurnsMiddleware.__call__
@@ -504,7 +505,7 @@ READERS: tuple[Reader, ...] = (
         raw:server.health.routes.show_metrics raw:server.pages.drawn.send_film
         raw:server.pages.school.launches._open_launch_session
         raw:server.pages.school.launches._render_no_cookies_page
-        raw:server.replays.routes._answer_response raw:server.web.assets._Packed.file_response
+        raw:server.replays.routes._compressed_response raw:server.web.assets._Packed.file_response
         raw:server.web.errors.wants_json raw:server.web.form_identity.referring_page
         raw:server.web.form_identity.refusal_context raw:server.web.rendering._back raw:server.web.rendering._here
         raw:server.web.rendering._modules raw:server.web.rendering._tagged_response

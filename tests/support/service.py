@@ -37,7 +37,7 @@ if TYPE_CHECKING:
     from server.grading.grading_task import GradeFunction, GradingInput
     from server.identity.service import AccountService
     from server.queue.worker import Worker
-    from server.submissions.service import Submissions
+    from server.submissions.service import SubmissionService
     from tests.support.client import TestClient
 
 EXERCISE = "l20/poses"
@@ -216,10 +216,10 @@ def new_account(database: Database, role: Role = Role.student, name: str = "Ada"
 
 
 @pytest.fixture
-def store(both: Settings) -> Submissions:
-    from server.submissions.service import Submissions
+def store(both: Settings) -> SubmissionService:
+    from server.submissions.service import SubmissionService
 
-    return Submissions(both, QUIET)
+    return SubmissionService(both, QUIET)
 
 
 @pytest.fixture
@@ -252,12 +252,14 @@ class Site:
         """Other settings from now on."""
         from server.base.app_services import add_services, get_service
         from server.classes.service import ClassService
-        from server.submissions.service import Submissions
+        from server.submissions.service import SubmissionService
 
         settings = self.settings.model_copy(update=limits)
-        store = get_service(self.app, Submissions)
+        store = get_service(self.app, SubmissionService)
         add_services(self.app, ClassService(self.database, settings))
-        add_services(self.app, settings, replace(self.accounts, settings=settings), Submissions(settings, store._queue))
+        add_services(
+            self.app, settings, replace(self.accounts, settings=settings), SubmissionService(settings, store._queue)
+        )
 
     @cached_property
     def worker(self) -> Worker:
@@ -265,9 +267,9 @@ class Site:
 
     def worker_with(self, grade: GradeFunction) -> Worker:
         from server.base.app_services import get_service
-        from server.submissions.service import Submissions
+        from server.submissions.service import SubmissionService
 
-        return worker_of(self.database, self.settings, grade, get_service(self.app, Submissions)._queue)
+        return worker_of(self.database, self.settings, grade, get_service(self.app, SubmissionService)._queue)
 
     def token(self, role: Role = Role.student) -> dict[str, str]:
         """The headers of a new account's API token."""

@@ -14,7 +14,7 @@ from server.authoring.preview.supervising import PreviewSession
 from server.base.files import write_atomically
 from server.course import Problem, retrievals
 from server.figures import lessons
-from server.replays.faults import faults as of_replays
+from server.replays.faults import find_replay_faults as of_replays
 
 #: It must not slow down what the author is looking at.
 NICENESS = 15

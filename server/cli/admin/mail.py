@@ -23,7 +23,7 @@ TEXT = "Ce courriel vérifie les réglages d’envoi de Balise. Il n’y a rien 
 
 def mail(database: Database, settings: Settings, arguments: Namespace) -> Answer:
     """Send a test mail to `--to`; always tell the settings and the latest failures."""
-    if not smtp.is_set(settings):
+    if not smtp.is_smtp_configured(settings):
         raise CannotRun(NOT_SET)
     lines = [
         f"Serveur : {settings.smtp_host}, port {settings.smtp_port}, TLS : {settings.smtp_tls}, "
@@ -35,8 +35,8 @@ def mail(database: Database, settings: Settings, arguments: Namespace) -> Answer
         lines.append(f"Le serveur a pris un courriel pour {sent_to} : vérifiez qu’il arrive, et hors des indésirables.")
     since = utc_now() - timedelta(days=DAYS)
     with database.read() as db:
-        counts = dict(repository.count_by_state(db, since))
-        problems = repository.load_problems(db, since, SHOWN)
+        counts = dict(repository.count_deliveries_by_state(db, since))
+        problems = repository.load_delivery_problems(db, since, SHOWN)
     sent, waiting = counts.get("sent", 0), counts.get("waiting", 0)
     refused = counts.get("refused", 0) + counts.get("unknown", 0)
     lines.append(
@@ -54,7 +54,7 @@ def mail(database: Database, settings: Settings, arguments: Namespace) -> Answer
 def _send_test(settings: Settings, text: str) -> str:
     """Send a test mail; return its address. Raises CannotRun."""
     try:
-        address = service.parse_address(text)
+        address = service.parse_mail_address(text)
         message = EmailMessage(policy=SMTP)
         message["Subject"] = SUBJECT
         message["From"] = Address("Balise", addr_spec=smtp.sender_address(settings))
@@ -62,7 +62,7 @@ def _send_test(settings: Settings, text: str) -> str:
         message["Date"] = utc_now()
         message["Auto-Submitted"] = "auto-generated"
         message.set_content(TEXT, cte="quoted-printable")
-        smtp.send(settings, message)
+        smtp.send_message(settings, message)
     except InvalidFields as refused:
         raise CannotRun(f"« {text} » : {refused.problems['address']}") from refused
     except MailError as failure:

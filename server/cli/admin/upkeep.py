@@ -14,10 +14,10 @@ from server.gradebook import requeuing
 from server.gradebook import service as gradebook
 from server.identity import links
 from server.personal import erasures
-from server.personal.service import PURGE_BATCH, PersonalData
+from server.personal.service import PURGE_BATCH, PersonalDataService
 from server.queue.interfaces import NullNotifier
 from server.queue.service import TableQueue
-from server.submissions.service import Submissions
+from server.submissions.service import SubmissionService
 from server.web.words import plural
 
 
@@ -55,8 +55,8 @@ def erase(database: Database, settings: Settings, arguments: Namespace) -> Answe
     now = utc_now()
     with database.read() as db:
         account = links.find_account_by_login_or_id(db, arguments.login)
-        erasures.require_student(db, account)
-        shown = erasures.preview(db, account, None, now)
+        erasures.require_erasable_student(db, account)
+        shown = erasures.preview_erasure(db, account, None, now)
     person = account_label(account)
     if arguments.cancel:
         with database.write() as db:
@@ -99,12 +99,12 @@ def purge_guests(database: Database, settings: Settings, arguments: Namespace) -
 
 def requeue(database: Database, settings: Settings, arguments: Namespace) -> Answer:
     # Nobody is told: an idle worker finds it within a second, and where NATS carries the work the server calls for it.
-    submissions = Submissions(settings, TableQueue(NullNotifier()))
+    submissions = SubmissionService(settings, TableQueue(NullNotifier()))
     found = requeuing.requeue_for_grading(database, submissions, failed=arguments.failed, names=arguments.submissions)
     journal.record_now(database, AuditAction.submissions_requeued, after={"attempts": len(found)})
     line = f"{plural(len(found), 'essai remis', 'essais remis')} dans la file de correction."
     return Answer([*(f"  {name}" for name in found), line], {"requeued": found})
 
 
-def _personal(database: Database, settings: Settings) -> PersonalData:
-    return PersonalData(database, settings, Course({}, ()))
+def _personal(database: Database, settings: Settings) -> PersonalDataService:
+    return PersonalDataService(database, settings, Course({}, ()))

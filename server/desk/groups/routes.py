@@ -10,7 +10,7 @@ from fastapi.responses import HTMLResponse, Response
 from server.base.errors import Invalid, NotFound
 from server.behaviour import export, service
 from server.behaviour.models import BehaviourGroup
-from server.behaviour.repository import find_name
+from server.behaviour.repository import find_behaviour_name
 from server.classes.service import require_not_archived
 from server.course.dependencies import CourseOf
 from server.database import roll_back_then_read
@@ -110,13 +110,13 @@ def name_group(
     access = rights.require_right(db, account, Right.name_behaviours, which.class_id)
     group = which.find(db, access)
     require_not_archived(access.school_class)
-    stored = name_texts(find_name(db, access.school_class.id, group.id) or GroupNameForm())
+    stored = name_texts(find_behaviour_name(db, access.school_class.id, group.id) or GroupNameForm())
     require_same_version(fields, account, SUBJECT, stored, name_texts(GroupNameForm(title, explanation, question)))
     if action == "retirer" or not (title + explanation + question).strip():
         service.withdraw_group_name(db, access.school_class, group, account.id)
     else:
         try:
-            given = service.parse_description(title, explanation, question)
+            given = service.parse_group_description(title, explanation, question)
         except Invalid as refused:
             roll_back_then_read(db)
             return _render_group(
@@ -134,10 +134,10 @@ def download_misconception(which: GroupPathDep, account: SignedIn, db: Db, cours
     exercise = find_exercise(course, which.module, which.slug)
     if found.name is None:
         raise NotFound(NO_NAME)
-    read = service.load_program(db, access.school_class, found.group.id)
+    read = service.load_group_program(db, access.school_class, found.group.id)
     names = group_views.author_name_words(db, access, read.account_id)
-    identity, held = export.render_archive(
-        exercise, found.group, service.description_of(found.name), read.source, names
+    identity, held = export.build_misconception_archive(
+        exercise, found.group, service.build_group_description(found.name), read.source, names
     )
     headers = {"Content-Disposition": f'attachment; filename="{identity}.zip"', "Cache-Control": "private, no-store"}
     return Response(held, media_type="application/zip", headers=headers)

@@ -52,7 +52,7 @@ def build_group_page(
     """Build the page; `wanted` is the attempt to read, None for the shortest program. Raise NotFound."""
     school_class, group = access.school_class, listed.group
     exercise = course.exercises.get(group.exercise)
-    program = behaviour.load_program(db, school_class, group.id, wanted)
+    program = behaviour.load_group_program(db, school_class, group.id, wanted)
     may_name = access.has(Right.name_behaviours) and school_class.archived_at is None
     return {
         "head": views.class_head(course, access, "/groupes"),

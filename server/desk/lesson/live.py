@@ -42,7 +42,7 @@ def load_lesson(
 
 def load_lesson_pulse(db: Session, class_id: UUID) -> ClassVersionTag:
     """Load a version tag of the class, of its latest lesson, and of whom its teacher has seen in it."""
-    pulse, lesson = load_class_version_tag(db, class_id), repository.find_latest(db, class_id)
+    pulse, lesson = load_class_version_tag(db, class_id), repository.find_latest_lesson(db, class_id)
     if lesson is None:
         return pulse
     plan = lesson.id, tuple(lesson.exercises), lesson.next_step, lesson.challenge, lesson.ended_at

@@ -57,11 +57,11 @@ class ReviewMails:
 
     def list_due(self, db: Session, now: datetime) -> Collection[tuple[UUID, str]]:
         """Return the pages that are due and not queued yet: subscription and key."""
-        confirmed = repository.load_confirmed(db)
+        confirmed = repository.load_confirmed_subscriptions(db)
         if not confirmed:
             return ()
         ended: dict[UUID, list[tuple[str, datetime]]] = {}
-        for lesson in lessons.load_ended(db, {row.class_id for row, _ in confirmed}, now - WINDOW, now):
+        for lesson in lessons.load_lessons_ended_between(db, {row.class_id for row, _ in confirmed}, now - WINDOW, now):
             ended.setdefault(lesson.class_id, []).append((f"{LESSON}{lesson.id}", lesson_end(lesson)))
         week = latest_week(now)
         of_week = [(f"{WEEK}{school_time.to_local(week):%G-W%V}", week)] if now - week < WINDOW else []
@@ -71,7 +71,7 @@ class ReviewMails:
             for key, at in (*ended.get(row.class_id, ()), *of_week)
             if at >= since
         }
-        return due - repository.load_queued(db, {name for name, _ in due})
+        return due - repository.load_queued_mail_keys(db, {name for name, _ in due})
 
     def compose(self, db: Session, sending: OutgoingMail, now: datetime) -> EmailMessage | None:
         """Return the message; None where nothing is to be told, or its reader may not read the work any more."""
@@ -114,11 +114,11 @@ class ReviewMails:
         values: Mapping[str, object],
     ) -> EmailMessage:  # fmt: skip
         subscription = sending.subscription
-        stop = f"{subscription.service_url}{service.link_href(subscription, service.STOP)}"
+        stop = f"{subscription.service_url}{service.signed_link_href(subscription, service.STOP)}"
         context = {
             "base": subscription.service_url,
             "class_name": access.school_class.name,
-            "confirm": f"{subscription.service_url}{service.link_href(subscription, service.CONFIRM)}",
+            "confirm": f"{subscription.service_url}{service.signed_link_href(subscription, service.CONFIRM)}",
             "stop": stop,
             "when": long_moment(now),
             **values,
@@ -156,6 +156,6 @@ def _counts(page: ReviewPage) -> Mapping[str, Sequence[str]]:
 
 def start_mails(database: Database, settings: Settings, course: Course) -> Callable[[], None]:
     """Send mails from a thread of this process, where a server takes them; return what stops it."""
-    if not smtp.is_set(settings):
+    if not smtp.is_smtp_configured(settings):
         return lambda: None
     return MailSender(database, settings, ReviewMails(course, settings)).start()

@@ -41,14 +41,14 @@ def change_subscription(
     school_class, now = access.school_class, utc_now()
     href = f"{class_href(school_class)}/semaine"
     if action == "arreter":
-        service.unsubscribe(reader.db, school_class.id, account.id)
+        service.delete_subscription(reader.db, school_class.id, account.id)
         return redirect(f"{href}#courriel")
     if action != "recevoir":
         raise NotFound(UNKNOWN_ACTION)
-    if not smtp.is_set(settings):
+    if not smtp.is_smtp_configured(settings):
         raise NotFound(NOT_SET)
     try:
-        service.subscribe(reader.db, school_class, account, adresse, service_url(request), now)
+        service.request_subscription(reader.db, school_class, account, adresse, service_url(request), now)
     except InvalidFields as refused:
         roll_back_then_read(reader.db)
         access = rights.require_right(reader.db, account, Right.read_work, class_id)
@@ -63,7 +63,7 @@ def show_link(
     request: Request, subscription_id: Part, action: Part, signature: Part, reader: CurrentReader
 ) -> Response:
     """Show what the link of a mail does, with a button: a program that follows links changes nothing."""
-    link = service.read_link(reader.db, subscription_id, action, signature)
+    link = service.read_signed_link(reader.db, subscription_id, action, signature)
     return render_page(request, "mails/link.html", reader.account, headers=LINK_HEADERS, link=link)
 
 
@@ -73,6 +73,6 @@ def follow_link(
 ) -> Response:
     """Do what the link says; mail programs send this themselves to stop mails (RFC 8058)."""
     with database.write() as db:
-        link = service.follow_link(db, subscription_id, action, signature, utc_now())
+        link = service.follow_signed_link(db, subscription_id, action, signature, utc_now())
     account = load_session_account(request, database)
     return render_page(request, "mails/link.html", account, headers=LINK_HEADERS, link=link)

@@ -100,7 +100,7 @@ def run_lesson(
         elif action == "vu":
             student, _, exercise = eleve.partition(" ")
             identity = parse_uuid(student, NOT_A_MEMBER)
-            service.record_visit(reader.db, school_class, account.id, identity, exercise, now)
+            service.record_student_visit(reader.db, school_class, account.id, identity, exercise, now)
         else:
             raise Invalid(UNKNOWN_ACTION)
     except (Conflict, Invalid) as refused:
@@ -171,6 +171,6 @@ def review_week(request: Request, class_id: str, reader: CurrentReader, settings
 
 def _mail_form(reader: Reader, settings: Settings, access: ClassAccess) -> MailForm | None:
     """Return the form that asks for the page by mail; None where no server takes mails, or the class is archived."""
-    if reader.account is None or not smtp.is_set(settings) or access.school_class.archived_at is not None:
+    if reader.account is None or not smtp.is_smtp_configured(settings) or access.school_class.archived_at is not None:
         return None
-    return mails.load_form(reader.db, access.school_class.id, reader.account)
+    return mails.load_mail_form(reader.db, access.school_class.id, reader.account)

@@ -22,7 +22,7 @@ from server.course import Course
 from server.desk.board.links import BoardLinks, work_href
 from server.desk.lesson.schemas import StuckRow
 from server.gradebook.histories import Attempts
-from server.lesson.repository import Visit
+from server.lesson.repository import StudentVisit
 
 
 @dataclass(frozen=True)
@@ -120,7 +120,7 @@ def mistake_title(course: Course, exercise: str, misconception: str) -> str:
     return find_misconception(course, exercise, misconception).diagnosis.title
 
 
-def _seen_words(visit: Visit | None, now: datetime) -> str:
+def _seen_words(visit: StudentVisit | None, now: datetime) -> str:
     """Return « Vu il y a 5 min par Mme Martin »; empty without a visit."""
     if visit is None:
         return ""

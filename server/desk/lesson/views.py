@@ -76,7 +76,7 @@ def start_page(
     """Build the page of a class in which no lesson goes on."""
     school_class = access.school_class
     progress = load_class_progress(db, course, school_class, now)
-    available = service.available_exercises(db, course, school_class, now)
+    available = service.list_available_exercises(db, course, school_class, now)
     proposed = LessonPlan(lesson_loading.propose_lesson_exercises(progress, available))
     past = repository.load_lessons(db, school_class.id)[:SHOWN_LESSONS]
     return StartPage(
@@ -91,7 +91,7 @@ def start_page(
 def lesson_form(
     db: Session, course: Course, school_class: SchoolClass, now: datetime, plan: LessonPlan, problem: str = ""
 ) -> LessonForm:
-    available = service.available_exercises(db, course, school_class, now)
+    available = service.list_available_exercises(db, course, school_class, now)
     return _form(course, available, plan, problem)
 
 

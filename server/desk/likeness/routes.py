@@ -53,11 +53,11 @@ def show_likeness(
             course.exercises[weighted.exercise] for weighted in assigned if weighted.exercise in course.exercises
         ]
         chosen = _chosen_exercise(exercises, exercice)
-        sent = service.load_copies(db, assignment, chosen) if chosen else []
+        sent = service.load_best_copies(db, assignment, chosen) if chosen else []
         places = load_places_of_team_assignments(db, [assignment]).get(assignment.id, ())
         names = {member.id: member.name for member in classes.load_members(db, access.school_class.id)}
     comparison = service.compare_copies(course, chosen, sent) if chosen else CopyComparison(0, False, ())
-    comparison = service.without_teammates(comparison, places)
+    comparison = service.exclude_teammate_pairs(comparison, places)
     head = views.class_head(course, access, "/devoirs")
     choices = [exercise for exercise in exercises if exercise.answers is None]
     context = {"head": head, "title": assignment.title, "choices": choices, "chosen": chosen, "names": names}

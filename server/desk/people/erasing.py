@@ -43,10 +43,10 @@ def _render(
     student: UUID, changed: bool = False,
 ) -> HTMLResponse:  # fmt: skip
     now = utc_now()
-    person = erasures.find_class_student(db, access.school_class.id, student)
-    preview = erasures.preview_for_class(db, account, access.school_class.id, person, now)
+    person = erasures.find_present_or_former_student(db, access.school_class.id, student)
+    preview = erasures.preview_erasure_by_staff(db, account, access.school_class.id, person, now)
     scope = access.school_class.id if preview.class_only else None
-    standing = erasures.find_standing(db, person.id, scope, settings, now)
+    standing = erasures.find_pending_erasure(db, person.id, scope, settings, now)
     head = views.class_head(course, access, "/eleves")
     return render_page(
         request,
@@ -73,8 +73,8 @@ def erase_student(
     with database.write() as db:
         access = rights.require_right(db, account, Right.erase_students, class_id)
         school_class = access.school_class
-        person = erasures.find_class_student(db, school_class.id, student)
-        preview = erasures.preview_for_class(db, account, school_class.id, person, utc_now())
+        person = erasures.find_present_or_former_student(db, school_class.id, student)
+        preview = erasures.preview_erasure_by_staff(db, account, school_class.id, person, utc_now())
         scope = school_class.id if preview.class_only else None
         address = f"{views.class_href(school_class)}/eleves"
         if action == "annuler":

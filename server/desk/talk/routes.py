@@ -73,7 +73,9 @@ def send_note(
     exercise = find_class_exercise(reader, access, module, slug)
     try:
         link = views.validate_link(reader.course, access, lien)
-        notes.send_note(reader.db, account, access.school_class, exercise.id, erreur or None, texte, link, settings)
+        notes.send_note_to_students(
+            reader.db, account, access.school_class, exercise.id, erreur or None, texte, link, settings
+        )
     except (Invalid, Conflict, RateLimited) as refused:
         roll_back_then_read(reader.db)
         again = rights.require_right(reader.db, account, Right.comment, class_id)

@@ -12,7 +12,7 @@ from sqlalchemy import text
 
 from server.base.settings import Settings
 from server.database import Database
-from server.submissions.service import Submissions
+from server.submissions.service import SubmissionService
 from tests.benchmarks.chaos import truth
 from tests.benchmarks.chaos.run import Plan, run
 from tests.benchmarks.chaos.students import Attempt, Ledger
@@ -30,7 +30,7 @@ def test_what_is_sent_is_graded_once_whatever_fails() -> None:
 
 def sent_and_graded(database: Database, settings: Settings) -> Ledger:
     """Two attempts of one student, both right."""
-    store, account, ledger = Submissions(settings, QUIET), new_account(database), Ledger()
+    store, account, ledger = SubmissionService(settings, QUIET), new_account(database), Ledger()
     for number in range(2):
         with database.write() as db:
             sent = store.submit(db, account, EXERCISE, f"# envoi {number}\npass\n", address=ADDRESS)

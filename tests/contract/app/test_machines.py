@@ -26,7 +26,7 @@ from server.database import Database
 from server.queue.jetstream.connection import NatsUnavailableError
 from server.submissions import job_events as events_module
 from server.submissions.models import Submission, SubmissionState
-from server.submissions.service import GradingProgress, Submissions, job_key
+from server.submissions.service import GradingProgress, SubmissionService, job_key
 from tests.support.cluster import PATIENCE, Hand, Machine, Nats, free_port, until
 from tests.support.live import Live, children, environment
 from tests.support.quick import in_a_loop
@@ -262,7 +262,7 @@ def test_a_cluster_of_three_outlives_each_of_its_nodes(shared_settings: Settings
     for machine in (web, worker):
         assert machine.nats_engine.connection.wait_ready(3 * PATIENCE), "the three have elected a leader"
     account, sent = new_account(web.database), list[str]()
-    store = Submissions(settings, web.queue)
+    store = SubmissionService(settings, web.queue)
 
     def submit() -> None:
         with web.database.write() as db:

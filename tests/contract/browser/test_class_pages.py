@@ -31,7 +31,7 @@ from server.identity.models import Account
 from server.lesson.models import LiveLesson
 from server.marks.models import ManualColumn, Rubric
 from server.marks.rubrics import anonymous_copy_key
-from server.recall.retrievals import today
+from server.recall.retrievals import today_at_school
 from server.regrades.models import Regrade
 from server.submissions.models import Submission
 from server.warmup import repository as warm_ups
@@ -221,7 +221,7 @@ def _one_of_each(database: Database, loaded: DemoClass) -> None:
         db.add(LiveLesson(class_id=loaded.class_id, exercises=[EXERCISE], started_at=begun, ended_at=utc_now()))
         options = (WarmUpOption("A", "`a + b`", MISTAKE, "Voici pourquoi."), WarmUpOption("B", "`b + a`"))
         question = WarmUpQuestion("s", EXERCISE, MISTAKE, "Poses", "/", "Que vaut `f(1)` ?", options, "B", needed=5)
-        warm_ups.add_warm_up_if_absent(db, loaded.class_id, today(), [question.to_data()])
+        warm_ups.add_warm_up_if_absent(db, loaded.class_id, today_at_school(), [question.to_data()])
         db.flush()
         db.add(Fingerprint(grading_id=graded, group_id=GROUP))
 

@@ -35,7 +35,7 @@ READ_ALOUD = """() => {
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     course = the_course()
     module = course.modules["l20"]
-    made = site.build_archive_zip(course, module, site.draw_pictures_here(module), DownloadArchives(course))
+    made = site.build_archive_zip(course, module, site.draw_pictures_in_process(module), DownloadArchives(course))
     where = tmp_path_factory.mktemp("hors ligne é")  # a folder of a pupil's has such a name
     with zipfile.ZipFile(io.BytesIO(made)) as archive:
         archive.extractall(where)

@@ -53,7 +53,7 @@ def machine(site: Site, tmp_path: Path, others: None, monkeypatch: pytest.Monkey
     monkeypatch.setenv("BALISE_DATA_DIR", str(site.settings.data_dir))
     walls = [WallReport("seccomp", WallStatus.STANDING, "refusé", required=True)]
     monkeypatch.setenv("BALISE_SMTP_HOST", "smtp.lycee.example")
-    monkeypatch.setattr("server.mails.smtp.send", lambda *_: None)
+    monkeypatch.setattr("server.mails.smtp.send_message", lambda *_: None)
     monkeypatch.setattr("server.cli.doctor.probe", lambda **_: walls)
     monkeypatch.setattr("server.cli.serve.serve", served)
     monkeypatch.setattr("server.cli.worker.run_worker", worked)

@@ -46,9 +46,9 @@ from server.submissions.service import (
     GRADE,
     OUTDATED_NOTICE,
     GradingProgress,
-    Submissions,
+    SubmissionService,
     job_key,
-    version_requirement,
+    worker_version_requirement,
 )
 from tests.support.cluster import PATIENCE, Baker, Hand, Machine, Nats, until
 from tests.support.service import ADDRESS, EXERCISE, fake_grade, new_account
@@ -73,7 +73,7 @@ class Service:
         return Hand(self.machine(), grade, able).start()  # type: ignore[arg-type]
 
     def submit(self, version: str | None = None) -> str:
-        store = Submissions(self.settings, self.web.queue, needed_version=lambda _: version)
+        store = SubmissionService(self.settings, self.web.queue, needed_version=lambda _: version)
         with self.web.database.write() as db:
             return job_key(store.submit(db, self.account, EXERCISE, "pass", address=ADDRESS).id)
 
@@ -94,7 +94,9 @@ class Service:
 
     def place(self) -> GradingProgress:
         with self.web.database.read() as db:
-            return Submissions(self.settings, self.web.queue).progress(db, db.execute(select(Submission)).scalar_one())
+            return SubmissionService(self.settings, self.web.queue).progress(
+                db, db.execute(select(Submission)).scalar_one()
+            )
 
     def tickets(self, of: Machine | None = None) -> int:
         """How many the stream holds."""
@@ -319,7 +321,7 @@ def test_turns_hold_and_what_somebody_waits_for_goes_first(shared_settings: Sett
 
 
 def test_a_worker_of_another_version_leaves_it_to_the_right_one(service: Service) -> None:
-    old, new = (WorkerCapabilities([version_requirement(EXERCISE, version)], 3600.0) for version in ("v1", "v2"))
+    old, new = (WorkerCapabilities([worker_version_requirement(EXERCISE, version)], 3600.0) for version in ("v1", "v2"))
     before = service.hand(able=old)
     service.submit("v2")
     until(lambda: service.job().refused_at is not None, "it is refused")
@@ -334,7 +336,7 @@ def test_a_worker_of_another_version_leaves_it_to_the_right_one(service: Service
 
 def test_job_refused_for_too_long_is_claimed_by_any_worker(service: Service) -> None:
     service.submit("v0")
-    hand = service.hand(able=WorkerCapabilities([version_requirement(EXERCISE, "v1")], 0.3))
+    hand = service.hand(able=WorkerCapabilities([worker_version_requirement(EXERCISE, "v1")], 0.3))
     until(lambda: bool(service.graded()), "it is graded after all")
     hand.stop()
     assert not service.jobs()
@@ -345,7 +347,7 @@ def test_a_worker_to_whom_nothing_is_brought_looks_by_itself_now_and_then(servic
     machine = service.machine(poll_seconds=0.01)
     hand = Hand(machine).start()
     until(lambda: hand.tickets._jetstream_answers, "it waits for tickets")
-    store = Submissions(service.settings, TableQueue(NullNotifier()))
+    store = SubmissionService(service.settings, TableQueue(NullNotifier()))
     with service.web.database.write() as db:
         sent = job_key(store.submit(db, service.account, EXERCISE, "pass", address=ADDRESS).id)
     until(lambda: service.graded() == [sent], "it is found")

@@ -17,7 +17,7 @@ from server.grading.grading_task import GradingInput, GradingTask
 from server.grading.sandbox_grader import SandboxGrader
 from server.queue.worker import Worker
 from server.sandbox import Sandbox
-from server.submissions.service import GRADE, Submissions
+from server.submissions.service import GRADE, SubmissionService
 from tests.support.live import until
 from tests.support.service import ADDRESS, QUIET, new_account
 
@@ -44,7 +44,7 @@ def test_an_answer_is_graded_before_the_second_of_a_flood_of_loops(
     loop = "def boucler(*_arguments):\n    while True:\n        pass\n"
     looping = loop + "".join(f"{function.name} = boucler\n" for function in exercise.functions)
     brief = replace(exercise.policy, cpu_seconds=0.8, wall_seconds=60.0)  # longer than an answer waits for a seat
-    grader, submissions = SandboxGrader(course, course_sandbox), Submissions(settings, QUIET)
+    grader, submissions = SandboxGrader(course, course_sandbox), SubmissionService(settings, QUIET)
     graded_sources: list[str] = []  # in the order in which their grading begins
 
     def grade(work: GradingInput) -> Judgement:

@@ -41,7 +41,7 @@ from server.mails.models import MailSubscription
 from server.mails.service import CONFIRM, sign_link_action
 from server.marks import rubrics
 from server.marks.models import ManualColumn, Override, Rubric
-from server.recall.retrievals import today
+from server.recall.retrievals import today_at_school
 from server.regrades.models import Regrade
 from server.studio.drafts import ExerciseDraft
 from server.studio.models import AuthoredExercise
@@ -296,10 +296,10 @@ class Stage:
         )  # fmt: skip
         db.add(self.mails)
         db.flush()
-        self.calendar = calendars.renew_address(db, self.accounts["student"])
+        self.calendar = calendars.renew_calendar_address(db, self.accounts["student"])
         options = (WarmUpOption("A", "1"), WarmUpOption("B", "2"))
         question = WarmUpQuestion("s", EXERCISE, MISTAKE, "Poses", "/", "Combien ?", options, "A", 5)
-        warm_ups.add_warm_up_if_absent(db, self.made.id, today(), [question.to_data()])
+        warm_ups.add_warm_up_if_absent(db, self.made.id, today_at_school(), [question.to_data()])
         teacher = self.accounts["teacher"].id
         self.authored = AuthoredExercise(author_id=teacher, module="l20", draft=ExerciseDraft().to_data(), digest="")
         self.lent = AuthoredExercise(
