@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 
 import numpy as np
@@ -19,6 +20,8 @@ from graders.l20.mcl.telling import number, observed, thin
 FEW_CELLS = 51
 #: Of a cell, and of a turn in radians: what 2000 uniform draws never leave empty (1e-45, 1e-25).
 EDGE, GAP = 0.05, 0.2
+#: How far from a half the share of 2000 poses is in which two coordinates, drawn apart, are on the same side (1e-40).
+TOGETHER = 0.15
 
 
 @observed(SEED)
@@ -56,6 +59,15 @@ def _sown_well(bench: Bench, free: NDArray[np.bool_]) -> None:
             raise _badly_sown(
                 f"Dans leurs cases, les particules vont selon {name} de {number(place.min())} à {number(place.max())} "
                 "seulement. Le robot peut être n'importe où dans sa case, de 0 à 1.",
+                free, cloud, "une place tirée au hasard dans la case",
+            )  # fmt: skip
+    sides = {"x": x - column > 0.5, "y": y - row > 0.5, "le cap": np.sin(heading) > 0.0}
+    for (name, side), (other, other_side) in itertools.combinations(sides.items(), 2):
+        share = float(np.mean(side == other_side))
+        if abs(share - 0.5) > TOGETHER:
+            raise _badly_sown(
+                f"{name.capitalize() if len(name) > 1 else name} et {other} ne sont pas tirés séparément : ils sont du "
+                f"même côté de leur milieu pour {number(100 * share)} % des particules, au lieu de 50 % environ.",
                 free, cloud, "une place tirée au hasard dans la case",
             )  # fmt: skip
     turned = np.sort(np.mod(heading, math.tau))

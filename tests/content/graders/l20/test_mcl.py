@@ -256,3 +256,21 @@ def test_the_heavier_half_copied_twice_is_no_resampling() -> None:
     """Between two clouds of equal size it does what a comb does; forty particles in 400 keep a fifth of the weight."""
     source = (GRADER.folder / "specimens/wrong_answer/moitie_la_plus_lourde_doublee.py").read_text()
     assert failed(checked_verdict(source, 3)) == {"memoire"}
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "words"),
+    [
+        ("y + rng.random(n)", "y + x - np.floor(x)", "x et y"),
+        ("rng.uniform(-np.pi, np.pi, n)", "2 * np.pi * (x % 1)", "x et le cap"),
+    ],
+)
+def test_coordinates_that_are_not_drawn_apart_are_refused(old: str, new: str, words: str) -> None:
+    source = GRADER.solution
+    drawn_first = "    x = x + rng.random(n)\n    return np.column_stack([x"
+    for text, other in ((old, new), ("    return np.column_stack([x + rng.random(n)", drawn_first)):
+        assert source.count(text) == 1
+        source = source.replace(text, other)
+    shown = checked_verdict(source, 3)
+    assert "semer" in failed(shown)
+    assert any(f"{words} ne sont pas tirés séparément" in check.message for check in shown.checks)
