@@ -15,7 +15,9 @@ from graders.core.code.checks import Check
 from graders.core.code.diagnosis import points_text
 from graders.core.code.facts import IMPRECISIONS, is_stated_in_titles
 from graders.core.code.grading import CodeGrader, NamedMistakes
+from graders.core.code.pair_search import OutOfTimeError
 from graders.core.code.related_lines import JudgedFunctions
+from graders.core.code.time_limits import TimeLimitedPrograms
 from graders.core.contract.program import Programs
 from graders.core.contract.verdict import CheckResult, Diagnosis
 
@@ -108,19 +110,31 @@ def isolate_failed_functions(
     """Judge each failed function of a program beside right ones; None for one function, or where time runs out."""
     if len(grader.functions) < 2 or is_time_spent():
         return None
-    whole = grader.name_mistakes(source, programs, seed)
+    limited = TimeLimitedPrograms(programs, is_time_spent)
     own = {}
-    for function in _functions_of_failed_checks(grader, whole.failed):
-        if is_time_spent():
-            return None
-        others = [name for name in grader.functions if name != function]
-        beside = source + solution_override_suffix(grader, source, others)
-        own[function] = grader.name_mistakes(beside, programs, seed, is_time_spent, whole.failed)
+    try:
+        whole = grader.name_mistakes(source, limited, seed)
+        for function in _functions_of_failed_checks(grader, whole.failed):
+            others = [name for name in grader.functions if name != function]
+            beside = source + solution_override_suffix(grader, source, others)
+            own[function] = grader.name_mistakes(beside, limited, seed, is_time_spent, whole.failed)
+    except OutOfTimeError:
+        return None
     dependent = {
         function for name in own for function in find_callers(source.encode(), [name]) if function in grader.functions
     }
     functions_of = {each.id: each.functions for each in grader.misconceptions}
     return IsolatedFunctions(whole, own, functions_of, frozenset(dependent))
+
+
+def name_mistakes_in_time(
+    grader: CodeGrader, source: str, programs: Programs, seed: int, is_time_spent: Callable[[], bool]
+) -> NamedMistakes:
+    """Return the mistakes named in a whole program; none where time runs out."""
+    try:
+        return grader.name_mistakes(source, TimeLimitedPrograms(programs, is_time_spent), seed, is_time_spent)
+    except OutOfTimeError:
+        return NamedMistakes()
 
 
 def _functions_of_failed_checks(grader: CodeGrader, failed: Collection[str]) -> list[str]:

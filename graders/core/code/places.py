@@ -22,6 +22,7 @@ from graders.core.code.isolation import (
     add_lost_points_by_function,
     diagnose_isolated_functions,
     isolate_failed_functions,
+    name_mistakes_in_time,
     solution_override_suffix,
 )
 from graders.core.code.mending import Mending, MendingSearch, repeatable_failures
@@ -111,7 +112,7 @@ def find_place(
         named = diagnose_isolated_functions(grader, isolated, verdict.checks)
         functions = isolated.unexplained_functions()
     elif functions and len(grader.functions) == 1:
-        pair = grader.name_mistakes(source, programs, verdict.seed, spent)
+        pair = name_mistakes_in_time(grader, source, programs, verdict.seed, spent)
         if pair.ids and pair.certain and not pair.facts:
             named, functions = grader.describe_mistakes(pair), []
     facts, mendings, values = [], list[Mending](), dict[int, str]()

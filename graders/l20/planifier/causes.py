@@ -100,9 +100,10 @@ def _answers_as(
     goal: Callable[[Arguments], float] | None,
     nearing: Callable[[Arguments], float],
 ) -> Callable[[ProgramTrial], bool]:
-    """An experiment: do the prices of the paths on these maps come out so, and is the cheaper twin always taken?"""
+    """The experiment on these maps, for such prices of the paths."""
 
     def experiment(trial: ProgramTrial) -> bool:
+        """Do the prices of the paths on these maps come out so, and is the cheaper twin always taken?"""
         asked = ((SECOND_ACCESS, access), (SECOND_GOAL, goal), (TWINS, best_price), (NEARING, nearing))
         chosen = [(maps, price) for maps, price in asked if price is not None]
         prices = _prices(trial.ask([args for maps, _ in chosen for args in maps]))
