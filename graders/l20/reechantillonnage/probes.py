@@ -103,6 +103,17 @@ def left_alone(shown: ProbeResults) -> str | None:
 
 
 @measurement_rule
+def without_replacement(shown: ProbeResults) -> str | None:
+    """One copy of each particle where all have a weight, and a draw that fails for want of others where few have."""
+    groups = [_counts(shown, where) for where in ("uneven", "equal", "few")]
+    once = all(group is not None and all(np.all(c == 1.0) for c in group) for group in groups)
+    failed = [
+        isinstance(one, ProbeFault) and "sans remise" in one.description for one in (shown.got[k] for k in AT["one"])
+    ]
+    return "sans_remise" if once and all(failed) else None
+
+
+@measurement_rule
 def not_rigid(shown: ProbeResults) -> str | None:
     """With equal weights, the copies change from one call to another, and are not all of one particle."""
     equal, one = _counts(shown, "equal"), _counts(shown, "one")
@@ -144,7 +155,7 @@ PROBES = (
         kit=world.STILL,
         read=read_copies,
         random=True,
-        rules=(grows, remembers, changed_particles, left_alone),
+        rules=(grows, remembers, changed_particles, left_alone, without_replacement),
         last_rules=(frozen, not_rigid, out_of_the_cloud),
     ),
 )

@@ -25,7 +25,7 @@ from graders.plotting import counterexample
 from reference.filters.resampling import comb_resampling, systematic_resampling
 from tests.support.quick import THEMES, some
 from tests.support.shipped import CODE
-from tests.support.verdicts import verdict_of
+from tests.support.verdicts import named, verdict_of
 
 GRADER = CODE["l20/reechantillonnage"]
 verdict = partial(verdict_of, GRADER.exercise)
@@ -379,3 +379,18 @@ def test_a_large_cloud_is_drawn_around_its_wrong_particle() -> None:
     assert data["total"] >= 60
     assert len(data["shares"]) == 24
     assert counterexample(GRADER.exercise, data).startswith(b"<?xml")
+
+
+@pytest.mark.parametrize(
+    ("chosen", "name"),
+    [
+        ("rng.choice(len(poids), len(poids), replace=False, p=poids)", "sans_remise"),
+        ("np.argsort(-poids)", "nuage_inchange"),
+        ("rng.permutation(len(poids))", "nuage_inchange"),
+    ],
+)
+def test_a_cloud_without_copies_is_named_by_its_draw(chosen: str, name: str) -> None:
+    source = (
+        f"{GRADER.solution}\n\ndef reechantillonner_systematique(particules, poids):\n    return particules[{chosen}]\n"
+    )
+    assert named(verdict(source, 3)) == name
