@@ -205,8 +205,8 @@ class ApplicationServices:
             federation.delete_expired(db, utc_now())
             mails.delete_old_mails(db, utc_now())
             authored_exercises.delete_abandoned_exercises(db)
-        self.personal_data.erase_lost_guests(utc_now())
-        self.personal_data.carry_out_erasures(utc_now())
+        self.personal_data.erase_unreachable_and_idle_guests(utc_now())
+        self.personal_data.carry_out_pending_erasures(utc_now())
         erased = self.personal_data.erase_expired_students(utc_now())
         if erased:
             log.warning("%d accounts were erased, as the settings keep them no longer", len(erased))
@@ -220,7 +220,7 @@ class ApplicationServices:
             if self.nats_engine is not None:
                 self.nats_engine.sweeper.resend_missing(db)
             self.stall_watchdog.check(db)
-        self.sitting_collector.collect_expired(self.database, utc_now())
+        self.sitting_collector.end_expired_sittings(self.database, utc_now())
 
     def recover_and_clean_at_start(self) -> None:
         """Recover lost jobs and remove what has expired; where the database does not answer, leave it for later."""

@@ -49,7 +49,7 @@ class PersonalDataService:
             self.erase(account_id)
         return begun
 
-    def carry_out_erasures(self, now: datetime) -> int:
+    def carry_out_pending_erasures(self, now: datetime) -> int:
         """Carry out the erasures that nothing puts off any more, or that have stood too long; return how many."""
         with self._database.read() as db:
             requests = erasures.load_pending_erasure_ids(db)
@@ -78,7 +78,7 @@ class PersonalDataService:
             audit.erase_reasons(db, account_id)
             identity.delete_account(db, account_id)
 
-    def erase_lost_guests(self, now: datetime) -> int:
+    def erase_unreachable_and_idle_guests(self, now: datetime) -> int:
         """Erase a batch of unreachable guests, and of idle ones; return how many."""
         with self._database.read() as db:
             guest_ids = repository.load_unreachable_guest_ids(db, now - GUEST_GRACE, limit=GUEST_BATCH)

@@ -42,7 +42,7 @@ class Poll:
         """The right answer, in its stored form."""
         return ",".join(sorted(option.id for option in self.options if option.right))
 
-    def counted_options(self, answer: str) -> frozenset[str]:
+    def options_counted_for(self, answer: str) -> frozenset[str]:
         """The options that an answer is counted for; none where the question does not, or no longer, take it."""
         if self.place is not None:
             told = self.place.distance_class(answer)

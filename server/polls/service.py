@@ -92,7 +92,7 @@ def submit_poll_answer(db: Session, account: Account | None, module: Module, pol
 
     Raises Invalid; Unauthorised for what a visitor expects, which their browser keeps; Conflict where a test asks it.
     """
-    ids = poll.counted_options(answer)
+    ids = poll.options_counted_for(answer)
     if not ids:
         raise Invalid("Cette réponse n’est pas de celles que la question propose.")
     if account is None and poll.is_prediction:

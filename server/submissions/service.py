@@ -129,7 +129,7 @@ class SubmissionService:
         """Store answers without code to this account's variant, as canonical JSON. Otherwise as `submit`."""
         return self._submit_source(db, account, address, exercise_id, self.encode_answers(answers), key, answers=True)
 
-    def submit_saved(
+    def submit_saved_work(
         self, db: Session, account: Account, exercise_id: str, source: bytes, sent_at: datetime, *, answers: bool
     ) -> Submission:
         """Store what a student had saved as their test ended, as if submitted then; no limit applies."""

@@ -44,7 +44,7 @@ class SittingCollector:
             self._end_by_time(db, assignment, sitting, rules, now)
         feedback.clear_holds_memo(db)
 
-    def collect_expired(self, database: Database, now: datetime) -> int:
+    def end_expired_sittings(self, database: Database, now: datetime) -> int:
         """End every sitting whose time is over; return how many. Failures are left for the next time."""
         with database.read() as db:
             unfinished = sitting_repository.load_unfinished_sittings(db)
@@ -59,12 +59,12 @@ class SittingCollector:
                 continue
             try:
                 with database.write() as db:
-                    ended += self.collect_if_expired(db, work.assignment, work.sitting.account_id, now)
+                    ended += self.end_sitting_if_expired(db, work.assignment, work.sitting.account_id, now)
             except SQLAlchemyError:
                 log.exception("a test of %s could not be collected; trying again later", work.sitting.account_id)
         return ended
 
-    def collect_if_expired(self, db: Session, assignment: Assignment, account_id: UUID, now: datetime) -> bool:
+    def end_sitting_if_expired(self, db: Session, assignment: Assignment, account_id: UUID, now: datetime) -> bool:
         """End a sitting if its time is over and nobody has ended it yet."""
         sitting, rules = self._lock_sitting(db, assignment, account_id)
         if sitting is None or sitting.handed_in_at is not None or is_sitting_running(rules, sitting, now):
@@ -106,6 +106,6 @@ class SittingCollector:
         ):
             return
         submitted_at = min(saved.saved_at, end)
-        self.submissions.submit_saved(
+        self.submissions.submit_saved_work(
             db, account, saved.exercise, saved.source, submitted_at, answers=exercise.answers is not None
         )

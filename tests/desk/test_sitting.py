@@ -90,7 +90,7 @@ class Room:
                     setattr(row, column.key, getattr(row, column.key) - earlier)
 
     def collect(self, now: datetime | None = None) -> int:
-        return get_service(self.site.app, SittingCollector).collect_expired(self.site.database, now or utc_now())
+        return get_service(self.site.app, SittingCollector).end_expired_sittings(self.site.database, now or utc_now())
 
     def sent(self, who: Person) -> list[Submission]:
         query = select(Submission).where(Submission.account_id == who.id).order_by(Submission.created_at)

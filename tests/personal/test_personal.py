@@ -219,10 +219,10 @@ def test_guests_that_nothing_leads_to_are_forgotten(site: Site) -> None:
     kept = new_account(site.database)  # a student without a session
     personal = PersonalDataService(site.database, site.settings, None)  # type: ignore[arg-type]
     later = utc_now() + timedelta(days=2)
-    assert personal.erase_lost_guests(later) == 0, "its browser may come back"
+    assert personal.erase_unreachable_and_idle_guests(later) == 0, "its browser may come back"
     site.client.post("/deconnexion")
-    assert personal.erase_lost_guests(utc_now()) == 0, "not the same day"
-    assert personal.erase_lost_guests(later) == 1
+    assert personal.erase_unreachable_and_idle_guests(utc_now()) == 0, "not the same day"
+    assert personal.erase_unreachable_and_idle_guests(later) == 1
     with site.database.read() as db:
         assert db.execute(select(Account.id)).scalars().all() == [kept.id]
         assert db.execute(select(Submission)).first() is None

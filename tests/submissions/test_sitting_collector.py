@@ -98,7 +98,9 @@ def test_one_of_several_collectors_submits_the_saved_work(
         store.save_work(db, ada, EXERCISE, b"sauve = 1")
     later = utc_now() + timedelta(hours=2)
     with ThreadPoolExecutor(4) as threads:
-        counts = list(threads.map(lambda _: SittingCollector(course, store).collect_expired(database, later), range(4)))
+        counts = list(
+            threads.map(lambda _: SittingCollector(course, store).end_expired_sittings(database, later), range(4))
+        )
     assert sorted(counts) == [0, 0, 0, 1]
     with database.read() as db:
         (sent,) = db.execute(select(Submission)).scalars()

@@ -38,7 +38,7 @@ def build_polls_page(db: Session, course: Course, access: ClassAccess) -> dict[s
 
 def _count_answers(poll: Poll, said: Sequence[AnswerCount]) -> dict[str, Any]:
     """Count the students who answered, who were right at first, and who chose each option (those still offered)."""
-    counting = [(poll.counted_options(answer.first), answer.students) for answer in said]
+    counting = [(poll.options_counted_for(answer.first), answer.students) for answer in said]
     return {
         "poll": poll,
         "answered": sum(students for chosen, students in counting if chosen),

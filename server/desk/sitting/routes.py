@@ -45,7 +45,7 @@ def show_sitting(
     own = sittings.load_student_test(reader.db, test, account.id, own_labels(access), now)
     if own.is_over_but_not_ended:
         with database.write() as db:
-            collecting.collect_if_expired(db, test, account.id, now)
+            collecting.end_sitting_if_expired(db, test, account.id, now)
     view = build_sitting_page(reader, access, own, account, now)
     refusal = ""
     if own.stage is SittingStage.may_begin and access.membership is not None:
