@@ -91,6 +91,11 @@ class MendedPlace:
         return list(dict.fromkeys(together))
 
     @property
+    def moves_lines(self) -> bool:
+        """Whether the lines are put elsewhere, as they are written."""
+        return _common_aspect((*self.changes, *self.others)) is _MOMENT
+
+    @property
     def alternative_lines(self) -> list[int]:
         """The lines of which one is to be changed; those that must be changed together."""
         if len(self.changed_lines) > 1:
@@ -137,9 +142,8 @@ def describe_place(
     """
     is_all = place.leaves_nothing and place.mended.issuperset(failed) and not place.beside_right_ones
     others = ", les autres fonctions une fois justes" if place.beside_right_ones else ""
-    title = (
-        f"Changer {'ensuite ' if place.is_second else ''}{place.lines_text()} {_outcome_text(place, is_all)}{others}"
-    )
+    verb = "Déplacer" if place.moves_lines else "Changer"
+    title = f"{verb} {'ensuite ' if place.is_second else ''}{place.lines_text()} {_outcome_text(place, is_all)}{others}"
     where = " ".join(f"Ligne {number} : « {_quote_line(source, number)} »." for number in place.alternative_lines)
     seen = (
         f" {values[place.changed_lines[0]]}"
@@ -171,13 +175,14 @@ def _outcome_text(place: MendedPlace, is_all: bool) -> str:
 
 
 def _proof_text(place: MendedPlace, titles: Mapping[str, str], is_all: bool) -> str:
-    begin, mends = "Écrite autrement", "cette seule ligne fait"
+    written = "Placée" if place.moves_lines else "Écrite"
+    begin, mends = f"{written} autrement", "cette seule ligne fait"
     if len(place.changed_lines) > 1:
-        begin, mends = "Écrites autrement ensemble", "ces lignes font"
+        begin, mends = f"{written}s autrement ensemble", "ces lignes font"
     elif len(place.alternative_lines) > 1:
-        begin, mends = "Écrite autrement", "une seule de ces lignes fait"
+        begin, mends = f"{written} autrement", "une seule de ces lignes fait"
     elif place.is_second:
-        begin, mends = "Écrite autrement elle aussi", "cette ligne fait"
+        begin, mends = f"{written} autrement elle aussi", "cette ligne fait"
     if place.beside_right_ones:
         begin += ", et les autres fonctions une fois justes"
     names = " ; ".join(f"« {titles.get(check, check)} »" for check in sorted(place.mended))

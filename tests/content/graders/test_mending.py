@@ -167,6 +167,17 @@ def test_two_lines_that_only_together_mend_are_told_together() -> None:
     assert "Écrites autrement ensemble, ces lignes font réussir tout ce qui échoue." in words.explanation
 
 
+def test_a_line_that_only_stands_at_the_wrong_place_is_to_be_moved() -> None:
+    """As it is written it is right."""
+    source = "def f(g):\n    g = g - 1\n    h = 2 * g\n    return g + h\n"
+    moved = MendingStep(ProgramChange("", "", 2, "ordre des lignes"), frozenset({"a"}))
+    words = diagnose_mendings([Mending((moved,), frozenset())], source, ())
+    assert words.title == "Déplacer la ligne 2 suffit"
+    assert "Placée autrement, cette seule ligne fait réussir tout ce qui échoue." in words.explanation
+    rewritten = MendingStep(moved.change, moved.mended, (ProgramChange("", "", 3, "angle"),))
+    assert diagnose_mendings([Mending((rewritten,), frozenset())], source, ()).title == "Changer la ligne 2 ou 3 suffit"
+
+
 SHARED = """STEP = 1e-3
 
 def raw(v):
