@@ -37,7 +37,7 @@ from server.identity.models import Account
 from server.rights import service as rights
 from server.rights.models import Right
 from server.rights.service import ClassAccess
-from server.text.lines import tidy_line
+from server.text.lines import normalise_line
 from server.web.time_warnings import load_time_warnings
 
 router = APIRouter(tags=["assignments"])
@@ -182,9 +182,9 @@ def exempt(class_id: str, aid: str, body: ExceptionIn, account: ApiAccount, db: 
     place = rights.require_right(db, account, Right.manage_assignments, class_id)
     assignment = editing.find_assignment(db, place.school_class, aid, to_change=True)
     effect = ExemptionInput(
-        body.opens_at, body.due_at, body.closes_at, body.time_factor, body.excused, tidy_line(body.reason)
+        body.opens_at, body.due_at, body.closes_at, body.time_factor, body.excused, normalise_line(body.reason)
     )
-    whom = ExemptionTarget((body.student,) if body.student else (), tidy_line(body.group or ""))
+    whom = ExemptionTarget((body.student,) if body.student else (), normalise_line(body.group or ""))
     members = classes.load_members(db, place.school_class.id)
     (made,) = exemption_service.grant_exemptions(db, place.school_class, account.id, assignment, members, whom, effect)
     return _exception_out(made, list(load_time_warnings(db, assignment)))

@@ -69,11 +69,11 @@ def _question_out(exercise: Exercise, question: Question) -> QuestionOut:
     return QuestionOut(
         id=question.id,
         title=question.title,
-        text_html=exercise.prose(question.text),
+        text_html=exercise.render_paragraphs(question.text),
         form=question.form,
         points=question.points,
         unit=question.unit,
-        pieces=[PieceOut(id=piece.id, text_html=exercise.prose(piece.text)) for piece in question.pieces],
+        pieces=[PieceOut(id=piece.id, text_html=exercise.render_paragraphs(piece.text)) for piece in question.pieces],
     )
 
 

@@ -37,7 +37,7 @@ from server.marks.schemas import Gradebook
 from server.marks.states import ClassMarking, Counting
 from server.rights import service as rights
 from server.rights.models import Right
-from server.web.words import short_moment
+from server.web.words import format_short_time
 
 router = APIRouter(tags=["marks"])
 
@@ -185,7 +185,7 @@ def gradebook(
         return JSONResponse(
             content.model_dump(mode="json", by_alias=True), headers={"Cache-Control": "private, no-store"}
         )
-    file = render_download(made, format, identifier, short_moment)
+    file = render_download(made, format, identifier, format_short_time)
     return Response(file.content, media_type=file.media_type, headers=file.headers)
 
 

@@ -81,7 +81,7 @@ def _regrade_out(db: Db, course: Course, regrade: Regrade) -> RegradeOut:
                 student=change.student,
                 before=change.before,
                 after=change.after,
-                why=" ; ".join(regraded.reason_sentences(change.differences, kind)),
+                why=" ; ".join(regraded.verdict_difference_sentences(change.differences, kind)),
             )
             for change in found.changes
             if change.before != change.after

@@ -21,7 +21,7 @@ from server.assignments.models import (
 from server.assignments.rules import MAX_POINTS
 from server.assignments.team_rules import MAX_TEAM_SIZE
 from server.base.errors import InvalidFields
-from server.text.lines import character_problem, tidy_line
+from server.text.lines import describe_forbidden_character, normalise_line
 
 MAX_WEIGHT = 1000.0
 MAX_MINUTES = 7 * 24 * 60
@@ -97,8 +97,8 @@ def validate_assignment(
 
     Raises InvalidFields with every problem at once.
     """
-    groups = tuple(dict.fromkeys(filter(None, map(tidy_line, fields.groups))))
-    tidy = replace(fields, title=tidy_line(fields.title), groups=groups)
+    groups = tuple(dict.fromkeys(filter(None, map(normalise_line, fields.groups))))
+    tidy = replace(fields, title=normalise_line(fields.title), groups=groups)
     if tidy.late is not LatePolicy.penalty:
         tidy = replace(tidy, late_per_day=None)
     if tidy.team_size == 1:
@@ -131,8 +131,8 @@ def _raise_if_problems(problems: list[Problem]) -> None:
 def _check_fields(fields: AssignmentInput) -> Iterator[Problem]:
     if not 0 < len(fields.title) <= TITLE_LENGTH:
         yield "title", f"Donnez au devoir un titre de 1 à {TITLE_LENGTH} caractères."
-    if character_problem(fields.title):
-        yield "title", f"Dans le titre, {character_problem(fields.title)}."
+    if describe_forbidden_character(fields.title):
+        yield "title", f"Dans le titre, {describe_forbidden_character(fields.title)}."
     if not _is_valid_weight(fields.weight):
         yield "weight", "Le coefficient du devoir est un nombre plus grand que 0, jusqu’à 1000."
     per_day = fields.late_per_day
@@ -206,8 +206,8 @@ def _check_effects(fields: ExemptionInput) -> Iterator[Problem]:
         yield "time_factor", "Le temps se multiplie par 1 à 4 : par 1,33 pour un tiers-temps."
     if len(fields.reason) > REASON_LENGTH:
         yield "reason", f"La raison tient en une ligne de {REASON_LENGTH} caractères."
-    if character_problem(fields.reason):
-        yield "reason", f"Dans la raison, {character_problem(fields.reason)}."
+    if describe_forbidden_character(fields.reason):
+        yield "reason", f"Dans la raison, {describe_forbidden_character(fields.reason)}."
     yield from _check_years({"opens_at": fields.opens_at, "due_at": fields.due_at, "closes_at": fields.closes_at})
 
 

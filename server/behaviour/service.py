@@ -29,7 +29,7 @@ from server.classes.models import SchoolClass
 from server.database import utc_now
 from server.gradebook.schemas import Attempt
 from server.submissions.models import Submission
-from server.text.lines import tidy_line
+from server.text.lines import normalise_line
 
 UNKNOWN = "Ce groupe d’essais n’existe pas dans cette classe."
 MAX_LINES = 200
@@ -146,7 +146,7 @@ def list_other_names(
 def parse_group_description(title: str, explanation: str, question: str) -> GroupDescription:
     """Return a cleaned description within bounds; the question is optional. Raise Invalid."""
     description = GroupDescription(
-        tidy_line(_normalise_lines(title)), _normalise_lines(explanation), _normalise_lines(question)
+        normalise_line(_normalise_lines(title)), _normalise_lines(explanation), _normalise_lines(question)
     )
     bounds = (
         ("title", "Le titre", description.title, TITLE_LENGTH),

@@ -8,7 +8,7 @@ from collections.abc import Collection, Iterable, Iterator, Sequence
 from keyword import iskeyword
 
 from graders.typography import limit_marks
-from server.text.python_colours import COMMENT, STRINGS, split_tokens
+from server.text.python_colours import COMMENT, STRINGS, split_into_coloured_tokens
 
 MAX_LINES = 16
 MAX_LINE_LENGTH = 100
@@ -69,7 +69,7 @@ def _cut_long_line(line: str) -> str:
 
 def _anonymise_tokens(code: str, people_words: Collection[str]) -> Iterator[str]:
     in_string = False
-    for style, text in split_tokens(code):
+    for style, text in split_into_coloured_tokens(code):
         if style in STRINGS:
             yield ("" if in_string else STRING_PLACEHOLDER) + "\n" * text.count("\n")
         elif style != COMMENT:

@@ -5,7 +5,7 @@ from collections.abc import Iterator
 from server.cells.run import POLICY, run_cell
 from server.cells.schemas import CellRunResult
 from server.course import Course, Problem
-from server.course.models import Cell
+from server.course.models import CodeCell
 from server.sandbox import Sandbox
 
 
@@ -31,6 +31,6 @@ def _failure_message(run: CellRunResult) -> str:
     return "" if run.stdout or run.figures else "elle n’affiche rien"
 
 
-def _source_line_of_failure(cell: Cell, run: CellRunResult) -> int:
+def _source_line_of_failure(cell: CodeCell, run: CellRunResult) -> int:
     inside = run.fault.line if run.fault else None
     return cell.line + (inside or 1) - 1

@@ -8,7 +8,7 @@ import secrets
 import unicodedata
 
 from server.classes.models import CODE_LENGTH
-from server.text.lines import tidy_line
+from server.text.lines import normalise_line
 
 LETTERS = "BCDFGHJKLMNPQRSTVWXZ"
 HALF = CODE_LENGTH // 2
@@ -22,7 +22,7 @@ def parse_join_code(text: str) -> str | None:
     """Parse a typed code, in any case, with or without spaces and dashes; None where the text is no code."""
     if len(text) > 4 * CODE_LENGTH:
         return None
-    typed = unicodedata.normalize("NFKC", tidy_line(text)).upper()
+    typed = unicodedata.normalize("NFKC", normalise_line(text)).upper()
     code = "".join(letter for letter in typed if letter not in " -‐‑–—_.")
     return code if len(code) == CODE_LENGTH and set(code) <= set(LETTERS) else None
 

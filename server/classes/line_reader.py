@@ -18,7 +18,7 @@ from server.classes.rows import SheetRow
 from server.classes.sheets import SheetReading
 from server.classes.spreadsheet import FORMULA
 from server.identity.logins import login_problem, normalise_login
-from server.text.lines import character_problem, tidy_line
+from server.text.lines import describe_forbidden_character, normalise_line
 
 EMAIL = re.compile(r"[^@\s<>,;]+@[^@\s<>,;]+\.[^@\s<>,;]+")
 #: The last lines of an export, which count or sign it.
@@ -125,16 +125,16 @@ class LineReader:
 
     def require_well_formed(self, line: RosterLine, row: SheetRow) -> None:
         """Raise Invalid for a malformed line."""
-        if any(tidy_line(cell) for cell in row.cells[self._width :]):
+        if any(normalise_line(cell) for cell in row.cells[self._width :]):
             raise Invalid("cette ligne a plus de cases que la première.")
-        cells = [tidy_line(row.cells[index]) for index in self._used if index < len(row.cells)]
+        cells = [normalise_line(row.cells[index]) for index in self._used if index < len(row.cells)]
         formula = next((cell.removeprefix(FORMULA) for cell in cells if cell.startswith(FORMULA)), "")
         if formula:
             raise Invalid(FORMULA_CELL.format(cell=formula))
         error = next((cell for cell in cells if SHEET_ERROR.fullmatch(cell)), "")
         if error:
             raise Invalid(ERROR_CELL.format(text=error))
-        is_alone = sum(bool(tidy_line(cell)) for cell in row.cells) == 1
+        is_alone = sum(bool(normalise_line(cell)) for cell in row.cells) == 1
         problem = _name_problem(line.name, is_alone)
         if problem:
             raise Invalid(problem)
@@ -142,7 +142,7 @@ class LineReader:
         if damaged:
             raise Invalid(DAMAGED.format(word=damaged))
         for what, text in (("le nom", line.name), ("l’adresse", line.email), ("les groupes", " ".join(line.groups))):
-            unwritable = character_problem(text)
+            unwritable = describe_forbidden_character(text)
             if unwritable:
                 raise Invalid(f"dans {what}, {unwritable}.")
         if line.email and (len(line.email) > EMAIL_LENGTH or not EMAIL.fullmatch(line.email)):
@@ -204,7 +204,7 @@ def _name_problem(name: str, is_alone: bool) -> str:
 
 
 def _tidy_cell(row: SheetRow, index: int) -> str:
-    text = tidy_line(row.cells[index]) if index < len(row.cells) else ""
+    text = normalise_line(row.cells[index]) if index < len(row.cells) else ""
     return "" if text.startswith(FORMULA) else text
 
 

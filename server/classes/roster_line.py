@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from server.base.errors import Invalid
 from server.identity.logins import normalise_login
-from server.text.lines import character_problem, tidy_line
+from server.text.lines import describe_forbidden_character, normalise_line
 
 GROUP_LENGTH, MAX_GROUPS = 40, 24
 
@@ -52,7 +52,7 @@ def parse_group_labels(text: str) -> tuple[str, ...]:
 
 def split_group_labels(text: str) -> tuple[str, ...]:
     """Return the labels in a text, without duplicates; « [MP2I_G1], [MP2I_G2] » is how Pronote writes two."""
-    pieces = (tidy_line(re.sub(r"^\s*\[(.*)\]\s*$", r"\1", piece)) for piece in re.split(r"[,;|]", text))
+    pieces = (normalise_line(re.sub(r"^\s*\[(.*)\]\s*$", r"\1", piece)) for piece in re.split(r"[,;|]", text))
     return tuple(dict.fromkeys(filter(None, pieces)))
 
 
@@ -60,7 +60,7 @@ def require_valid_labels(labels: tuple[str, ...]) -> tuple[str, ...]:
     """Return the labels. Raises Invalid where they are too many, too long, or cannot be written."""
     if len(labels) > MAX_GROUPS or any(len(label) > GROUP_LENGTH for label in labels):
         raise Invalid(f"un élève a {MAX_GROUPS} groupes au plus, de {GROUP_LENGTH} caractères chacun.")
-    unwritable = next(filter(None, map(character_problem, labels)), "")
+    unwritable = next(filter(None, map(describe_forbidden_character, labels)), "")
     if unwritable:
         raise Invalid(f"dans le groupe, {unwritable}.")
     return labels

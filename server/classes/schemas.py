@@ -14,7 +14,7 @@ from server.base.errors import Invalid
 from server.classes.folding import normalise_name
 from server.classes.models import NAME_LENGTH, ClassRole, Membership, SchoolClass, Status
 from server.identity.models import GUEST_HANDLE, Account
-from server.text.lines import require_line
+from server.text.lines import require_normalised_line
 
 #: The lifetimes of join codes to choose from; the first is that of a new class.
 CODE_LIFETIMES: Mapping[str, timedelta] = {
@@ -154,7 +154,7 @@ def validate_guest_name(given: str, family: str) -> GuestName:
 
 
 def _require_name(text: str, problem: str) -> str:
-    return require_line(text, NAME_LENGTH, problem)
+    return require_normalised_line(text, NAME_LENGTH, problem)
 
 
 def code_expiry(lifetime: str, now: datetime) -> datetime:

@@ -11,7 +11,7 @@ from server.cli.configuration import read_settings
 from server.cli.database import explaining_database_errors, require_database
 from server.database import utc_now
 from server.tables import TABLE_NAMES
-from server.web.words import plural
+from server.web.words import count_with_noun
 
 
 def run(arguments: Namespace) -> int:
@@ -36,4 +36,4 @@ def show(manifest: BackupManifest, path: Path, as_json: bool, said: str) -> None
     width = max(map(len, manifest.tables), default=0)
     for table, saved in manifest.tables.items():
         print(f"  {table:<{width}} {saved.rows:>9}")
-    print(f"{said} : {plural(manifest.row_count, 'ligne')}, empreinte {manifest.digest[:16]}.")
+    print(f"{said} : {count_with_noun(manifest.row_count, 'ligne')}, empreinte {manifest.digest[:16]}.")

@@ -21,7 +21,7 @@ from server.cli.data_lock import exclusive_data_folder
 from server.cli.database import explaining_database_errors, require_database
 from server.database import Database
 from server.tables import metadata
-from server.web.words import plural
+from server.web.words import count_with_noun
 
 
 def run(arguments: Namespace) -> int:
@@ -31,7 +31,7 @@ def run(arguments: Namespace) -> int:
     require_database(old)
 
     def progress(table: str, rows: int) -> None:
-        print(f"  {table} : {plural(rows, 'ligne')}", file=sys.stderr, flush=True)
+        print(f"  {table} : {count_with_noun(rows, 'ligne')}", file=sys.stderr, flush=True)
 
     try:
         with (
@@ -49,7 +49,7 @@ def run(arguments: Namespace) -> int:
     if arguments.json:
         print(json.dumps({"rows": rows, "tables": {name: table.rows for name, table in moved.items()}}))
     else:
-        print(f"{plural(rows, 'ligne')} de {len(moved)} tables copiées, et comparées une à une à l’original.")
+        print(f"{count_with_noun(rows, 'ligne')} de {len(moved)} tables copiées, et comparées une à une à l’original.")
         print("L’original n’a pas changé. Réglez BALISE_DATABASE_URL (ou --data) sur la nouvelle base, puis démarrez.")
     return 0
 

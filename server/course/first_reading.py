@@ -11,12 +11,12 @@ from server.base.app_services import app_service
 from server.base.concurrency import SingleFlight
 from server.base.turns import out_of_turn
 from server.course.dependencies import CourseOf
-from server.text.markup import Text
+from server.text.markup import MarkdownText
 
 SingleFlightOf = Annotated[SingleFlight, Depends(app_service(SingleFlight))]
 
 
-async def render_texts(once: SingleFlight, texts: Iterable[Text]) -> None:
+async def render_texts(once: SingleFlight, texts: Iterable[MarkdownText]) -> None:
     """Render those of the texts that nobody has read yet."""
     missing = [text for text in texts if not text.is_rendered]
     if missing:

@@ -10,13 +10,13 @@ from server.course import toml_file
 from server.course.models import CourseFault, Problem, Term
 from server.course.schemas import Glossary, TermEntry
 from server.course.toml_places import first_line_of, line_of
-from server.text.markup import Names, Source, Text
+from server.text.markup import MarkdownSource, MarkdownText, ModuleNames
 from server.text.markup.text import SLUG
 
 FILE = "glossaire.toml"
 
 
-def read_glossary(path: Path, names: Callable[[], Names], problems: list[Problem]) -> dict[str, Term]:
+def read_glossary(path: Path, names: Callable[[], ModuleNames], problems: list[Problem]) -> dict[str, Term]:
     """The words by their id, in the order of the file; none where there is no file."""
     terms: dict[str, Term] = {}
     if not path.is_file():
@@ -48,14 +48,14 @@ def find_lost_terms(path: Path, terms: Mapping[str, Term], lessons: Collection[s
         yield Problem(path, line, f"« {term.id} » : page inconnue « {term.page} »")
 
 
-def _term(path: Path, text: str, index: int, values: object, names: Callable[[], Names]) -> Term:
+def _term(path: Path, text: str, index: int, values: object, names: Callable[[], ModuleNames]) -> Term:
     entry = toml_file.validate_values(values, text, path, TermEntry, ("terme", index))
     if not re.fullmatch(SLUG, entry.id):
         raise _fault(path, text, index, "id", f"nom mal formé : « {entry.id} »")
     definition = entry.definition.lstrip("\n")
     line = first_line_of(text, ("terme", index, "definition")) + len(entry.definition) - len(definition)
-    source = Source(definition.strip(), path, line, names=names)
-    return Term(entry.id, entry.mot, entry.page, Text(source, inline=True))
+    source = MarkdownSource(definition.strip(), path, line, names=names)
+    return Term(entry.id, entry.mot, entry.page, MarkdownText(source, inline=True))
 
 
 def _fault(path: Path, text: str, index: int, field: str, message: str) -> CourseFault:

@@ -23,8 +23,8 @@ from server.course.models import CourseFault, Problem
 from server.course.schemas import ExerciseFile
 from server.course.start_cache import ExerciseFacts
 from server.course.version import exercise_version, grader_folder
-from server.text.markup import Names
-from server.text.markup.text import no_names
+from server.text.markup import ModuleNames
+from server.text.markup.text import no_module_names
 
 if TYPE_CHECKING:
     from graders.core.answers import AnswersGrader
@@ -53,7 +53,7 @@ class ExerciseSources:
     discovery: Discovery | None
     imports: ImportGraph
     known: Mapping[str, ExerciseFacts] = field(default_factory=dict)
-    names: Callable[[], Names] = no_names
+    names: Callable[[], ModuleNames] = no_module_names
     found: dict[str, ExerciseFacts] = field(default_factory=dict)
 
     def definition(self, path: Path) -> Definition | None:

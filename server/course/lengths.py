@@ -35,7 +35,7 @@ def reading_minutes(lesson: Lesson, left: Collection[str] = ()) -> float:
     if lesson.minutes and lesson.kind.timed:
         return lesson.minutes
     words, others = 0, 0.0
-    for (path, what), amount in lesson.text.amounts.items():
+    for (path, what), amount in lesson.text.content_amounts.items():
         if path not in left:
             words += amount if what == "words" else 0
             others += MINUTES_OF.get(what, 0.0) * amount

@@ -17,7 +17,7 @@ from server.course.kinds import BY_FOLDER
 from server.course.models import CourseFault, Drawing, Lesson, Problem
 from server.course.objectives import build_objective
 from server.course.schemas import FrontMatter
-from server.text.markup import LabelTarget, LessonName, Names, Picture, Source, Text
+from server.text.markup import LabelTarget, LinkableLesson, MarkdownSource, MarkdownText, ModuleNames, PictureSize
 from server.text.markup.blocks import EQUATION, KINDS
 from server.text.markup.text import GLOSSARY, SLUG
 
@@ -49,13 +49,13 @@ class ModuleLibrary:
         self.retrievals = retrievals.list_names(self.folder, self.problems)
         self.manipulations = {path.parent.name for path in self.folder.glob("manipulations/[!_.]*/scene.py")}
 
-    def names(self) -> Names:
+    def names(self) -> ModuleNames:
         return self._names
 
     @cached_property
-    def _names(self) -> Names:
+    def _names(self) -> ModuleNames:
         labels = {label.id: label.target for label in self.labels if label.first}
-        return Names(
+        return ModuleNames(
             module=self.folder.name,
             labels=labels,
             pages={lesson.slug: _lesson_name(lesson) for lesson in self.lessons},
@@ -107,7 +107,7 @@ class ModuleLibrary:
             summary=card.summary,
             objectives=tuple(card.objectives) + tuple(entry.text for entry in card.objective),
             skills=tuple(build_objective(entry, path.stem) for entry in card.objective),
-            text=Text(Source(body, path, line, page=path.stem, names=self.names)),
+            text=MarkdownText(MarkdownSource(body, path, line, page=path.stem, names=self.names)),
             solution=card.solution,
         )
 
@@ -149,20 +149,20 @@ def _numbered_labels(lessons: tuple[Lesson, ...]) -> Iterator[PlacedLabel]:
             yield PlacedLabel(label.id, target, text.source.path, first)
 
 
-def text_problems(text: Text, *, formulas: bool) -> Iterator[Problem]:
-    for fault in text.faults(formulas=formulas):
+def text_problems(text: MarkdownText, *, formulas: bool) -> Iterator[Problem]:
+    for fault in text.find_faults(formulas=formulas):
         yield Problem(text.source.path, fault.line, fault.message)
 
 
-def _lesson_name(lesson: Lesson) -> LessonName:
+def _lesson_name(lesson: Lesson) -> LinkableLesson:
     outline = lesson.text.outline
     figures = {name: number for number, name in enumerate(outline.figures, 1)}
-    return LessonName(lesson.title, frozenset(outline.anchors), figures)
+    return LinkableLesson(lesson.title, frozenset(outline.anchors), figures)
 
 
-def _picture(drawing: Drawing) -> Picture:
+def _picture(drawing: Drawing) -> PictureSize:
     width, height = drawing.size
-    return Picture(drawing.alt, round(width * PIXELS), round(height * PIXELS))
+    return PictureSize(drawing.alt, round(width * PIXELS), round(height * PIXELS))
 
 
 def find_lesson_title(module: str, slug: str) -> str:

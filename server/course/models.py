@@ -17,17 +17,17 @@ from server.course.functions import FunctionSpec
 from server.course.kinds import LessonKind
 from server.course.objectives import Objective
 from server.sandbox.policy import Policy
-from server.text.markup import Cell, Heading, Names, Section, Text
-from server.text.markup.text import no_names
-from server.text.prose import author_html, author_line_html
+from server.text.markup import CodeCell, Heading, MarkdownText, ModuleNames, Section
+from server.text.markup.text import no_module_names
+from server.text.prose import render_author_line, render_author_text
 
 if TYPE_CHECKING:
     from graders.core.answers import AnswersGrader
     from graders.core.contract.protocol import Grader
 
 __all__ = [
-    "Cell", "Course", "CourseFault", "Drawing", "Exercise", "FunctionSpec", "Heading", "Lesson", "Module", "Problem",
-    "ReadingPath", "Section", "Term",
+    "CodeCell", "Course", "CourseFault", "Drawing", "Exercise", "FunctionSpec", "Heading", "Lesson", "Module",
+    "Problem", "ReadingPath", "Section", "Term",
 ]  # fmt: skip
 
 
@@ -80,13 +80,13 @@ class Exercise:
     functions: tuple[FunctionSpec, ...]
     starter: str
     solution: str
-    statement: Text
-    hint_texts: tuple[Text, Text, Text]
+    statement: MarkdownText
+    hint_texts: tuple[MarkdownText, MarkdownText, MarkdownText]
     make: Callable[[], Grader]
     version: str
     kind: Literal["code", "answers"] = "code"
     kit: str = ""
-    names: Callable[[], Names] = no_names
+    names: Callable[[], ModuleNames] = no_module_names
     seance: str = ""
     policy: Policy = field(default_factory=Policy)
     reuses: tuple[str, ...] = ()
@@ -107,12 +107,12 @@ class Exercise:
         """What grades it, of an exercise answered without code."""
         return cast("AnswersGrader", self.grader) if self.kind == "answers" else None
 
-    def prose(self, text: str) -> str:
-        return author_html(text, self.names)
+    def render_paragraphs(self, text: str) -> str:
+        return render_author_text(text, self.names)
 
-    def line(self, text: str) -> str:
-        """Render a text of its questions or of its verdicts in a line; `prose` makes paragraphs."""
-        return author_line_html(text, self.names)
+    def render_line(self, text: str) -> str:
+        """Render a text of its questions or of its verdicts in a line; `render_paragraphs` makes paragraphs."""
+        return render_author_line(text, self.names)
 
     @property
     def statement_html(self) -> str:
@@ -142,7 +142,7 @@ class Lesson:
     minutes: int
     summary: str
     objectives: tuple[str, ...]
-    text: Text
+    text: MarkdownText
     solution: bool = False
     skills: tuple[Objective, ...] = ()
 
@@ -179,11 +179,11 @@ class Lesson:
     @property
     def stills(self) -> tuple[str, ...]:
         """The drawings that stand for its manipulations where there is no script."""
-        return self.text.stills
+        return self.text.still_drawings
 
     @property
-    def cells(self) -> tuple[Cell, ...]:
-        return self.text.cells
+    def cells(self) -> tuple[CodeCell, ...]:
+        return self.text.code_cells
 
 
 @dataclass(frozen=True, eq=False)
@@ -193,7 +193,7 @@ class Term:
     id: str
     word: str
     page: str
-    definition: Text
+    definition: MarkdownText
 
     @property
     def html(self) -> str:
@@ -262,7 +262,7 @@ class Module:
     files: Mapping[str, Path] = field(default_factory=dict)
     paths: tuple[ReadingPath, ...] = ()
     retrievals: Mapping[str, Path] = field(default_factory=dict)
-    names: Callable[[], Names] = no_names
+    names: Callable[[], ModuleNames] = no_module_names
     folder: Path = Path()
 
     @property

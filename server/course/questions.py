@@ -27,7 +27,7 @@ from server.course.models import CourseFault, Problem
 from server.course.schemas import Strict
 from server.course.schemas import Text as Words
 from server.course.toml_places import Location, first_line_of, line_of
-from server.text.markup import Names, Source, Text
+from server.text.markup import MarkdownSource, MarkdownText, ModuleNames
 
 Id = Annotated[str, Field(pattern=r"^[a-z][a-z0-9_]{0,39}$")]
 FILE = "questions.toml"
@@ -227,13 +227,13 @@ def _names(value: Any, location: Location) -> Iterator[tuple[Location, list[str]
 
 
 def question_text_problems(
-    path: Path, grader: AnswersGrader, names: Callable[[], Names], *, formulas: bool
+    path: Path, grader: AnswersGrader, names: Callable[[], ModuleNames], *, formulas: bool
 ) -> Iterator[Problem]:
     """What is wrong with the texts of the questions, with its line."""
     text = toml_file.read_text(path)
     for location, wording in _wordings(tomllib.loads(text), ()):
-        source = Source(grader.fill_with_sample_numbers(wording), path, first_line_of(text, location), names=names)
-        for fault in Text(source).faults(formulas=formulas):
+        source = MarkdownSource(grader.fill_with_sample_numbers(wording), path, first_line_of(text, location), names=names)
+        for fault in MarkdownText(source).find_faults(formulas=formulas):
             yield Problem(path, fault.line, fault.message)
 
 

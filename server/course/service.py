@@ -22,7 +22,7 @@ from server.course.schemas import ExerciseFile, ModuleFile
 from server.course.start_cache import NO_FACTS, StartCache, digest_sources
 from server.course.toml_places import line_of
 from server.course.version import grader_folder
-from server.text.markup import Names, Source, Text
+from server.text.markup import MarkdownSource, MarkdownText, ModuleNames
 
 if TYPE_CHECKING:
     from graders.discovery import Discovery
@@ -213,7 +213,9 @@ def _module_file_problems(path: Path, card: ModuleFile, library: ModuleLibrary, 
                 yield Problem(path, line, f"« exercises » : exercice inconnu « {slug} »")
     for number, reference in enumerate(card.references):
         line = line_of(source, ("references", number))
-        yield from text_problems(Text(Source(reference, path, line or 1, names=library.names)), formulas=formulas)
+        yield from text_problems(
+            MarkdownText(MarkdownSource(reference, path, line or 1, names=library.names)), formulas=formulas
+        )
 
 
 def _load_exercise(sources: ExerciseSources, module: Path, path: Path) -> Exercise:
@@ -244,7 +246,9 @@ def _load_exercise(sources: ExerciseSources, module: Path, path: Path) -> Exerci
         starter=graded.starter,
         solution=graded.solution,
         make=graded.make,
-        statement=Text(Source(toml_file.read_text(path / "enonce.md"), path / "enonce.md", names=sources.names)),
+        statement=MarkdownText(
+            MarkdownSource(toml_file.read_text(path / "enonce.md"), path / "enonce.md", names=sources.names)
+        ),
         hint_texts=_read_hints(path / "indices.md", sources.names),
         names=sources.names,
         version=graded.found.version,
@@ -258,7 +262,7 @@ def _load_exercise(sources: ExerciseSources, module: Path, path: Path) -> Exerci
     )
 
 
-def _read_hints(path: Path, names: Callable[[], Names]) -> tuple[Text, Text, Text]:
+def _read_hints(path: Path, names: Callable[[], ModuleNames]) -> tuple[MarkdownText, MarkdownText, MarkdownText]:
     text = toml_file.read_text(path)
     titles = list(HINT_TITLE.finditer(text))
     if [title[1] for title in titles] != ["1", "2", "3"]:
@@ -271,11 +275,11 @@ def _read_hints(path: Path, names: Callable[[], Names]) -> tuple[Text, Text, Tex
     return first, second, third
 
 
-def _hint_text(path: Path, text: str, start: int, end: int, names: Callable[[], Names]) -> Text:
+def _hint_text(path: Path, text: str, start: int, end: int, names: Callable[[], ModuleNames]) -> MarkdownText:
     line = text[:start].count("\n") + 1
     if not text[start:end].strip():
         raise CourseFault(Problem(path, line, "indice vide"))
-    return Text(Source(text[start:end], path, line, names=names))
+    return MarkdownText(MarkdownSource(text[start:end], path, line, names=names))
 
 
 def _graders_without_exercise(sources: ExerciseSources) -> Iterator[Problem]:

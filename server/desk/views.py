@@ -41,10 +41,10 @@ from server.marks.repository import load_marking_rules
 from server.rights import service as rights
 from server.rights.models import Right
 from server.rights.service import ClassAccess
-from server.text.lines import tidy_line
+from server.text.lines import normalise_line
 from server.web import editions
-from server.web.form_version import version_of
-from server.web.words import list_names, plural, short_moment
+from server.web.form_version import form_version_tag
+from server.web.words import count_with_noun, format_short_time, join_names_with_limit
 
 STUDENTS_A_PAGE = 18
 NEW_STAFF_NOTICE, MAX_STAFF_NOTICES = timedelta(days=7), 5
@@ -212,7 +212,9 @@ def new_staff_notices(db: Session, class_id: UUID) -> tuple[str, ...]:
     entries = load_entries(db, class_id, AuditFilter(what=AuditAction.staff_changed), limit=MAX_STAFF_NOTICES)
     return tuple(
         NEW_STAFF.format(
-            name=entry.student.name, when=short_moment(entry.at), by=entry.by.name if entry.by else "un compte effacé"
+            name=entry.student.name,
+            when=format_short_time(entry.at),
+            by=entry.by.name if entry.by else "un compte effacé",
         )
         for entry in entries
         if entry.at >= since and entry.after.get("role") and entry.student is not None
@@ -231,21 +233,21 @@ def active_staff(everyone: Sequence[Member]) -> list[Member]:
 
 def settings_texts(name: str, approval: bool) -> Mapping[str, str]:
     """Return the settings of a class as their form shows them, by label."""
-    return {"Nom de la classe": tidy_line(name), "Valider chaque inscription": "oui" if approval else "non"}
+    return {"Nom de la classe": normalise_line(name), "Valider chaque inscription": "oui" if approval else "non"}
 
 
 def build_settings_page(db: Session, course: Course, access: ClassAccess, base: str) -> dict[str, Any]:
     """Build the settings; `editions`: those of its module from its own on, with the assigned exercises each lacks."""
     school_class = access.school_class
     choices = []
-    for edition in editions.later_editions(course, school_class.module):
-        is_in_edition = partial(editions.exercise_in_edition, course, module=edition.slug)
+    for edition in editions.list_editions_for_class_copy(course, school_class.module):
+        is_in_edition = partial(editions.find_exercise_in_edition, course, module=edition.slug)
         same = edition.slug == school_class.module
         choices.append((edition, () if same else editing.find_uncopied_exercises(db, school_class, is_in_edition)))
     return {
         "head": class_head(course, access, "/reglages"),
         "approval": school_class.approval,
-        "version": version_of(settings_texts(school_class.name, school_class.approval)),
+        "version": form_version_tag(settings_texts(school_class.name, school_class.approval)),
         "marking": load_marking_rules(db, school_class.id),
         "staff": active_staff(repository.load_staff(db, school_class.id)),
         "roles": ROLES,
@@ -271,9 +273,12 @@ def archiving_effects(db: Session, school_class: SchoolClass) -> str:
     ]
     lines = []
     if names:
-        lines.append(f"{plural(len(names), 'élève compose', 'élèves composent')} en ce moment : {list_names(names)}.")
+        lines.append(
+            f"{count_with_noun(len(names), 'élève compose', 'élèves composent')} en ce moment : "
+            f"{join_names_with_limit(names)}."
+        )
     if opened:
-        lines.append(f"{plural(len(opened), 'devoir')} en cours : {list_names(opened)}.")
+        lines.append(f"{count_with_noun(len(opened), 'devoir')} en cours : {join_names_with_limit(opened)}.")
     return " ".join(lines)
 
 

@@ -21,7 +21,7 @@ from server.federation.errors import FederationRefused
 from server.federation.models import ID_LENGTH, NAME_LENGTH, IdentityProvider, Protocol
 from server.federation.outgoing import is_url, origin_of_url
 from server.identity.models import ISSUER_LENGTH, Account
-from server.text.lines import character_problem, tidy_line
+from server.text.lines import describe_forbidden_character, normalise_line
 
 UNKNOWN = "Cette plateforme n’existe pas, ou a été retirée."
 SAME_ISSUER = (
@@ -53,9 +53,11 @@ def read_form_texts(
     form: Mapping[str, str], names: Mapping[str, int] = LENGTHS
 ) -> tuple[dict[str, str], dict[str, str]]:
     """Return the tidied lines of a form, of these names and longest lengths, and the problems of each."""
-    texts = {name: tidy_line(form.get(name, "")) for name in names}
+    texts = {name: normalise_line(form.get(name, "")) for name in names}
     problems = {
-        name: NO_TEXT for name, text in texts.items() if not 0 < len(text) <= names[name] or character_problem(text)
+        name: NO_TEXT
+        for name, text in texts.items()
+        if not 0 < len(text) <= names[name] or describe_forbidden_character(text)
     }
     return texts, problems
 

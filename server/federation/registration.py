@@ -26,7 +26,7 @@ from server.federation.models import ADDRESS_LENGTH, ID_LENGTH, NAME_LENGTH, Ide
 from server.federation.oidc.schemas import MAX_SECRET, OidcSettings, oidc_settings
 from server.federation.service import Federation
 from server.identity.models import ISSUER_LENGTH
-from server.text.lines import tidy_line
+from server.text.lines import normalise_line
 
 ANCHOR = "service"
 SCOPES = "Indiquez des portées (scopes) séparées par des espaces, vingt au plus."
@@ -67,7 +67,7 @@ def parse_oidc(
 ) -> tuple[dict[str, str], OidcSettings]:
     """`secret` is that of before, which stays where none is typed. Raises InvalidFields."""
     texts = read_server_fields(form, insecure=insecure, client=True)
-    typed = tidy_line(form.get("client_secret", ""))
+    typed = normalise_line(form.get("client_secret", ""))
     if len(typed) > MAX_SECRET or not typed.isascii() or " " in typed:
         raise InvalidFields({"client_secret": SECRET})
     chosen = "" if form.get("sans_secret") == "oui" else typed or secret

@@ -17,7 +17,7 @@ from server.federation.errors import FederationRefused
 from server.federation.models import ID_LENGTH
 from server.federation.rules import MAX_CHOICES, Claims, Rule, apply_rule
 from server.federation.schemas import SignedPerson
-from server.text.lines import tidy_line
+from server.text.lines import normalise_line
 
 NAMES = ("name", "given_name", "family_name", "role", "class_prefix", "class_after")
 LISTS = ("teachers", "students", "classes")
@@ -52,9 +52,9 @@ def format_rule(rule: Rule) -> Mapping[str, str]:
 
 def parse_rule(form: Mapping[str, str]) -> Rule:
     """Raises InvalidFields."""
-    values: dict[str, Any] = {name: tidy_line(form.get(name, "")) for name in NAMES}
+    values: dict[str, Any] = {name: normalise_line(form.get(name, "")) for name in NAMES}
     for name in LISTS:
-        rows = (tidy_line(row) for row in re.split(r"[\r\n,;]+", form.get(name, "")[:MAX_CLAIMS]))
+        rows = (normalise_line(row) for row in re.split(r"[\r\n,;]+", form.get(name, "")[:MAX_CLAIMS]))
         values[name] = tuple(dict.fromkeys(row for row in rows if row))
     problems = {}
     if (values["teachers"] or values["students"]) and not values["role"]:

@@ -14,7 +14,7 @@ from server.federation.errors import FederationRefused
 from server.federation.models import ID_LENGTH, NAME_LENGTH
 from server.federation.schemas import ArrivedContext, CourseRole, SignedPerson
 from server.identity.identities import clean_name_or_empty
-from server.text.lines import character_problem, tidy_line
+from server.text.lines import describe_forbidden_character, normalise_line
 
 MAX_CHOICES, MAX_VALUES, MAX_CLASSES, MAX_DEPTH = 20, 200, 60, 5
 NO_ROLE = (
@@ -76,9 +76,9 @@ def read_claim_texts(claims: Claims, name: str) -> Sequence[str]:
 def _read_claim_value(value: Any) -> str:
     if isinstance(value, int) and not isinstance(value, bool):
         value = str(value)
-    if not isinstance(value, str) or len(value) > ID_LENGTH or character_problem(value):
+    if not isinstance(value, str) or len(value) > ID_LENGTH or describe_forbidden_character(value):
         return ""
-    return tidy_line(value)
+    return normalise_line(value)
 
 
 def apply_rule(rule: Rule, claims: Claims, subject: str, session: str = "") -> SignedPerson:

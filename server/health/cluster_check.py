@@ -19,7 +19,7 @@ from server.health import repository
 from server.queue import repository as jobs
 from server.queue.jetstream.connection import NatsConnection, NatsUnavailableError
 from server.queue.jetstream.stream_layout import STREAM, build_layout
-from server.web.words import plural
+from server.web.words import count_with_noun
 
 PINGS = 20
 #: Latency in milliseconds above which every verdict is noticeably delayed.
@@ -129,7 +129,7 @@ def _check_connections(database: Database) -> ClusterFinding:
     """A full PostgreSQL refuses connections, in the middle of a test rather than before it."""
     with database.read() as db:
         opened, limit = repository.count_open_and_allowed_connections(db)
-    message = f"{plural(opened, 'ouverte', 'ouvertes')}, {limit} au plus"
+    message = f"{count_with_noun(opened, 'ouverte', 'ouvertes')}, {limit} au plus"
     if opened + MIN_SPARE_CONNECTIONS <= limit:
         return ClusterFinding(FindingLevel.good, "connexions à la base", message)
     remedy = (
@@ -196,7 +196,7 @@ def _check_jetstream(connection: NatsConnection) -> Iterator[ClusterFinding]:
     yield ClusterFinding(
         FindingLevel.good,
         "flux",
-        f"« {STREAM} » et ses consommateurs sont en place, {plural(info.state.messages, 'ticket', 'tickets')}",
+        f"« {STREAM} » et ses consommateurs sont en place, {count_with_noun(info.state.messages, 'ticket', 'tickets')}",
     )
     replicas = (info.cluster.replicas or []) if info.cluster else []
     lagging = [replica.name for replica in replicas if replica.offline or not replica.current]
@@ -210,7 +210,7 @@ def _check_workers(settings: Settings, connection: NatsConnection) -> Iterator[C
     with closing(Database(settings.url)) as database, database.read() as db:
         refused, running, waiting = jobs.count_refused_by_version(db), jobs.count_running(db), jobs.count_waiting(db)
     for needs, count in refused.items():
-        waits = plural(count, "travail attend", "travaux attendent")
+        waits = count_with_noun(count, "travail attend", "travaux attendent")
         message = f"{waits} un correcteur de {needs.replace('@', ', version ')}"
         remedy = (
             f"démarrez-en un de cette version ; au bout de {settings.version_seconds:g} s, n’importe lequel le prend"
@@ -223,8 +223,8 @@ def _check_workers(settings: Settings, connection: NatsConnection) -> Iterator[C
     except NatsUnavailableError:
         return  # reported above
     idle_count = consumer_info.num_waiting or 0
-    running_jobs = plural(running, "travail", "travaux")
-    message = f"{plural(idle_count, 'libre', 'libres')}, {running_jobs} en cours, {waiting} en attente"
+    running_jobs = count_with_noun(running, "travail", "travaux")
+    message = f"{count_with_noun(idle_count, 'libre', 'libres')}, {running_jobs} en cours, {waiting} en attente"
     if idle_count or running:
         yield ClusterFinding(FindingLevel.good, "correcteurs", message)
     else:

@@ -17,7 +17,7 @@ from server.database import utc_now
 from server.identity import repository, secrets
 from server.identity.models import Account, BrowserSession, FederatedIdentity, Role
 from server.identity.schemas import NAME_LENGTH, validate_account_name
-from server.text.lines import character_problem, tidy_line
+from server.text.lines import describe_forbidden_character, normalise_line
 
 #: A session that an identity has opened so lately proves who its account is, as a password typed again does.
 FRESH_SESSION = timedelta(minutes=10)
@@ -51,8 +51,8 @@ class ExternalPerson:
 
 def clean_name_or_empty(name: str) -> str:
     """Return a name that may be shown, or an empty text for one that is too long or cannot be written."""
-    line = tidy_line(name)
-    return line if 0 < len(line) <= NAME_LENGTH and not character_problem(line) else ""
+    line = normalise_line(name)
+    return line if 0 < len(line) <= NAME_LENGTH and not describe_forbidden_character(line) else ""
 
 
 def draw_pseudonym(role: Role) -> str:

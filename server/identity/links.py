@@ -14,7 +14,7 @@ from server.base.settings import Settings
 from server.database import utc_now
 from server.identity import repository, secrets
 from server.identity.models import Account, Invitation, PasswordLink, Role
-from server.text.lines import tidy_line
+from server.text.lines import normalise_line
 
 USED = "Ce lien a déjà servi, n’est plus valable ou n’existe pas."
 NO_LOGIN = "« {name} » n’a pas d’identifiant ici : cette personne arrive par le système de son établissement."
@@ -68,14 +68,14 @@ def find_account_by_login_or_id(db: Session, typed_login: str) -> Account:
     """Return the account with this login, or with this id: not all have a login. Raises NotFound."""
     account = repository.find_account_by_typed_login(db, typed_login) or _find_account_by_typed_id(db, typed_login)
     if account is None:
-        raise NotFound(f"Aucun compte n’a l’identifiant « {tidy_line(typed_login)[:60]} ».")
+        raise NotFound(f"Aucun compte n’a l’identifiant « {normalise_line(typed_login)[:60]} ».")
     return account
 
 
 def _find_account_by_typed_id(db: Session, typed: str) -> Account | None:
     """Return the account with this id, unless it is a guest's."""
     try:
-        account = repository.find_account(db, UUID(tidy_line(typed)))
+        account = repository.find_account(db, UUID(normalise_line(typed)))
     except ValueError:
         return None
     return account if account is not None and not account.is_guest else None

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import unicodedata
 
-from server.text.lines import character_problem, tidy_line
+from server.text.lines import describe_forbidden_character, normalise_line
 
 LOGIN_LENGTH = range(2, 255)
 LENGTH_PROBLEM = "L’identifiant compte de 2 à 254 caractères, sans espace."
@@ -26,10 +26,10 @@ LOOK_ALIKES = dict(zip("асеорхуіјѕһԁԛԝѵмкнтвгοανρυκι
 
 def normalise_login(text: str) -> str:
     """Fold invisible characters, compatibility forms (full width, ligatures) and case: equal logins are one login."""
-    login = tidy_line(text)
+    login = normalise_line(text)
     for _ in range(4):  # folding case may compose, and composing may leave a capital
         folded = unicodedata.normalize("NFKC", login).casefold().translate(LIGATURES)
-        folded = tidy_line(folded)
+        folded = normalise_line(folded)
         if folded == login:
             break
         login = folded
@@ -49,7 +49,7 @@ def is_valid_login(login: str) -> bool:
 def login_problem(login: str) -> str:
     """Return why a new account cannot have this normalised login, or an empty text."""
     if not is_valid_login(login):
-        unwritable = character_problem(login)
+        unwritable = describe_forbidden_character(login)
         return f"Dans l’identifiant, {unwritable}." if unwritable else LENGTH_PROBLEM
     return next(filter(None, (_mixed_scripts_problem(login, part) for part in login.split("@"))), "")
 

@@ -20,7 +20,7 @@ from server.identity.models import (
     PasswordLink,
     Role,
 )
-from server.text.lines import tidy_line
+from server.text.lines import normalise_line
 
 _enabled = Account.disabled_at.is_(None)
 
@@ -99,7 +99,7 @@ def search_accounts(db: Session, *, role: Role | None, search: str, limit: int) 
     query = select(Account).where(Account.role != Role.guest).order_by(*order).limit(limit)
     if role is not None:
         query = query.where(Account.role == role)
-    search = tidy_line(search)
+    search = normalise_line(search)
     if search:
         matches = (column.icontains(search, autoescape=True) for column in (Account.login, Account.name))
         query = query.where(or_(*matches))

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from server.base.errors import InvalidFields
 from server.identity.logins import login_problem, normalise_login
 from server.identity.passwords import password_problem
-from server.text.lines import character_problem, tidy_line
+from server.text.lines import describe_forbidden_character, normalise_line
 
 NAME_LENGTH = 100
 LABEL_LENGTH = 100
@@ -27,7 +27,7 @@ class NewAccount:
 
 def validate_new_account(name: str, login: str, password: str) -> NewAccount:
     """Return the normalised form. Raises RefusedForm with every problem at once."""
-    form = NewAccount(tidy_line(name), normalise_login(login), password)
+    form = NewAccount(normalise_line(name), normalise_login(login), password)
     problems = {field: problem for field, problem in _account_problems(form) if problem}
     if problems:
         raise RefusedForm(problems)
@@ -36,7 +36,7 @@ def validate_new_account(name: str, login: str, password: str) -> NewAccount:
 
 def new_account_without_password(name: str, login: str) -> NewAccount:
     """Return the normalised form of an account whose owner chooses a password later. Raises RefusedForm."""
-    form = NewAccount(tidy_line(name), normalise_login(login), "")
+    form = NewAccount(normalise_line(name), normalise_login(login), "")
     problems = {field: problem for field, problem in _account_problems(form) if problem and field != "password"}
     if problems:
         raise RefusedForm(problems)
@@ -63,13 +63,13 @@ def _name_line_problem(line: str, longest: int, problem: str) -> str:
     """Return why a tidied line is refused, or an empty text."""
     if not 0 < len(line) <= longest:
         return problem
-    unwritable = character_problem(line)
+    unwritable = describe_forbidden_character(line)
     return f"{unwritable[0].upper()}{unwritable[1:]}." if unwritable else ""
 
 
 def validate_account_name(text: str) -> str:
     """Return the normalised name. Raises RefusedForm."""
-    name = tidy_line(text)
+    name = normalise_line(text)
     problem = _name_line_problem(name, NAME_LENGTH, NAME_PROBLEM)
     if problem:
         raise RefusedForm({"name": problem})
@@ -78,7 +78,7 @@ def validate_account_name(text: str) -> str:
 
 def validate_token_label(text: str) -> str:
     """Return the normalised name of an API token. Raises RefusedForm."""
-    label = tidy_line(text)
+    label = normalise_line(text)
     problem = _name_line_problem(label, LABEL_LENGTH, "Donnez au jeton un nom de 1 à 100 caractères.")
     if problem:
         raise RefusedForm({"label": problem})

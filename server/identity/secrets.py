@@ -6,7 +6,7 @@ from functools import lru_cache
 
 from pwdlib import PasswordHash
 
-from server.text.lines import tidy_line
+from server.text.lines import normalise_line
 
 API_PREFIX = "balise_"
 CODE_LETTERS, CODE_LENGTH = "ABCDEFGHJKMNPQRSTUVWXYZ23456789", 8  # without 0, O, 1, I, L
@@ -24,7 +24,7 @@ def draw_link_code() -> str:
 
 def normalise_typed_token(text: str) -> str:
     """Return the token of a link: a code as it is typed, in any case and with spaces and dashes, or the text itself."""
-    code = "".join(letter for letter in tidy_line(text).upper() if letter not in " -–—")
+    code = "".join(letter for letter in normalise_line(text).upper() if letter not in " -–—")
     return code if len(code) == CODE_LENGTH and set(code) <= set(CODE_LETTERS) else text
 
 

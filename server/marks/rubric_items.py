@@ -12,7 +12,7 @@ from server.base.errors import Invalid, InvalidFields
 from server.marks.means import format_number
 from server.marks.models import COLUMN_TITLE_LENGTH
 from server.marks.typed import NO_WEIGHT, parse_typed_mark, require_points_on_scale
-from server.text.lines import character_problem, require_line, tidy_line, tidy_lines
+from server.text.lines import describe_forbidden_character, normalise_line, normalise_lines, require_normalised_line
 
 MAX_ITEMS, MAX_LEVELS = 30, 10
 ITEM_LENGTH, LEVEL_LENGTH, REMARK_LENGTH = 120, 300, 2000
@@ -96,11 +96,11 @@ def format_levels(levels: Sequence[RubricLevel]) -> str:
 
 def parse_rubric_item(item_id: str, title: str, points: str, words: str) -> RubricItem:
     """Parse an item as it is typed; without `item_id` it is a new one. Raise Invalid."""
-    name = require_line(title, ITEM_LENGTH, NO_ITEM_TITLE)
+    name = require_normalised_line(title, ITEM_LENGTH, NO_ITEM_TITLE)
     most = parse_typed_mark(points, MAX_ITEM_POINTS).points if points.strip() else None
     if most is None or most < 0.25:
         raise Invalid(NO_ITEM_POINTS.format(title=name))
-    lines = [line for line in tidy_lines(words).splitlines() if line]
+    lines = [line for line in normalise_lines(words).splitlines() if line]
     if len(lines) > MAX_LEVELS:
         raise Invalid(TOO_MANY_LEVELS.format(title=name))
     levels = tuple(_parse_rubric_level(name, most, line) for line in lines)
@@ -119,14 +119,16 @@ def _parse_rubric_level(title: str, most: float, line: str) -> RubricLevel:
     points = float(written["points"].replace(",", "."))
     if points > most:
         raise Invalid(LEVEL_ABOVE.format(title=title, line=short, most=format_number(most)))
-    return RubricLevel(points, require_line(written["text"], LEVEL_LENGTH, NO_LEVEL.format(title=title, line=short)))
+    return RubricLevel(
+        points, require_normalised_line(written["text"], LEVEL_LENGTH, NO_LEVEL.format(title=title, line=short))
+    )
 
 
 def validate_rubric(fields: RubricInput) -> RubricInput:
     """Return the input with its title tidied. Raise InvalidFields with every problem at once."""
     problems = {}
-    title = tidy_line(fields.title)
-    if not 0 < len(title) <= COLUMN_TITLE_LENGTH or character_problem(title):
+    title = normalise_line(fields.title)
+    if not 0 < len(title) <= COLUMN_TITLE_LENGTH or describe_forbidden_character(title):
         problems["title"] = f"Donnez à la colonne un titre de 1 à {COLUMN_TITLE_LENGTH} caractères."
     if not 0 <= fields.weight <= 1000:
         problems["weight"] = NO_WEIGHT
@@ -157,8 +159,8 @@ def parse_rubric_scores(
             problems[item.id] = refused.detail
     said = {}
     for key in (*(item.id for item in items), OVERALL):
-        remark = tidy_lines(remarks.get(key, ""))
-        unwritable = character_problem(remark)
+        remark = normalise_lines(remarks.get(key, ""))
+        unwritable = describe_forbidden_character(remark)
         if len(remark) > REMARK_LENGTH or unwritable:
             problems.setdefault(key, LONG_REMARK if len(remark) > REMARK_LENGTH else f"Dans la remarque, {unwritable}.")
         elif remark:

@@ -31,7 +31,7 @@ from server.marks.means import FULL_POINTS
 from server.marks.models import REASON_LENGTH, Override
 from server.marks.own import VisibleMarks
 from server.marks.schemas import ExerciseMark
-from server.text.lines import character_problem, tidy_lines
+from server.text.lines import describe_forbidden_character, normalise_lines
 
 NO_SUCH_EXERCISE = "La classe n’a pas cet exercice."
 NO_SUCH_ASSIGNMENT = "La classe n’a pas ce devoir."
@@ -66,12 +66,12 @@ def _require_points_in_range(points: float) -> float:
 
 def parse_override_reason(text: str) -> str:
     """Return a reason without blanks around its lines. Raise Invalid for one that is empty, long or unreadable."""
-    reason = tidy_lines(text)
+    reason = normalise_lines(text)
     if not reason:
         raise Invalid(NEEDS_REASON)
     if len(reason) > REASON_LENGTH:
         raise Invalid(LONG_REASON)
-    unwritable = character_problem(reason)
+    unwritable = describe_forbidden_character(reason)
     if unwritable:
         raise Invalid(f"Dans le motif, {unwritable}.")
     return reason

@@ -13,7 +13,7 @@ from server.marks.means import format_number
 from server.marks.models import COLUMN_TITLE_LENGTH, COMMENT_LENGTH
 from server.marks.schemas import TypedMark
 from server.marks.states import STATE_WORDS, MarkState, TypedState
-from server.text.lines import require_line, tidy_line
+from server.text.lines import normalise_line, require_normalised_line
 
 MAX_SCALE = 1000.0
 MAX_WEIGHT = 1000.0
@@ -61,7 +61,7 @@ def validate_column_fields(fields: ColumnInput) -> ColumnInput:
     problems = {}
     title = fields.title
     try:
-        title = require_line(fields.title, COLUMN_TITLE_LENGTH, NO_TITLE)
+        title = require_normalised_line(fields.title, COLUMN_TITLE_LENGTH, NO_TITLE)
     except Invalid as refused:
         problems["title"] = refused.detail
     if not (0 < fields.out_of <= MAX_SCALE and _has_two_decimals(fields.out_of)):
@@ -107,11 +107,11 @@ def require_points_on_scale(points: float, out_of: float, text: str = "") -> flo
 
 
 def _refuse_typed_mark(sentence: str, text: str, out_of: float) -> Invalid:
-    return Invalid(sentence.format(text=tidy_line(text)[:MAX_TYPED], most=format_number(out_of)))
+    return Invalid(sentence.format(text=normalise_line(text)[:MAX_TYPED], most=format_number(out_of)))
 
 
 def _fold_state_word(text: str) -> str:
-    return re.sub(r"[\s.()]", "", tidy_line(text).casefold().replace("é", "e"))
+    return re.sub(r"[\s.()]", "", normalise_line(text).casefold().replace("é", "e"))
 
 
 def format_typed_mark(mark: TypedMark) -> str:
@@ -123,4 +123,4 @@ def format_typed_mark(mark: TypedMark) -> str:
 
 def parse_mark_comment(text: str) -> str:
     """Return a comment in one line. Raise Invalid for one that is too long or cannot be written."""
-    return require_line(text, COMMENT_LENGTH, LONG_COMMENT) if tidy_line(text) else ""
+    return require_normalised_line(text, COMMENT_LENGTH, LONG_COMMENT) if normalise_line(text) else ""

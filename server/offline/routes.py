@@ -17,7 +17,7 @@ from server.offline.site import archive_folder_name
 from server.web.dependencies import CurrentReader
 from server.web.rendering import render_page
 from server.web.schemas import ModuleLink
-from server.web.views import module_link
+from server.web.views import build_module_link
 
 ArchivesOf = Annotated[OfflineArchives, Depends(app_service(OfflineArchives))]
 REFRESH = 4  # seconds
@@ -28,7 +28,7 @@ router = APIRouter(include_in_schema=False)
 @router.get("/{module:module}/hors-ligne")
 async def show_offline_page(request: Request, archives: ArchivesOf, reader: CurrentReader, module: str) -> HTMLResponse:
     course_module = archives.module(module)
-    view = build_offline_page(module_link(course_module), await archives.look(course_module))
+    view = build_offline_page(build_module_link(course_module), await archives.look(course_module))
     headers = {"Refresh": str(REFRESH)} if view.state == "making" else {}
     account = await run_in_threadpool(reader.who)
     return await run_in_threadpool(render_page, request, "offline/page.html", account, headers=headers, page=view)

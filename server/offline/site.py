@@ -22,10 +22,10 @@ from server.reading import gates
 from server.reading import service as reading
 from server.reading.downloads import DownloadArchives
 from server.replays import service as replays
-from server.text.markup.text import still_of
+from server.text.markup.text import still_drawing_name
 from server.web import assets
-from server.web.rendering import account_view, jinja_environment
-from server.web.views import exercise_href, lesson_href, module_link
+from server.web.rendering import build_account_view, jinja_environment
+from server.web.views import build_module_link, exercise_href, lesson_href
 
 #: A picture of the texts, by the drawing's name and the theme.
 Pictures = Mapping[tuple[str, Theme], bytes]
@@ -46,7 +46,7 @@ def archive_content_digest(module: Module) -> str:
         ("text", ROOT / "server" / "text"),
         ("offline", Path(__file__).parent),
     ]
-    return digest_files(parts, f"{assets.build_stamp()} {drawing_requests.drawing_code_digest()}".encode())
+    return digest_files(parts, f"{assets.frontend_version_tag()} {drawing_requests.drawing_code_digest()}".encode())
 
 
 def list_needed_pictures(module: Module) -> list[tuple[str, Theme]]:
@@ -78,7 +78,7 @@ class OfflineSite:
         names = {name for lesson in self._shown for name in (*lesson.figures, *lesson.stills)}
         self._pictures = {key: picture for key, picture in pictures.items() if key[0] in names}
         self._scripts = replays.ReplayLibrary()
-        self._places = ArchiveLinkRewriter(assets.static_root(), dict(self._iter_addresses_and_paths()))
+        self._places = ArchiveLinkRewriter(assets.static_url_prefix(), dict(self._iter_addresses_and_paths()))
 
     def files(self) -> dict[str, bytes]:
         """By their places in the archive."""
@@ -118,7 +118,9 @@ class OfflineSite:
         shown = {still for lesson in self._shown for still in lesson.stills}
         names = self._scripts.manipulation_names(self._module.slug)
         return [
-            name for name in names if still_of(name) in shown and self._scripts.needs_no_server(self._module.slug, name)
+            name
+            for name in names
+            if still_drawing_name(name) in shown and self._scripts.needs_no_server(self._module.slug, name)
         ]
 
     def _render_pages(self) -> Iterator[tuple[str, str]]:
@@ -137,14 +139,14 @@ class OfflineSite:
 
     def _render_page(self, template: str, **context: Any) -> str:
         module = self._module
-        around = {"base": "offline/base.html", "module": module_link(module), "terms": len(module.glossary)}
-        visitor = {"account": account_view(None), "scripts": assets.is_built() and not self._on_paper}
+        around = {"base": "offline/base.html", "module": build_module_link(module), "terms": len(module.glossary)}
+        visitor = {"account": build_account_view(None), "scripts": assets.is_frontend_built() and not self._on_paper}
         return jinja_environment().get_template(template).render(**around, **visitor, **context)
 
     def _build_exercise(self, exercise: Exercise) -> OfflineExercise:
         lesson = next((candidate for candidate in self._module.lessons if candidate.slug == exercise.seance), None)
         return OfflineExercise(
-            module=module_link(self._module),
+            module=build_module_link(self._module),
             title=exercise.title,
             summary=exercise.summary,
             stars=exercise.stars,
@@ -194,7 +196,7 @@ def _read_static_files() -> dict[str, bytes]:
     """Style sheets and what they ask for; scripts where they were built, as a folder's modules are refused."""
     root = assets.static_folder()
     styles = [path for name in STYLES for path in (root / name).rglob("*") if path.suffix not in EXCLUDED_SUFFIXES]
-    scripts = [root / name for name in SCRIPTS] if assets.is_built() else []
+    scripts = [root / name for name in SCRIPTS] if assets.is_frontend_built() else []
     wanted = [path for path in (*styles, *scripts) if path.is_file()]
     return {f"static/{path.relative_to(root).as_posix()}": path.read_bytes() for path in wanted}
 

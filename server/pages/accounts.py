@@ -17,8 +17,8 @@ from server.identity.opened_sessions import OpenedSession
 from server.identity.schemas import RefusedForm, validate_new_account
 from server.identity.service import AccountService
 from server.text.plain import show_invisible_characters
-from server.web.form_identity import SEND_AS, decode_fields, resend_context
-from server.web.forms import Field, account_form, redirect
+from server.web.form_identity import SEND_AS, build_resend_context, decode_resent_fields
+from server.web.forms import Field, redirect, render_account_form
 from server.web.rendering import render_page
 
 router = APIRouter(include_in_schema=False)
@@ -29,7 +29,7 @@ NextAddress = Annotated[str, TruncateTo(MAX_ADDRESS)]
 
 @router.get("/inscription")
 def show_sign_up_form(request: Request, account: OptionalAccount, suite: NextAddress = "/") -> HTMLResponse:
-    return account_form(request, "inscription.html", account, after=local_path(suite))
+    return render_account_form(request, "inscription.html", account, after=local_path(suite))
 
 
 @router.post("/inscription")
@@ -46,7 +46,14 @@ async def sign_up(
         opened = await _sign_up_from_form(request, accounts, account, (name, login, password))
     except RefusedForm as refused:
         return await run_in_threadpool(
-            account_form, request, "inscription.html", account, refused, name=name, login=login, after=local_path(suite)
+            render_account_form,
+            request,
+            "inscription.html",
+            account,
+            refused,
+            name=name,
+            login=login,
+            after=local_path(suite),
         )
     set_session_cookie(request, opened)
     return redirect(local_path(suite))
@@ -72,7 +79,7 @@ async def _sign_up_from_form(
 @router.get("/bienvenue/{token}")
 def show_invitation_form(request: Request, account: OptionalAccount, db: Db, token: str) -> HTMLResponse:
     links.find_open_invitation(db, token)
-    return account_form(request, "bienvenue.html", account)
+    return render_account_form(request, "bienvenue.html", account)
 
 
 @router.post("/bienvenue/{token}")
@@ -89,7 +96,7 @@ async def sign_up_by_invitation(
         opened = await _sign_up_from_form(request, accounts, account, (name, login, password), token)
     except RefusedForm as refused:
         return await run_in_threadpool(
-            account_form, request, "bienvenue.html", account, refused, name=name, login=login
+            render_account_form, request, "bienvenue.html", account, refused, name=name, login=login
         )
     set_session_cookie(request, opened)
     return redirect("/")
@@ -97,7 +104,7 @@ async def sign_up_by_invitation(
 
 @router.get("/connexion")
 def show_login_form(request: Request, account: OptionalAccount, db: Db, suite: NextAddress = "/") -> HTMLResponse:
-    return account_form(
+    return render_account_form(
         request,
         "connexion.html",
         account,
@@ -113,7 +120,7 @@ def _render_refused_login(
 ) -> HTMLResponse:
     with accounts.database.read() as db:
         schools = load_sign_in_providers(db)
-        return account_form(request, "connexion.html", account, refused, schools=schools, **context)
+        return render_account_form(request, "connexion.html", account, refused, schools=schools, **context)
 
 
 @router.post("/connexion")
@@ -136,11 +143,11 @@ async def log_in(
     except RefusedForm as refused:
         return await run_in_threadpool(_render_refused_login, request, accounts, account, refused, login=login, **form)
     set_session_cookie(request, opened)
-    fields = decode_fields(reprise)
+    fields = decode_resent_fields(reprise)
     if fields is None:
         return redirect(form["after"])
     button = SEND_AS.format(name=show_invisible_characters(opened.account.name))
-    context = resend_context(fields, form["action"], form["after"], opened.account, button=button)
+    context = build_resend_context(fields, form["action"], form["after"], opened.account, button=button)
     return await run_in_threadpool(render_page, request, "resend.html", opened.account, **context)
 
 
@@ -150,7 +157,7 @@ def open_password_slip(request: Request, account: OptionalAccount, code: CodeQue
     letters = "".join(letter for letter in secrets.normalise_typed_token(code) if letter.isalnum())
     if letters:
         return redirect(f"/nouveau-mot-de-passe/{letters}")
-    return account_form(request, "billet.html", account)
+    return render_account_form(request, "billet.html", account)
 
 
 @router.get("/nouveau-mot-de-passe/{token}")
@@ -158,7 +165,7 @@ def show_new_password_form(
     request: Request, account: OptionalAccount, accounts: AccountServiceOf, token: str
 ) -> HTMLResponse:
     owner = accounts.find_link_owner(token, client_address(request))
-    return account_form(request, "nouveau_mot_de_passe.html", account, login=owner.login)
+    return render_account_form(request, "nouveau_mot_de_passe.html", account, login=owner.login)
 
 
 @router.post("/nouveau-mot-de-passe/{token}")
@@ -176,7 +183,7 @@ async def choose_new_password(
         )
     except RefusedForm as refused:
         return await run_in_threadpool(
-            account_form, request, "nouveau_mot_de_passe.html", account, refused, login=login
+            render_account_form, request, "nouveau_mot_de_passe.html", account, refused, login=login
         )
     set_session_cookie(request, opened)
     return redirect("/")

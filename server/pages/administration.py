@@ -14,7 +14,7 @@ from server.mails import repository as mails
 from server.web.dependencies import CurrentReader, PageNumber
 from server.web.forms import redirect_to_login
 from server.web.rendering import render_page
-from server.web.words import short_moment
+from server.web.words import format_short_time
 
 router = APIRouter(include_in_schema=False)
 
@@ -36,7 +36,8 @@ def show_audit_log(request: Request, reader: CurrentReader, number: PageNumber =
     page: dict[str, Any] = {
         "mail_problems": mails.load_delivery_problems(reader.db, now - timedelta(days=MAIL_DAYS), SHOWN_PROBLEMS),
         "entries": [
-            (entry, describe_changes(entry.before, entry.after, short_moment)) for entry in entries[:ENTRIES_PER_PAGE]
+            (entry, describe_changes(entry.before, entry.after, format_short_time))
+            for entry in entries[:ENTRIES_PER_PAGE]
         ],
         "path": LOG_PATH,
         "number": number,

@@ -27,8 +27,8 @@ from server.hunts.protocol import ProgramReview
 from server.identity.dependencies import OptionalAccount
 from server.identity.models import Account
 from server.web.forms import redirect
-from server.web.rendering import python, render_page
-from server.web.views import exercise_href, find_exercise, module_link
+from server.web.rendering import highlight_python, render_page
+from server.web.views import build_module_link, exercise_href, find_exercise
 
 router = APIRouter(include_in_schema=False)
 
@@ -88,15 +88,15 @@ def _build_review_page(
 ) -> Mapping[str, Any]:
     exercise = passed.exercise
     return {
-        "module": module_link(course.modules[exercise.module]),
+        "module": build_module_link(course.modules[exercise.module]),
         "exercise_title": exercise.title,
         "exercise_href": exercise_href(exercise),
         "attempt_href": f"/soumissions/{submission_id}",
         "remarks": review.remarks,
         "ratio": review.ratio,
         "pace": "slower" if review.ratio >= SLOWER else "faster" if 0 < review.ratio <= FASTER else "alike",
-        "own": python(passed.source),
-        "ways": [(title, python(text)) for title, text in _pick_contrasting_solutions(exercise)]
+        "own": highlight_python(passed.source),
+        "ways": [(title, highlight_python(text)) for title, text in _pick_contrasting_solutions(exercise)]
         if passed.may_compare
         else (),
     }

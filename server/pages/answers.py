@@ -45,7 +45,7 @@ def build_answers_page(reader: Reader, exercise: Exercise, seed: int, taken: Att
     return AnswersPage(
         **service.build_common_fields(reader, exercise, latest, saved, seed),
         given=tuple(
-            GivenDatumView(exercise.line(f"${datum.symbol}$"), datum.name, datum.text, datum.unit)
+            GivenDatumView(exercise.render_line(f"${datum.symbol}$"), datum.name, datum.text, datum.unit)
             for datum in paper.given
         ),
         questions=tuple(
@@ -78,7 +78,7 @@ def build_question_view(exercise: Exercise, number: int, question: Question, ans
     pieces = tuple(
         OptionOrStepView(
             piece.id,
-            exercise.line(piece.text),
+            exercise.render_line(piece.text),
             piece.id in places,
             _render_place_options(len(question.pieces), places.get(piece.id, 0)) if order else Markup(),
         )
@@ -87,8 +87,8 @@ def build_question_view(exercise: Exercise, number: int, question: Question, ans
     return QuestionView(
         id=question.id,
         number=number,
-        title=exercise.line(question.title),
-        html=exercise.prose(question.text),
+        title=exercise.render_line(question.title),
+        html=exercise.render_paragraphs(question.text),
         form=question.form,
         field=(PLACE if order else FIELD) + question.id,
         points=format_points(question.points),
@@ -151,11 +151,11 @@ def build_transcript(exercise: Exercise, submission: Submission) -> Sequence[Tra
     return [
         build_transcript_view(exercise, given[question.id])
         if question.id in given
-        else TranscriptView(question.id, exercise.line(question.title), "", ())
+        else TranscriptView(question.id, exercise.render_line(question.title), "", ())
         for question in questions
     ]
 
 
 def build_transcript_view(exercise: Exercise, answer: AnswerTranscript) -> TranscriptView:
-    pieces = tuple((piece.id, exercise.line(piece.text)) for piece in answer.pieces)
-    return TranscriptView(answer.question, exercise.line(answer.title), answer.text, pieces)
+    pieces = tuple((piece.id, exercise.render_line(piece.text)) for piece in answer.pieces)
+    return TranscriptView(answer.question, exercise.render_line(answer.title), answer.text, pieces)

@@ -11,7 +11,7 @@ from server.calendars.icalendar import MEDIA_TYPE
 from server.database.dependencies import Db
 from server.identity.dependencies import SignedIn
 from server.web.forms import redirect
-from server.web.rendering import with_etag
+from server.web.rendering import add_etag
 
 router = APIRouter(include_in_schema=False)
 
@@ -29,7 +29,7 @@ def read_calendar(request: Request, db: Db, token: Annotated[str, Path(max_lengt
         "X-Robots-Tag": "noindex",
     }
     content = calendars.build_calendar(db, owner, service_url(request))
-    return with_etag(request, Response(content, headers=headers, media_type=MEDIA_TYPE))
+    return add_etag(request, Response(content, headers=headers, media_type=MEDIA_TYPE))
 
 
 @router.post("/compte/agenda/supprimer")

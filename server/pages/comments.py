@@ -26,7 +26,7 @@ from server.submissions import variants
 from server.web.dependencies import CurrentReader
 from server.web.forms import UNKNOWN_ACTION, Field, redirect, redirect_to_login
 from server.web.rendering import render_page
-from server.web.threads import NO_DRAFT, Draft
+from server.web.threads import NO_DRAFT, UnsentMessageDraft
 from server.web.views import Reader, exercise_href, find_exercise
 
 router = APIRouter(include_in_schema=False)
@@ -63,7 +63,7 @@ def post_comment(
         thread = service.begin_thread(reader.db, account, attempt, target, text, settings)
     except REFUSALS as refused:
         roll_back_then_read(reader.db)
-        aim = MessageSubject(lines, verification, Draft(texte, refused.detail))
+        aim = MessageSubject(lines, verification, UnsentMessageDraft(texte, refused.detail))
         again = gradebook.find_attempt(reader.db, account, submission_id)
         return render_attempt_page(request, reader, database, again, aim, status=int(refused.status))
     _save_phrase_if_wanted(reader.db, account, attempt, texte, garder)
@@ -117,7 +117,7 @@ def ask_question(
             if exercise.answers is None
             else variants.ensure_seed_while_reading(reader.db, database, account, exercise.id)
         )
-        draft = Draft(texte, refused.detail)
+        draft = UnsentMessageDraft(texte, refused.detail)
         return render_exercise_page(request, reader, database, exercise, seed, draft=draft, status=int(refused.status))
     return redirect(f"{exercise_href(exercise)}#fil-{thread.id}")
 
@@ -131,7 +131,12 @@ def show_thread(request: Request, thread_id: str, reader: CurrentReader, databas
 
 
 def _render_thread(
-    request: Request, reader: Reader, database: DatabaseOf, thread_id: str, draft: Draft, status: int = 200
+    request: Request,
+    reader: Reader,
+    database: DatabaseOf,
+    thread_id: str,
+    draft: UnsentMessageDraft,
+    status: int = 200,
 ) -> HTMLResponse:
     view = talk.build_thread_page(reader, service.find_thread(reader.db, reader.account, thread_id), draft)
     answer = render_page(request, "thread.html", reader.account, status=status, page=view)
@@ -157,7 +162,9 @@ def post_reply(
         service.reply_to_thread(reader.db, account, thread, text, settings)
     except REFUSALS as refused:
         roll_back_then_read(reader.db)
-        return _render_thread(request, reader, database, thread_id, Draft(texte, refused.detail), int(refused.status))
+        return _render_thread(
+            request, reader, database, thread_id, UnsentMessageDraft(texte, refused.detail), int(refused.status)
+        )
     return _redirect_to_thread(thread_id, retour)
 
 

@@ -14,7 +14,7 @@ from server.assignments.sittings import StaleWorkError
 from server.base.arrival import arrival_time
 from server.course import Exercise
 from server.identity.models import Account
-from server.web.form_identity import FormRefusal, typed_fields
+from server.web.form_identity import FormRefusal, resendable_text_fields
 
 TESTS_FIELD = "controle"
 VERSION_FIELD = "depuis"
@@ -57,7 +57,7 @@ def require_same_tests(db: Session, account: Account, exercise: Exercise, form: 
     running = holds.running_tests
     raise RunningTestsChanged(
         BEGUN_SINCE.format(title=running[0].title) if running else ENDED_SINCE,
-        typed_fields(form),
+        resendable_text_fields(form),
         account=account,
         button=SEND_IN_TEST if running else SEND_AS_TRAINING,
         replacements={TESTS_FIELD: key},
@@ -70,7 +70,7 @@ def build_stale_work_refusal(
     """Return the refusal of work that would replace `other_text`, saved meanwhile."""
     return SavedWorkChanged(
         error.detail,
-        typed_fields(form),
+        resendable_text_fields(form),
         account=account,
         button=SAVE_MINE,
         replacements={VERSION_FIELD: sittings.saved_work_version(error.saved)},

@@ -19,10 +19,10 @@ from server.hunts.protocol import HuntName, HuntTrialOutcome, OfferedHunt
 from server.hunts.service import MAX_ARGUMENTS, MAX_TYPED_CHARACTERS, HuntService
 from server.identity.dependencies import OptionalAccount, SignedIn
 from server.recall.models import QuestionKind
-from server.text.python_colours import colour_lines
+from server.text.python_colours import colour_python_lines
 from server.web.forms import redirect_to_login
 from server.web.rendering import render_page
-from server.web.views import exercise_href, find_exercise, module_link
+from server.web.views import build_module_link, exercise_href, find_exercise
 
 router = APIRouter(include_in_schema=False)
 
@@ -145,13 +145,13 @@ def build_hunt_page(
         mistake = {"title": catalogued.diagnosis.title, "text": catalogued.diagnosis.explanation, "family": family}
     values = [*typed, *[""] * MAX_ARGUMENTS]
     return {
-        "module": module_link(course.modules[exercise.module]),
+        "module": build_module_link(course.modules[exercise.module]),
         "exercise_title": exercise.title,
         "exercise_href": exercise_href(exercise),
         "here": hunt_href(exercise),
         "offer": offer,
         "question": question,
-        "lines": colour_lines(offer.program.rstrip("\n")) if offer is not None and question == "ligne" else (),
+        "lines": colour_python_lines(offer.program.rstrip("\n")) if offer is not None and question == "ligne" else (),
         "typed": values,
         "outcome": outcome,
         "is_over": is_over,

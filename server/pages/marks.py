@@ -34,7 +34,12 @@ def build_question_marks(
         return ()
     questions = exercise.answers.paper(submission.seed).questions
     answers = _read_answers_or_none(submission)
-    if verdict is None or answers is None or submission.seed != seed or verdicts.common_message(verdict.checks):
+    if (
+        verdict is None
+        or answers is None
+        or submission.seed != seed
+        or verdicts.message_shared_by_checks(verdict.checks)
+    ):
         return tuple(_empty_mark_view(question) for question in questions)
     checks = {check.id: check for check in verdict.checks}
     transcripts = {answer.question: answer for answer in exercise.answers.transcribe(answers, submission.seed)}
@@ -73,9 +78,9 @@ def _build_mark_view(
         points=format_mark(check.points, check.max_points),
         max_points=format_points(check.max_points),
         answered=_format_given_answer(transcript) if transcript else "",
-        expected=exercise.line(expected) if isinstance(expected, str) else "",
-        message="" if blank else exercise.prose(check.message),
-        hint=exercise.line(check.hint) if check.hint else "",
+        expected=exercise.render_line(expected) if isinstance(expected, str) else "",
+        message="" if blank else exercise.render_paragraphs(check.message),
+        hint=exercise.render_line(check.hint) if check.hint else "",
     )
 
 

@@ -27,7 +27,7 @@ from server.submissions.models import Submission
 from server.web.dependencies import CurrentReader, PageNumber
 from server.web.forms import redirect, redirect_to_login
 from server.web.rendering import render_page
-from server.web.views import Reader, exercise_href, find_exercise, module_link
+from server.web.views import Reader, build_module_link, exercise_href, find_exercise
 
 router = APIRouter(include_in_schema=False)
 
@@ -176,7 +176,7 @@ def show_correction(request: Request, submission_id: str, reader: CurrentReader)
     diagnosis = attempt.grading.diagnosis if attempt.grading else None
     mistake = find_misconception(reader.course, exercise.id, diagnosis).diagnosis.title if diagnosis else ""
     page: Mapping[str, Any] = {
-        "module": module_link(reader.course.modules[exercise.module]),
+        "module": build_module_link(reader.course.modules[exercise.module]),
         "exercise_title": exercise.title,
         "exercise_href": exercise_href(exercise),
         "mistake": mistake if mistake != diagnosis else "",

@@ -23,11 +23,23 @@ from server.recall import paths, retrievals
 from server.recall.service import RecallCandidate, RecallState, load_account_recall_state
 from server.recall.subjects import title_of_subject
 from server.web.dependencies import CurrentReader
-from server.web.next_step import NextExercise, choose_next, list_way
-from server.web.own_objectives import OwnObjectiveRow, count_states, group_by_lesson, own_row
+from server.web.next_step import NextExercise, choose_next_exercise, list_exercises_of_path
+from server.web.own_objectives import (
+    StudentObjectiveRow,
+    build_objective_row,
+    count_states_in_words,
+    group_objectives_by_lesson,
+)
 from server.web.rendering import render_page
-from server.web.views import Reader, exercise_href, find_module, lesson_href, lessons_in_reading_order, module_link
-from server.web.words import plural
+from server.web.views import (
+    Reader,
+    build_module_link,
+    exercise_href,
+    find_module,
+    lesson_href,
+    lessons_in_reading_order,
+)
+from server.web.words import count_with_noun
 
 router = APIRouter(include_in_schema=False)
 
@@ -77,19 +89,19 @@ def build_objectives_page(reader: Reader, module: Module) -> Mapping[str, Any]:
         choices = paths.load_chosen_paths(reader.db, reader.account.id)
         recall = _load_recall_state(reader, progress, choices)
         states = load_own_objective_states(reader.db, reader.course, module, reader.account.id, utc_now())
-    rows = [own_row(reader.course, module.slug, state) for state in states]
+    rows = [build_objective_row(reader.course, module.slug, state) for state in states]
     fading = find_fading_misconceptions(reader.course, module, rows, {} if recall is None else recall.fading)
     path = paths.find_chosen_path(module, choices)
-    following = choose_next(module, progress, path)
-    way = list_way(module, path)
+    following = choose_next_exercise(module, progress, path)
+    way = list_exercises_of_path(module, path)
     left = [exercise for exercise in way if not _is_solved(progress, exercise)]
     return {
-        "module": module_link(module),
+        "module": build_module_link(module),
         "begun": any(progress.get(exercise.id, NOTHING_YET).attempts for exercise in module.exercises),
         "proposal": propose_next_task(module, rows, recall, fading, following),
         "rows": rows,
-        "groups": group_by_lesson(reader.course, module.slug, rows),
-        "counts": count_states(rows),
+        "groups": group_objectives_by_lesson(reader.course, module.slug, rows),
+        "counts": count_states_in_words(rows),
         "fading": fading,
         "two_minutes": TWO_MINUTES,
         "way": RemainingWay(
@@ -125,7 +137,7 @@ def _is_solved(progress: Mapping[str, ExerciseProgress], exercise: Exercise) -> 
 
 
 def find_fading_misconceptions(
-    course: Course, module: Module, rows: Sequence[OwnObjectiveRow], fading: Mapping[str, Sequence[RecallCandidate]]
+    course: Course, module: Module, rows: Sequence[StudentObjectiveRow], fading: Mapping[str, Sequence[RecallCandidate]]
 ) -> Mapping[str, Sequence[str]]:
     """Return, by the id of an objective, the titles of the mended misconceptions of it that are fading. Pure."""
     lookup = MisconceptionLookup(course)
@@ -149,7 +161,7 @@ def find_fading_misconceptions(
 
 def propose_next_task(
     module: Module,
-    rows: Sequence[OwnObjectiveRow],
+    rows: Sequence[StudentObjectiveRow],
     recall: RecallState | None,
     fading: Mapping[str, Sequence[str]],
     following: NextExercise | None,
@@ -159,7 +171,7 @@ def propose_next_task(
         count = len(recall.due)
         titles = dict.fromkeys(title for row in rows for title in fading.get(row.objective.objective.id, ()))
         why = _explain_recall(recall.due, next(iter(titles), ""))
-        label = f"Deux minutes : {plural(count, 'question')}"
+        label = f"Deux minutes : {count_with_noun(count, 'question')}"
         return NextTask(TWO_MINUTES, label, max(1, round(count * MINUTES_A_QUESTION)), why)
     if following is not None and any(row.state is not Mastery.none for row in rows):
         return _propose_exercise(rows, following)
@@ -176,14 +188,14 @@ def _explain_recall(due: Collection[str], first: str) -> str:
     missed = sum(subject.startswith(retrievals.PREFIX) for subject in due)
     questions = "vous aviez manqué une question d’une séance"
     if missed > 1:
-        questions = f"vous aviez manqué {plural(missed, 'question')} des séances"
+        questions = f"vous aviez manqué {count_with_noun(missed, 'question')} des séances"
     if missed == len(due):
         return questions
     fades = "ce que vous aviez corrigé commence à s’effacer" + (f" (« {first} »)" if first else "")
     return f"{fades}, et {questions}" if missed else fades
 
 
-def _propose_exercise(rows: Sequence[OwnObjectiveRow], following: NextExercise) -> NextTask:
+def _propose_exercise(rows: Sequence[StudentObjectiveRow], following: NextExercise) -> NextTask:
     verb = "Reprendre" if following.is_begun else "Exercice suivant"
     own = [row for row in rows if following.exercise.id in row.objective.exercises]
     weak = next((row for row in own if row.mistakes), None)

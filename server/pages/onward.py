@@ -14,7 +14,7 @@ from server.pages.after_success import can_review_programs
 from server.pages.hunts import hunt_href
 from server.pages.schemas import WayOnward
 from server.recall import paths
-from server.web.next_step import choose_next, list_way
+from server.web.next_step import choose_next_exercise, list_exercises_of_path
 from server.web.schemas import VerdictView
 from server.web.views import Reader, exercise_href
 
@@ -25,7 +25,7 @@ def build_way_onward(reader: Reader, exercise: Exercise, verdict: VerdictView | 
         return None
     module = reader.course.modules[exercise.module]
     progress = gradebook.load_progress(reader.db, reader.account)
-    following = choose_next(module, progress, find_chosen_path(reader, module), exercise)
+    following = choose_next_exercise(module, progress, find_chosen_path(reader, module), exercise)
     challenge = find_challenge(module, exercise, progress)
     if following is not None and following.exercise is challenge:
         challenge = None
@@ -58,7 +58,7 @@ def find_neighbouring_exercises(
     module: Module, exercise: Exercise, path: ReadingPath | None = None
 ) -> tuple[tuple[str, str] | None, tuple[str, str] | None]:
     """Return the address and title of the exercises before and after one, on a path or in the order of reading."""
-    way = list_way(module, path if path is not None and exercise.slug in path.exercises else None)
+    way = list_exercises_of_path(module, path if path is not None and exercise.slug in path.exercises else None)
     if exercise not in way:  # a teacher's own
         return None, None
     place = way.index(exercise)

@@ -16,9 +16,9 @@ from server.gradebook import solutions
 from server.gradebook.schemas import HINT_OPENS_AFTER, ExerciseProgress
 from server.gradebook.solutions import AccessReason, SolutionAccess
 from server.pages.schemas import HintView, SolutionView
-from server.web.rendering import python
-from server.web.views import Reader, exercise_href, solution_switch_view
-from server.web.words import plural
+from server.web.rendering import highlight_python
+from server.web.views import Reader, build_solution_switch_view, exercise_href
+from server.web.words import count_with_noun
 
 
 def build_hint_views(
@@ -43,7 +43,8 @@ def _count_failures(reader: Reader, exercise: Exercise) -> int:
 
 def _describe_when_hint_opens(needed: int, left: int) -> str:
     if needed == left:
-        return f"s’ouvre après {plural(needed, 'essai non réussi', 'essais différents non réussis')}, hors syntaxe."
+        attempts = count_with_noun(needed, "essai non réussi", "essais différents non réussis")
+        return f"s’ouvre après {attempts}, hors syntaxe."
     return f"s’ouvre après {needed} essais différents non réussis, hors syntaxe (encore {left})."
 
 
@@ -55,9 +56,9 @@ def build_solution_view(
     if why is None or (exercise.answers is not None and seed is None):
         return None
     html = (
-        python(exercise.solution)
+        highlight_python(exercise.solution)
         if exercise.answers is None or seed is None
-        else Markup(exercise.prose(exercise.answers.correction(seed)))
+        else Markup(exercise.render_paragraphs(exercise.answers.correction(seed)))
     )
     doors = solutions.list_audiences(reader.db, reader.account, exercise.id) if access.teaches else []
     is_commented = exercise.answers is not None or has_comments(exercise.solution)
@@ -66,7 +67,7 @@ def build_solution_view(
         html,
         WHY_OPEN[why],
         f"{exercise_href(exercise)}/corrige",
-        tuple(map(solution_switch_view, doors)),
+        tuple(map(build_solution_switch_view, doors)),
     )
 
 

@@ -21,7 +21,7 @@ from server.steps.schemas import MAX_AFTER, MAX_CALL, MAX_STDIN, CallBody, Trace
 from server.steps.writing import format_traced_value
 from server.web.forms import FormFields
 from server.web.rendering import render_page
-from server.web.views import exercise_href, find_exercise, module_link
+from server.web.views import build_module_link, exercise_href, find_exercise
 
 router = APIRouter(include_in_schema=False)
 
@@ -46,7 +46,7 @@ async def run_typed_call(
         str(fields.get(name, "")).replace("\r\n", "\n") for name in ("code", "call", "stdin", "after")
     )
     page: dict[str, Any] = {
-        "module": module_link(course.modules[exercise.module]),
+        "module": build_module_link(course.modules[exercise.module]),
         "exercise_title": exercise.title,
         "exercise_href": exercise_href(exercise),
         "here": f"{exercise_href(exercise)}/executer",

@@ -36,7 +36,7 @@ from server.pages import retention
 from server.personal import erasures
 from server.personal.dependencies import PersonalDataOf
 from server.personal.service import export_archive_headers
-from server.web.forms import Field, account_form, redirect
+from server.web.forms import Field, redirect, render_account_form
 
 router = APIRouter(include_in_schema=False)
 
@@ -60,7 +60,7 @@ async def _render_in_read_session(database: Database, build: Callable[[Session],
 
 @router.get("/donnees-personnelles")
 def show_stored_data(request: Request, account: OptionalAccount, settings: SettingsOf) -> HTMLResponse:
-    return account_form(
+    return render_account_form(
         request,
         "donnees.html",
         account,
@@ -92,7 +92,7 @@ def _render_account_page(
     changed: bool = False,
     calendar_token: str | None = None,
 ) -> HTMLResponse:
-    return account_form(
+    return render_account_form(
         request,
         "compte.html",
         account,
@@ -139,7 +139,7 @@ def _render_join_page(
 ) -> HTMLResponse:
     own = identities.load_identities(db, account.id)
     systems = [urlsplit(identity.issuer).netloc or identity.issuer for identity in own]
-    return account_form(
+    return render_account_form(
         request, "rejoindre_compte.html", account, refused, person=account, systems=systems, login=login, after=after
     )
 
@@ -240,7 +240,7 @@ def _render_erasure_page(
     request: Request, account: Account, db: Db, settings: Settings, refused: RefusedForm | None = None
 ) -> HTMLResponse:
     now = utc_now()
-    return account_form(
+    return render_account_form(
         request,
         "supprimer.html",
         account,
@@ -286,4 +286,4 @@ def cancel_erasure(person: SignedIn, db: Db) -> Response:
 
 @router.get("/compte/efface")
 def show_erasure_done(request: Request, account: OptionalAccount) -> HTMLResponse:
-    return account_form(request, "efface.html", account)
+    return render_account_form(request, "efface.html", account)

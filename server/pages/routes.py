@@ -48,9 +48,9 @@ from server.web import assets
 from server.web.dependencies import CurrentReader, Number, PageNumber
 from server.web.forms import FormFields
 from server.web.rendering import render_fragment, render_page
-from server.web.threads import NO_DRAFT, Draft
+from server.web.threads import NO_DRAFT, UnsentMessageDraft
 from server.web.views import Reader, exercise_href, find_exercise, find_module
-from server.web.words import iso_moment
+from server.web.words import format_iso_time
 
 MOVES_ON = 303
 MAX_IDENTITY = 100  # characters of a UUID, however it is written
@@ -106,7 +106,7 @@ def render_exercise_page(
     exercise: Exercise,
     seed: int | None,
     taken: Attempt | None = None,
-    draft: Draft = NO_DRAFT,
+    draft: UnsentMessageDraft = NO_DRAFT,
     status: int = 200,
 ) -> HTMLResponse:
     """`seed` is that of what was dealt, in an exercise answered without code; `taken` is an attempt to go on from."""
@@ -234,7 +234,7 @@ def save_test_work(
         raise form_state.build_stale_work_refusal(error, account, fields, other_text) from error
     if "application/json" not in request.headers.get("accept", ""):
         return RedirectResponse(f"{exercise_href(exercise)}#essai", MOVES_ON)
-    return JSONResponse({"saved_at": iso_moment(saved_at), "depuis": saved_at.isoformat()})
+    return JSONResponse({"saved_at": format_iso_time(saved_at), "depuis": saved_at.isoformat()})
 
 
 @router.post("/{module:module}/exercices/{slug}/corrige")

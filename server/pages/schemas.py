@@ -10,9 +10,9 @@ from markupsafe import Markup
 
 from graders.core.contract.progress import Progress
 from server.course import FunctionSpec
-from server.web.deadlines import DueView
-from server.web.regraded import RegradedView
-from server.web.schemas import ModuleLink, OwnProgress, SolutionSwitchView, VerdictView
+from server.web.deadlines import DueAssignmentView
+from server.web.regraded import RegradeNotice
+from server.web.schemas import ModuleLink, SolutionSwitchView, StudentExerciseProgress, VerdictView
 
 
 @dataclass(frozen=True)
@@ -39,7 +39,7 @@ class HomePage:
     """`questions` counts what is due of what the reader confused, zero where they want no reminder."""
 
     modules: tuple[ModuleCard, ...]
-    due: tuple[DueView, ...] = ()
+    due: tuple[DueAssignmentView, ...] = ()
     questions: int = 0
     streak: int = 0
 
@@ -107,7 +107,7 @@ class SubmissionView:
     progress: Progress | None = None
     searched: bool = False
     asks: bool = False
-    regraded: RegradedView | None = None
+    regraded: RegradeNotice | None = None
     held: str = ""
     runs: bool = True
     early: VerdictView | None = None
@@ -224,7 +224,7 @@ class ResultsView:
     solution: SolutionView | None
     attempts: tuple[AttemptRow, ...]
     all_attempts: str
-    own: OwnProgress
+    own: StudentExerciseProgress
     hints_held: WithheldView | None = None
     diagnosis_held: WithheldView | None = None
     solution_held: WithheldView | None = None
@@ -248,7 +248,7 @@ class CommonExercisePage:
     test: TestBanner | None
     previous: tuple[str, str] | None
     following: tuple[str, str] | None
-    due: tuple[DueView, ...]
+    due: tuple[DueAssignmentView, ...]
 
 
 @dataclass(frozen=True)

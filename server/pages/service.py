@@ -46,10 +46,10 @@ from server.web import deadlines, regraded, verdicts
 from server.web.schemas import VerdictView
 from server.web.views import (
     Reader,
+    build_module_link,
+    build_student_progress,
     exercise_href,
     lesson_href,
-    module_link,
-    own_progress,
 )
 from server.web.words import format_mark
 
@@ -131,7 +131,7 @@ def build_common_fields(
         "summary": exercise.summary,
         "stars": exercise.stars,
         "origin": exercise.origin,
-        "module": module_link(module),
+        "module": build_module_link(module),
         "lesson": _find_lesson_link(module, exercise),
         "statement": Markup(exercise.statement_html),
         "action": f"{exercise_href(exercise)}/soumissions",
@@ -139,7 +139,7 @@ def build_common_fields(
         "test": withheld.build_test_banner(reader, exercise, saved),
         "previous": previous,
         "following": following,
-        "due": deadlines.due_for_exercise(reader.db, reader.account, exercise.id),
+        "due": deadlines.load_assignments_due_for_exercise(reader.db, reader.account, exercise.id),
     }
 
 
@@ -157,7 +157,7 @@ def build_attempt_page(
     href = exercise_href(exercise)
     work = _build_submission_view(reader, exercise, attempt, number, submission.seed, again=again)
     return AttemptPage(
-        module=module_link(reader.course.modules[exercise.module]),
+        module=build_module_link(reader.course.modules[exercise.module]),
         exercise_title=exercise.title,
         exercise_href=href,
         take_href=f"{href}?reprendre={submission.id}",
@@ -191,7 +191,7 @@ def build_attempts_page(reader: Reader, exercise: Exercise, number: int) -> dict
     if skipped and not attempts.lines:
         raise NotFound("Il n’y a pas d’essais plus anciens.")
     return {
-        "module": module_link(reader.course.modules[exercise.module]),
+        "module": build_module_link(reader.course.modules[exercise.module]),
         "exercise_title": exercise.title,
         "exercise_href": exercise_href(exercise),
         "attempts": _build_attempt_rows(exercise, attempts),
@@ -223,7 +223,7 @@ def build_results(
         solution=opening.build_solution_view(reader, exercise, progress, access, seed),
         attempts=_build_attempt_rows(exercise, attempts),
         all_attempts=f"{exercise_href(exercise)}/essais" if attempts.total > RECENT_ATTEMPTS else "",
-        own=own_progress(progress),
+        own=build_student_progress(progress),
         hints_held=None if access.teaches else withheld.build_withheld_view(access.hints_held, "hints"),
         diagnosis_held=withheld.build_withheld_view(diagnosis_held, "diagnosis")
         if verdict and verdict.tone != "good"
@@ -270,13 +270,13 @@ def _build_submission_view(
         marks=marks.build_question_marks(exercise, submission, verdict, seed),
         progress=_build_progress(reader, exercise, attempt, verdict),
         asks=talk.may_ask_question(reader, exercise, submission.account_id),
-        regraded=regraded.load_regraded_view(reader.db, attempt.grading.id, exercise.kind)
+        regraded=regraded.load_regrade_notice(reader.db, attempt.grading.id, exercise.kind)
         if attempt.grading and not attempt.feedback.diagnosis
         else None,
     )
     if verdict is None or attempt.grading is None:
         return replace(work, early=_early_verdict(reader, exercise, attempt, place.state))
-    view = verdicts.verdict_view(
+    view = verdicts.build_verdict_view(
         verdict,
         f"{href}/figures",
         None if exercise.answers is None else exercise,
@@ -310,7 +310,8 @@ def _early_verdict(reader: Reader, exercise: Exercise, attempt: Attempt, state: 
     if verdict is None:
         return None
     undrawn = replace(verdict, checks=[replace(check, figure=None) for check in verdict.checks])
-    return verdicts.verdict_view(undrawn, "", functions=exercise.functions, world=_find_check_world(exercise, verdict))
+    world = _find_check_world(exercise, verdict)
+    return verdicts.build_verdict_view(undrawn, "", functions=exercise.functions, world=world)
 
 
 def _find_check_world(exercise: Exercise, verdict: Verdict) -> verdicts.World:
@@ -339,7 +340,7 @@ def _build_attempt_row(exercise: Exercise, line: AttemptLine) -> AttemptRow:
         href=f"/soumissions/{line.id}",
         when=line.sent_at,
         points="" if line.score is None else format_mark(20 * line.score),
-        outcome=_withheld_outcome_text(line) if line.held else verdicts.outcome_title(line.outcome, exercise.kind),
+        outcome=_withheld_outcome_text(line) if line.held else verdicts.outcome_in_words(line.outcome, exercise.kind),
     )
 
 

@@ -20,11 +20,18 @@ from server.gradebook.schemas import Attempt
 from server.identity.models import Account
 from server.rights import service as rights
 from server.text.plain import show_invisible_characters
-from server.text.python_colours import colour_lines
+from server.text.python_colours import colour_python_lines
 from server.web import verdicts
-from server.web.code_lines import CodeView, LineView, code_view
+from server.web.code_lines import CodeLineView, CodeView, build_code_view
 from server.web.schemas import CheckView, ExerciseTexts
-from server.web.threads import NO_DRAFT, Draft, ThreadView, WriterView, thread_views, writer_view
+from server.web.threads import (
+    NO_DRAFT,
+    MessageFormView,
+    ThreadView,
+    UnsentMessageDraft,
+    build_message_form,
+    build_thread_views,
+)
 from server.web.views import Reader, exercise_href, find_exercise
 
 NOT_UNDERSTOOD = "Je ne comprends pas cette vérification."
@@ -38,7 +45,7 @@ class ChosenSubject:
     last: int | None = None
     check: str = ""
     title: str = ""
-    draft: Draft = NO_DRAFT
+    draft: UnsentMessageDraft = NO_DRAFT
 
     @property
     def has_lines(self) -> bool:
@@ -64,7 +71,7 @@ class AttemptThreadsView:
     action: str
     code: CodeView | None
     threads: tuple[ThreadView, ...]
-    writer: WriterView | None
+    writer: MessageFormView | None
     chosen: ChosenSubject
     checks: tuple[tuple[str, str], ...]
     student: StudentLink | None
@@ -78,7 +85,7 @@ class MessageSubject:
 
     lines: LineRange | None = None
     check: str = ""
-    draft: Draft = NO_DRAFT
+    draft: UnsentMessageDraft = NO_DRAFT
 
 
 def may_ask_question(reader: Reader, exercise: Exercise, author: UUID | None = None) -> bool:
@@ -99,17 +106,17 @@ def build_attempt_threads(
     may_write = asks or not own
     back = f"/soumissions/{submission.id}"
     write = (
-        writer_view(reader.db, account, exercise.id, back, staff=not own, diagnosis=_misconception_id(attempt))
+        build_message_form(reader.db, account, exercise.id, back, staff=not own, diagnosis=_misconception_id(attempt))
         if may_write
         else None
     )
-    code = None if exercise.answers is not None else code_view(submission.code, talks, account)
+    code = None if exercise.answers is not None else build_code_view(submission.code, talks, account)
     shown = 0 if code is None else len(code.lines)
     elsewhere = [talk for talk in talks if not _is_on_shown_line(talk, shown)]
     return AttemptThreadsView(
         action=f"{back}/commentaires",
         code=code,
-        threads=thread_views(elsewhere, account),
+        threads=build_thread_views(elsewhere, account),
         writer=write,
         chosen=_build_chosen_subject(attempt, aim, shown) if may_write else ChosenSubject(draft=aim.draft),
         checks=_list_checks(attempt),
@@ -166,14 +173,14 @@ class ExerciseThreadsView:
     words: Sequence[ReceivedNote] = ()
     read_words: Sequence[ReceivedNote] = ()
     threads: tuple[ThreadView, ...] = ()
-    writer: WriterView | None = None
+    writer: MessageFormView | None = None
     action: str = ""
-    draft: Draft = NO_DRAFT
+    draft: UnsentMessageDraft = NO_DRAFT
     unread: tuple[Conversation, ...] = ()
 
 
 def build_exercise_threads(
-    reader: Reader, exercise: Exercise, *, asks: bool, draft: Draft = NO_DRAFT
+    reader: Reader, exercise: Exercise, *, asks: bool, draft: UnsentMessageDraft = NO_DRAFT
 ) -> ExerciseThreadsView:
     """`asks`: somebody would read a question."""
     account = reader.account
@@ -192,8 +199,8 @@ def build_exercise_threads(
         news=found,
         words=[note for note in received if note.seen_at is None],
         read_words=[note for note in received if note.seen_at is not None],
-        threads=thread_views(whole, account),
-        writer=WriterView(False, href) if asks else None,
+        threads=build_thread_views(whole, account),
+        writer=MessageFormView(False, href) if asks else None,
         action=f"{href}/questions",
         draft=draft,
         unread=tuple(talk for talk in whole if talk.is_new),
@@ -210,18 +217,18 @@ class ThreadPage:
     href: str
     href_text: str
     student: StudentLink | None
-    code: tuple[LineView, ...]
+    code: tuple[CodeLineView, ...]
     check: CheckView | None
     texts: ExerciseTexts | None
-    writer: WriterView | None
-    draft: Draft
+    writer: MessageFormView | None
+    draft: UnsentMessageDraft
     unread: tuple[Conversation, ...]
 
 
 AROUND = 4
 
 
-def build_thread_page(reader: Reader, thread: Thread, draft: Draft) -> ThreadPage:
+def build_thread_page(reader: Reader, thread: Thread, draft: UnsentMessageDraft) -> ThreadPage:
     account = reader.account
     assert account is not None  # who may read a thread is somebody
     exercise = find_exercise(reader.course, *thread.exercise.split("/"))
@@ -234,7 +241,7 @@ def build_thread_page(reader: Reader, thread: Thread, draft: Draft) -> ThreadPag
     if not own and attempt is None and student is not None:
         whole = student.href
     return ThreadPage(
-        thread=thread_views([found], account)[0],
+        thread=build_thread_views([found], account)[0],
         exercise_title=exercise.title,
         exercise_href=exercise_href(exercise),
         href=whole if attempt is None else f"/soumissions/{attempt.submission.id}#fil-{thread.id}",
@@ -245,7 +252,7 @@ def build_thread_page(reader: Reader, thread: Thread, draft: Draft) -> ThreadPag
         else _lines_around(attempt.submission.code, found.lines),
         check=_check_view(reader, exercise, attempt, thread.check_id),
         texts=None if exercise.answers is None else exercise,
-        writer=writer_view(
+        writer=build_message_form(
             reader.db,
             account,
             thread.exercise,
@@ -267,13 +274,15 @@ def _check_view(reader: Reader, exercise: Exercise, attempt: Attempt | None, che
     figures = f"/soumissions/{attempt.submission.id}/figures"
     grading = attempt.grading.id
     described = describe_figures(reader.db, grading, verdict)
-    view = verdicts.verdict_view(verdict, figures, texts, exercise.functions, grading=grading, described=described)
+    view = verdicts.build_verdict_view(
+        verdict, figures, texts, exercise.functions, grading=grading, described=described
+    )
     return next((check for check in view.checks if check.id == check_id), None)
 
 
-def _lines_around(code: str, place: LineRange | None) -> tuple[LineView, ...]:
+def _lines_around(code: str, place: LineRange | None) -> tuple[CodeLineView, ...]:
     if place is None:
         return ()
     first, last = max(1, place.first - AROUND), min(place.last, place.first + 10 * AROUND) + AROUND
-    html = colour_lines(show_invisible_characters(code))[first - 1 : last]
-    return tuple(LineView(number, Markup(line)) for number, line in enumerate(html, first))
+    html = colour_python_lines(show_invisible_characters(code))[first - 1 : last]
+    return tuple(CodeLineView(number, Markup(line)) for number, line in enumerate(html, first))

@@ -156,7 +156,7 @@ def answer_calculation(
         with database.write() as db:
             marked = calculations.submit_calculation(db, course, account, asked, valeur)
         shown["marked"] = {
-            "is_right": marked.is_right, "why": asked.exercise.prose(marked.message), "right": marked.right
+            "is_right": marked.is_right, "why": asked.exercise.render_paragraphs(marked.message), "right": marked.right
         }  # fmt: skip
     except Invalid as error:
         shown["refusal"] = str(error)
@@ -216,9 +216,11 @@ def _build_calculation_page(asked: AskedCalculation) -> dict[str, Any]:
         "calculation": asked,
         "exercise_title": exercise.title,
         "exercise_href": exercise_href(exercise),
-        "text": exercise.prose(question.text),
-        "pieces": [(piece.id, exercise.line(piece.text)) for piece in question.pieces],
-        "given": [(exercise.line(f"${datum.symbol}$"), datum.text, datum.unit, datum.name) for datum in asked.given],
+        "text": exercise.render_paragraphs(question.text),
+        "pieces": [(piece.id, exercise.render_line(piece.text)) for piece in question.pieces],
+        "given": [
+            (exercise.render_line(f"${datum.symbol}$"), datum.text, datum.unit, datum.name) for datum in asked.given
+        ],
         "typed": (),
         "refusal": "",
         "marked": None,

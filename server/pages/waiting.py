@@ -13,7 +13,7 @@ from server.gradebook.schemas import Attempt
 from server.identity.models import Account
 from server.submissions.models import SubmissionState
 from server.submissions.service import GradingProgress, SubmissionService
-from server.web.words import plural
+from server.web.words import count_with_noun
 
 
 def describe_waiting(place: GradingProgress) -> str:
@@ -26,7 +26,7 @@ def describe_waiting(place: GradingProgress) -> str:
         return place.notice
     before = place.position - 1
     return (
-        f"En attente : {plural(before, 'envoi passe', 'envois passent')} avant le vôtre."
+        f"En attente : {count_with_noun(before, 'envoi passe', 'envois passent')} avant le vôtre."
         if before
         else ("En attente : votre envoi est le prochain.")
     )

@@ -62,9 +62,9 @@ def _build_prediction_poll(lesson: Lesson, name: str, title: str, asked: Predict
 def _build_choice_poll(lesson: Lesson, name: str, exercise: Exercise, question: ChoiceQuestion) -> Poll:
     """Build the poll of a choice question, its options shuffled."""
     order = [question.find_option(option_id) for option_id in question.letters(SHUFFLE_SEED).by_letter.values()]
-    options = tuple(PollOption(option.id, Markup(exercise.line(option.text)), option.right) for option in order)
+    options = tuple(PollOption(option.id, Markup(exercise.render_line(option.text)), option.right) for option in order)
     href = f"/{lesson.module}/lire/{lesson.slug}#question-{name.replace('/', '-')}"
-    asked = Markup(exercise.line(question.text))
+    asked = Markup(exercise.render_line(question.text))
     return Poll(name, french(question.title), href, asked, options, is_prediction=False, several=question.several)
 
 
@@ -122,7 +122,7 @@ def _mark_choice_answer(
     written = letters if question.several else letters[0]
     findings = exercise.answers.judge({question.id: written}, SHUFFLE_SEED)
     result = next(finding.result for finding in findings if finding.result.id == question.id)
-    return MarkedAnswer("", result.passed, exercise.prose(result.message))
+    return MarkedAnswer("", result.passed, exercise.render_paragraphs(result.message))
 
 
 def load_first_answers_in_lesson(

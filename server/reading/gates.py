@@ -6,7 +6,7 @@ from server.course.models import Lesson
 from server.gradebook import solutions
 from server.reading.schemas import SolutionGate
 from server.rights import service as rights
-from server.web.views import Reader, lesson_href, solution_switch_view
+from server.web.views import Reader, build_solution_switch_view, lesson_href
 
 #: What an archive shows: it is anybody's file, and no teacher could close it again.
 ONLINE = SolutionGate("online")
@@ -21,7 +21,7 @@ def choose_solution_gate(reader: Reader, lesson: Lesson, *, is_warning_read: boo
         return None
     access = solutions.load_solution_access(reader.db, reader.account, lesson.id)
     if access.teaches:
-        doors = tuple(map(solution_switch_view, solutions.list_audiences(reader.db, reader.account, lesson.id)))
+        doors = tuple(map(build_solution_switch_view, solutions.list_audiences(reader.db, reader.account, lesson.id)))
         return SolutionGate("open", action=f"{lesson_href(lesson)}/corrige", doors=doors)
     if access.to_all or access.to_class:
         return None

@@ -32,8 +32,8 @@ from server.reading.downloads import DownloadArchives
 from server.reading.schemas import LessonAnswerInput
 from server.recall import paths, retrievals
 from server.web.dependencies import CurrentReader
-from server.web.rendering import render_page, ticks, with_etag
-from server.web.views import find_module, lesson_href, module_link
+from server.web.rendering import add_etag, render_backquotes_as_code, render_page
+from server.web.views import build_module_link, find_module, lesson_href
 
 FIGURE_POLICY = "default-src 'none'; style-src 'unsafe-inline'; sandbox"
 FIGURE_HEADERS = {"Cache-Control": "public, max-age=600", "Content-Security-Policy": FIGURE_POLICY}
@@ -112,12 +112,12 @@ def mark_retrieval_answer(
             raise
         refusal = str(error)
     if marking is not None and wants_json:
-        why = str(ticks(french(marking.why)))
+        why = str(render_backquotes_as_code(french(marking.why)))
         return JSONResponse({"right": marking.is_right, "why": why}, headers={"Cache-Control": "no-store"})
     asked = retrievals.draw_retrieval(course_module, question, account, jour)
     lesson = service.find_lesson(course_module, question.partition("/")[0])
     page = {
-        "module": module_link(course_module), "lesson": lesson.title, "asked": asked, "typed": reponse,
+        "module": build_module_link(course_module), "lesson": lesson.title, "asked": asked, "typed": reponse,
         "refusal": refusal, "marking": marking,
     }  # fmt: skip
     return render_page(request, "reading/recalled_page.html", account, page=page)
@@ -150,7 +150,7 @@ async def show_lesson_figure(
     request: Request, figures: FiguresOf, module: str, name: str, theme: Theme = "light"
 ) -> Response:
     picture = await figures.draw_lesson_figure(module, name, theme, client_address(request))
-    return with_etag(request, Response(picture, media_type=MEDIA_TYPES["svg"], headers=FIGURE_HEADERS))
+    return add_etag(request, Response(picture, media_type=MEDIA_TYPES["svg"], headers=FIGURE_HEADERS))
 
 
 @router.get("/{module:module}/fichiers/{name}.zip")

@@ -11,7 +11,7 @@ from pydantic import Field
 
 from server.base.validation import RequestBody
 from server.polls.models import ANSWER_LENGTH, POLL_LENGTH
-from server.web.deadlines import DueView
+from server.web.deadlines import DueAssignmentView
 from server.web.next_step import NextExercise
 from server.web.schemas import EditionNote, ExerciseRow, FigureView, ModuleLink, SolutionSwitchView
 
@@ -107,7 +107,7 @@ class CourseHome:
     kit_href: str
     done: int
     total: int
-    due: tuple[DueView, ...]
+    due: tuple[DueAssignmentView, ...]
     edition: EditionNote | None = None
     proposed: tuple[ExerciseRow, ...] = ()
 

@@ -40,21 +40,21 @@ from server.reading.schemas import (
 from server.recall import paths
 from server.sandbox.exceptions import USUAL_ERRORS
 from server.studio import service as studio
-from server.text.lines import tidy_line
-from server.text.prose import author_line_html
+from server.text.lines import normalise_line
+from server.text.prose import render_author_line
 from server.web import deadlines, editions
-from server.web.deadlines import DueView
-from server.web.next_step import choose_next
+from server.web.deadlines import DueAssignmentView
+from server.web.next_step import choose_next_exercise
 from server.web.schemas import ExerciseRow, FigureView
 from server.web.views import (
     Reader,
-    exercise_row,
+    build_exercise_row,
+    build_module_link,
     exercises_in_reading_order,
     lesson_href,
     lessons_in_reading_order,
-    module_link,
 )
-from server.web.words import plural
+from server.web.words import count_with_noun
 
 MAX_HEADING_LEVEL = 3  # in a table of contents
 TERM_LINK = re.compile(r'data-term="([^"]+)"')
@@ -71,20 +71,20 @@ def find_lesson(module: Module, slug: str) -> Lesson:
 
 def build_course_home(reader: Reader, module: Module) -> CourseHome:
     progress = gradebook.load_progress(reader.db, reader.account)
-    due = deadlines.due_soon(reader.db, reader.account, progress, module.slug)
+    due = deadlines.load_assignments_due_soon(reader.db, reader.account, progress, module.slug)
     choices = paths.load_chosen_paths(reader.db, reader.account.id if reader.account else None)
     others = {edition.number: f"/{edition.slug}" for edition in reader.course.latest}
     view = build_home_view(module, progress, due, others, paths.find_chosen_path(module, choices))
     names = studio.list_exercises_proposed_to_account(reader.db, reader.account, module.slug)
     found = [exercise for name in names if (exercise := reader.course.exercises.get(name)) is not None]
     proposed = tuple(_exercise_rows_by_slug(found, progress).values())
-    return replace(view, edition=editions.edition_note(reader, module), proposed=proposed)
+    return replace(view, edition=editions.build_edition_note(reader, module), proposed=proposed)
 
 
 def build_home_view(
     module: Module,
     progress: Mapping[str, ExerciseProgress],
-    due: tuple[DueView, ...],
+    due: tuple[DueAssignmentView, ...],
     others: Mapping[str, str],
     chosen_path: ReadingPath | None = None,
 ) -> CourseHome:
@@ -101,7 +101,7 @@ def build_home_view(
     )
     placed = {row.href for card in sessions for row in card.exercises}
     left = tuple(row for row in rows.values() if row.href not in placed)
-    length = plural(module.sessions, "séance") if module.sessions else ""
+    length = count_with_noun(module.sessions, "séance") if module.sessions else ""
     around = (("après", module.previous), ("avant", module.next))
     facts = (
         ("Durée", length),
@@ -116,10 +116,12 @@ def build_home_view(
         facts=tuple((name, value) for name, value in facts if value),
         around=tuple(NeighbourModuleView(word, number, others.get(number, "")) for word, number in around if number),
         objectives=module.objectives,
-        references=tuple(Markup(author_line_html(reference, module.names)) for reference in module.references),
+        references=tuple(Markup(render_author_line(reference, module.names)) for reference in module.references),
         paths=tuple(_build_path_view(module, way, chosen_path) for way in module.paths),
         start=_build_lesson_link(way[0]) if way else None,
-        resumed=choose_next(module, progress, chosen_path) if any(row.own.attempts for row in rows.values()) else None,
+        resumed=choose_next_exercise(module, progress, chosen_path)
+        if any(row.own.attempts for row in rows.values())
+        else None,
         sessions=sessions,
         shelves=tuple(_group_lessons_by_kind(way)),
         exercises=tuple(row for row in left if not row.stars),
@@ -141,7 +143,9 @@ def _exercise_rows_by_slug(
     exercises: Sequence[Exercise], progress: Mapping[str, ExerciseProgress]
 ) -> dict[str, ExerciseRow]:
     """One row for each exercise, by its slug."""
-    return {exercise.slug: exercise_row(exercise, progress.get(exercise.id, NOTHING_YET)) for exercise in exercises}
+    return {
+        exercise.slug: build_exercise_row(exercise, progress.get(exercise.id, NOTHING_YET)) for exercise in exercises
+    }
 
 
 def _exercise_rows_after(module: Module, rows: Mapping[str, ExerciseRow], lesson: Lesson) -> tuple[ExerciseRow, ...]:
@@ -239,7 +243,7 @@ def build_lesson_view(
     place = way.index(lesson)
     shown = gate is None or gate.state == "open"
     return LessonPage(
-        module=module_link(module),
+        module=build_module_link(module),
         slug=lesson.slug,
         kind=lesson.kind.name,
         label=lesson.label,
@@ -302,7 +306,7 @@ def build_glossary_page(module: Module) -> GlossaryPage:
     """Raises NotFound for a module without one."""
     if not module.glossary:
         raise NotFound("Ce module n’a pas de glossaire.")
-    return GlossaryPage(module_link(module), _group_terms_by_letter(module), len(module.glossary), USUAL_ERRORS)
+    return GlossaryPage(build_module_link(module), _group_terms_by_letter(module), len(module.glossary), USUAL_ERRORS)
 
 
 @lru_cache(maxsize=32)
@@ -321,10 +325,10 @@ def dictionary_sort_key(word: str) -> str:
 
 
 def build_search_page(module: Module, query: str) -> SearchPage:
-    query = tidy_line(query)
+    query = normalise_line(query)
     found = search.search_lessons(module, query)
     return SearchPage(
-        module_link(module), query, found.read_as, found.hits, () if found.hits else _example_searches(module)
+        build_module_link(module), query, found.read_as, found.hits, () if found.hits else _example_searches(module)
     )
 
 

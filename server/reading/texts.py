@@ -41,7 +41,7 @@ def fill_lesson_text(
     text = _insert_quiz_questions(module, lesson, heard=is_heard)
     if lesson.text.exercises:
         text = EXERCISE.sub(lambda match: match[0] + _render_exercise_card(module, rows, match[1]), text)
-    if lesson.text.retrievals:
+    if lesson.text.retrieval_questions:
         day = retrievals.today_at_school()
         text = RETRIEVAL.sub(
             lambda match: match[0] + _render_retrieval_question(module, match[1], account, day, is_heard), text

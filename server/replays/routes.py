@@ -15,7 +15,7 @@ from server.base.concurrency import FairLimiter, LimiterFullError
 from server.base.errors import RateLimited, ServiceError
 from server.base.http import client_address, error_document, problem_response
 from server.replays.service import CompressedReplay, ReplayLibrary, ReplayScript
-from server.web.rendering import with_etag
+from server.web.rendering import add_etag
 
 MAX_WAITING = 32  # requests, the running one included
 CLIENT_CLOSED_REQUEST = 499  # the client has closed the connection: nobody reads this answer
@@ -64,7 +64,7 @@ async def compute_manipulation(request: Request, desk: DeskOf, module: str, name
 @router.get("/{module}/manipulations/{name}/{file}")
 async def send_manipulation_script(request: Request, desk: DeskOf, module: str, name: str, file: str) -> Response:
     text = await run_in_threadpool(desk.replays.script, module, name, file)
-    return with_etag(request, Response(text, media_type="text/javascript", headers={"Cache-Control": "no-cache"}))
+    return add_etag(request, Response(text, media_type="text/javascript", headers={"Cache-Control": "no-cache"}))
 
 
 async def _find_and_compute(

@@ -20,7 +20,7 @@ from server.sandbox.policy import Policy
 from server.studio import repository
 from server.studio.models import ExerciseVersion
 from server.studio.publication import AUTHORED_SLUG
-from server.text.markup import Source, Text
+from server.text.markup import MarkdownSource, MarkdownText
 
 #: What a program of an authored exercise may use.
 LIMITS = {"cpu_seconds": 2.0, "wall_seconds": 5.0}
@@ -66,7 +66,7 @@ def build_exercise(version: ExerciseVersion, module: str, slug: str, course: Cou
     content, fingerprints = version.content, version.fingerprints
     names, path = course.modules[module].names, Path(f"{module}/{slug}")
     declaration = content["declaration"]
-    first, second, third = (Text(Source(hint, path, names=names)) for hint in content["hints"])
+    first, second, third = (MarkdownText(MarkdownSource(hint, path, names=names)) for hint in content["hints"])
 
     @cache
     def make() -> DeclaredGrader:
@@ -86,7 +86,7 @@ def build_exercise(version: ExerciseVersion, module: str, slug: str, course: Cou
         ),
         starter=content["starter"],
         solution=declaration["solution"],
-        statement=Text(Source(content["statement"], path, names=names)),
+        statement=MarkdownText(MarkdownSource(content["statement"], path, names=names)),
         hint_texts=(first, second, third),
         make=make,
         version=version.version,

@@ -36,18 +36,18 @@ MAX_CACHED_CHARACTERS = 2_000_000  # characters of HTML
 _cache: LRUCache[tuple[str, str], str] = LRUCache(MAX_CACHED_CHARACTERS, len)
 
 
-def highlight(code: str, language: str = "python") -> str:
+def highlight_code_block(code: str, language: str = "python") -> str:
     """A whole `<pre>` element; plain where the language is unknown or not said."""
-    body = _body(code, language)
+    body = _highlighted_html(code, language)
     return f'<pre class="code" tabindex="0"><code>{body}</code></pre>\n'
 
 
-def is_known(language: str) -> bool:
-    return _lexer(language) is not None
+def is_known_language(language: str) -> bool:
+    return _find_lexer(language) is not None
 
 
-def _body(code: str, language: str) -> str:
-    lexer = _lexer(language)
+def _highlighted_html(code: str, language: str) -> str:
+    lexer = _find_lexer(language)
     if lexer is None:
         return html.escape(code)
     known = _cache.get((code, language))
@@ -55,7 +55,7 @@ def _body(code: str, language: str) -> str:
 
 
 @lru_cache(maxsize=16)
-def _lexer(language: str) -> Lexer | None:
+def _find_lexer(language: str) -> Lexer | None:
     try:
         lexer = get_lexer_by_name(language, stripnl=False) if language else None
     except ClassNotFound:

@@ -49,10 +49,10 @@ class KatexEngine:
 
     def __init__(self, source: Path) -> None:
         self._thread = ThreadPoolExecutor(max_workers=1, thread_name_prefix="katex")
-        self._function = self._thread.submit(self._start, source.read_text(encoding="utf-8")).result()
+        self._function = self._thread.submit(self._start_context, source.read_text(encoding="utf-8")).result()
 
     @staticmethod
-    def _start(source: str) -> Any:
+    def _start_context(source: str) -> Any:
         import quickjs
 
         context = quickjs.Context()
@@ -60,7 +60,7 @@ class KatexEngine:
         context.eval(RENDER)
         return context.get("balise_render")
 
-    def render(self, formulas: Sequence[Formula]) -> list[str | TexError]:
+    def render_formulas(self, formulas: Sequence[Formula]) -> list[str | TexError]:
         """HTML of each formula, or why there is none."""
         answers = json.loads(self._thread.submit(self._function, json.dumps(formulas)).result())
         return [
@@ -70,7 +70,7 @@ class KatexEngine:
 
 
 @lru_cache(maxsize=1)
-def shared_engine() -> KatexEngine | None:
+def shared_katex_engine() -> KatexEngine | None:
     """The engine, or None where the front end has not been built (npm out of reach at install time)."""
     return KatexEngine(KATEX) if KATEX.is_file() else None
 
@@ -78,29 +78,29 @@ def shared_engine() -> KatexEngine | None:
 drawn: LRUCache[Formula, str] = LRUCache(MAX_CACHED_FORMULAS)
 
 
-def render_ahead(formulas: Iterable[Formula]) -> None:
+def render_formulas_ahead(formulas: Iterable[Formula]) -> None:
     """Draw what will be asked for, many at a time. What is refused will be told when it is asked for."""
-    current = shared_engine()
+    current = shared_katex_engine()
     if current is None:
         return
     missing = [formula for formula in dict.fromkeys(formulas) if drawn.get(formula) is None]
     for start in range(0, len(missing), BATCH_SIZE):
         chunk = missing[start : start + BATCH_SIZE]
-        for formula, answer in zip(chunk, current.render(chunk), strict=True):
+        for formula, answer in zip(chunk, current.render_formulas(chunk), strict=True):
             if isinstance(answer, str):
                 drawn.put(formula, answer)
 
 
 def render_formula(tex: str, *, display: bool) -> str:
     """HTML (with MathML inside for screen readers). Raises TexError. Without KaTeX, the TeX itself, readable."""
-    current = shared_engine()
+    current = shared_katex_engine()
     if current is None:
         tag = "div" if display else "span"
         return f'<{tag} class="tex"><code>{html.escape(tex.strip())}</code></{tag}>'
     html_of = drawn.get((tex, display))
     if html_of is not None:
         return html_of
-    (answer,) = current.render([(tex, display)])
+    (answer,) = current.render_formulas([(tex, display)])
     if isinstance(answer, TexError):
         raise answer
     drawn.put((tex, display), answer)

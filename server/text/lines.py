@@ -1,7 +1,7 @@
 """One-line texts that people type or paste: names, logins, e-mails, codes, labels, titles, reasons, searches.
 
-`tidy_line` is the one way to store and to compare them: characters that nobody sees come with what is pasted from web
-pages, mails and spreadsheets, and make two equal texts differ.
+`normalise_line` is the one way to store and to compare them: characters that nobody sees come with what is pasted from
+web pages, mails and spreadsheets, and make two equal texts differ.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ MAX_PLACE_TEXT = 20
 MAX_LINE, MAX_TEXT = 10_000, 100_000
 
 
-def tidy_line(text: str) -> str:
+def normalise_line(text: str) -> str:
     """Return a text in NFC, without invisible characters, and with single spaces.
 
     Format characters (category Cf: zero-width spaces and joiners, soft hyphens, byte order and direction marks) are
@@ -36,38 +36,38 @@ def tidy_line(text: str) -> str:
     return " ".join(unicodedata.normalize("NFC", limit_marks(seen)).split())
 
 
-def tidy_lines(text: str) -> str:
+def normalise_lines(text: str) -> str:
     """Return a text of several lines with each line tidied, and without blank lines around it. Only `MAX_TEXT`
     characters are read."""
-    return "\n".join(tidy_line(line) for line in text[:MAX_TEXT].splitlines()).strip()
+    return "\n".join(normalise_line(line) for line in text[:MAX_TEXT].splitlines()).strip()
 
 
-def character_problem(text: str) -> str:
+def describe_forbidden_character(text: str) -> str:
     """Name the first character that cannot be written, with its place, as « le 3ᵉ caractère (U+0007, sonnerie) »; or
     return an empty text. A line end or a tabulation can be written."""
     for place, sign in enumerate(text, 1):
         if (not sign.isprintable() and sign not in "\n\t") or sign == LOST:
-            return _describe(text, place, sign)
+            return _describe_character(text, place, sign)
     return ""
 
 
-def _describe(text: str, place: int, sign: str) -> str:
-    code = ord(sign)
-    what = NAMES.get(code) or unicodedata.name(sign, "").lower()
-    if sign == LOST:
+def _describe_character(text: str, index: int, character: str) -> str:
+    code = ord(character)
+    what = NAMES.get(code) or unicodedata.name(character, "").lower()
+    if character == LOST:
         what = "la marque d’une lettre accentuée perdue"
     name = f"U+{code:04X}, {what}" if what else f"U+{code:04X}"
-    before = text[max(0, place - 1 - MAX_PLACE_TEXT) : place - 1]
+    before = text[max(0, index - 1 - MAX_PLACE_TEXT) : index - 1]
     after = f", après « {before} »," if before.strip() and before.isprintable() else ""
-    return f"le {place}{'er' if place == 1 else 'e'} caractère{after} ne s’écrit pas ({name}) : effacez-le"
+    return f"le {index}{'er' if index == 1 else 'e'} caractère{after} ne s’écrit pas ({name}) : effacez-le"
 
 
-def require_line(text: str, longest: int, problem: str) -> str:
+def require_normalised_line(text: str, max_length: int, problem: str) -> str:
     """Return a text tidied. Raises Invalid: `problem` for an empty or a long one, else the character to remove."""
-    line = tidy_line(text)
-    if not 0 < len(line) <= longest:
+    line = normalise_line(text)
+    if not 0 < len(line) <= max_length:
         raise Invalid(problem)
-    unwritable = character_problem(line)
+    unwritable = describe_forbidden_character(line)
     if unwritable:
         raise Invalid(f"{problem.rstrip('.')} : {unwritable}.")
     return line

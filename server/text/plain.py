@@ -14,9 +14,9 @@ CONTROL_PICTURES = 0x2400
 
 def show_invisible_characters(text: str) -> str:
     """The same text with its invisible characters spelled out (␛, ⟦U+202E⟧); line ends become plain ones."""
-    return STRANGE.sub(_spell, text.replace("\r\n", "\n"))
+    return STRANGE.sub(_spell_out_character, text.replace("\r\n", "\n"))
 
 
-def _spell(match: re.Match[str]) -> str:
+def _spell_out_character(match: re.Match[str]) -> str:
     code = ord(match[0])
     return chr(CONTROL_PICTURES + code) if code < 0x20 else f"⟦U+{code:04X}⟧"

@@ -6,17 +6,17 @@ from collections.abc import Callable
 from functools import lru_cache
 from pathlib import Path
 
-from server.text.markup import Names, Source, Text
+from server.text.markup import MarkdownSource, MarkdownText, ModuleNames
 
 
 @lru_cache(maxsize=4096)
-def author_html(text: str, names: Callable[[], Names]) -> str:
+def render_author_text(text: str, names: Callable[[], ModuleNames]) -> str:
     """HTML of an author's text, whose faults were looked for at start-up."""
-    return Text(Source(text, Path("questions.toml"), names=names)).html
+    return MarkdownText(MarkdownSource(text, Path("questions.toml"), names=names)).html
 
 
-def author_line_html(text: str, names: Callable[[], Names]) -> str:
+def render_author_line(text: str, names: Callable[[], ModuleNames]) -> str:
     """The same without the paragraph around it, where it is a single one."""
-    body = author_html(text, names).strip()
+    body = render_author_text(text, names).strip()
     inside = body.removeprefix("<p>").removesuffix("</p>")
     return inside if body == f"<p>{inside}</p>" and "<p>" not in inside else body

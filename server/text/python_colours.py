@@ -51,19 +51,19 @@ _TOKEN = re.compile(
 )
 
 
-def colour_lines(code: str) -> Sequence[str]:
+def colour_python_lines(code: str) -> Sequence[str]:
     r"""Return the HTML of each line of Python whose line ends are `\n`: no element goes from one line to the next.
 
     What was coloured lately is remembered: who has the page of a long file made again and again keeps nobody waiting.
     """
     known = _cache.get(code)
-    return known if known is not None else _cache.put(code, colour_lines_uncached(code.removesuffix("\n")))
+    return known if known is not None else _cache.put(code, colour_python_lines_uncached(code.removesuffix("\n")))
 
 
-def colour_lines_uncached(code: str) -> tuple[str, ...]:
-    """Colour lines as `colour_lines` does, and remember nothing. The last line of `code` has no end."""
+def colour_python_lines_uncached(code: str) -> tuple[str, ...]:
+    """Colour lines as `colour_python_lines` does, and remember nothing. The last line of `code` has no end."""
     parts, end = list[str](), 0
-    for style, text in islice(split_tokens(code), MOST_TOKENS):
+    for style, text in islice(split_into_coloured_tokens(code), MOST_TOKENS):
         end += len(text)
         escaped = html.escape(text)
         if not style:
@@ -75,13 +75,13 @@ def colour_lines_uncached(code: str) -> tuple[str, ...]:
     return tuple("".join(parts).split("\n"))
 
 
-def colour_block(code: str) -> str:
+def colour_python_block(code: str) -> str:
     """Return a whole `<pre>` element, as `server.text.highlight` does."""
-    body = "\n".join(colour_lines(code))
+    body = "\n".join(colour_python_lines(code))
     return f'<pre class="code" tabindex="0"><code>{body}\n</code></pre>\n'
 
 
-def split_tokens(code: str) -> Iterator[tuple[str, str]]:
+def split_into_coloured_tokens(code: str) -> Iterator[tuple[str, str]]:
     """Yield the text in pieces, each with the class of its colour, or none."""
     begins_line, defined = True, ""
     for token in _TOKEN.finditer(code):

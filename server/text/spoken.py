@@ -18,13 +18,13 @@ def html_to_spoken_text(html: str) -> str:
     """Plain text in one line; empty where the HTML has no formula, and needs no help."""
     if "<math" not in html:
         return ""
-    reader = _MathReader()
+    reader = _SpokenMathParser()
     reader.feed(html)
     reader.close()
     return " ".join("".join(reader.said).split())
 
 
-class _MathReader(HTMLParser):
+class _SpokenMathParser(HTMLParser):
     def __init__(self) -> None:
         super().__init__()
         self.said: list[str] = []

@@ -27,13 +27,13 @@ FOREVER = "public, max-age=31536000, immutable"
 PACKED = {"br": ".br", "gzip": ".gz"}
 
 
-class _Packed(StaticFiles):
+class _PrecompressedStaticFiles(StaticFiles):
     """Files of which some stand compressed beside themselves."""
 
     def file_response(
         self, full_path: str | os.PathLike[str], stat_result: os.stat_result, scope: Scope, status_code: int = 200
     ) -> Response:
-        for encoding in precompressed_encodings(Headers(scope=scope).get("accept-encoding", "")):
+        for encoding in accepted_precompressed_encodings(Headers(scope=scope).get("accept-encoding", "")):
             packed = f"{os.fspath(full_path)}{PACKED[encoding]}"
             if os.path.isfile(packed):
                 answer = super().file_response(packed, os.stat(packed), scope, status_code)
@@ -46,14 +46,14 @@ class _Packed(StaticFiles):
         return answer
 
 
-def precompressed_encodings(header: str) -> Iterator[str]:
+def accepted_precompressed_encodings(header: str) -> Iterator[str]:
     """Return our encodings that the browser accepts, in our order."""
     taken = accepted_encodings(header)
     return (encoding for encoding in PACKED if encoding in taken)
 
 
 @lru_cache(maxsize=1)
-def is_built() -> bool:
+def is_frontend_built() -> bool:
     """False where npm was out of reach at install time: a plain text area, and formulas as TeX."""
     built = (BUILT / STAMP).is_file()
     if not built:
@@ -62,29 +62,29 @@ def is_built() -> bool:
 
 
 @lru_cache(maxsize=1)
-def build_stamp() -> str:
+def frontend_version_tag() -> str:
     """Return the version tag in the addresses of static files."""
-    return (BUILT / STAMP).read_text(encoding="utf-8")[:12] if is_built() else "source"
+    return (BUILT / STAMP).read_text(encoding="utf-8")[:12] if is_frontend_built() else "source"
 
 
 def static_url(name: str) -> str:
     """The address of a static file, which changes with its content: it may be cached for ever."""
-    return f"{static_root()}/{name}"
+    return f"{static_url_prefix()}/{name}"
 
 
-def static_root() -> str:
+def static_url_prefix() -> str:
     """Return the prefix of the addresses of static files."""
-    return f"{PREFIX}/{build_stamp()}"
+    return f"{PREFIX}/{frontend_version_tag()}"
 
 
 def static_folder() -> Path:
     """Where static files are."""
-    return BUILT if is_built() else SOURCES
+    return BUILT if is_frontend_built() else SOURCES
 
 
 @lru_cache(maxsize=1)
-def _files() -> StaticFiles:
-    return _Packed(directory=static_folder())
+def _static_files_app() -> StaticFiles:
+    return _PrecompressedStaticFiles(directory=static_folder())
 
 
 async def serve_static(scope: Scope, version: str, name: str) -> Response:
@@ -92,7 +92,7 @@ async def serve_static(scope: Scope, version: str, name: str) -> Response:
 
     A page that was opened before an update asks for the old version: it gets the new file, and does not keep it.
     """
-    answer = await _files().get_response(name, scope)
-    current = is_built() and version == build_stamp()
+    answer = await _static_files_app().get_response(name, scope)
+    current = is_frontend_built() and version == frontend_version_tag()
     answer.headers["Cache-Control"] = FOREVER if current else "no-cache"
     return answer

@@ -23,7 +23,7 @@ MOST = 5  # lines on a page
 
 
 @dataclass(frozen=True)
-class DueView:
+class DueAssignmentView:
     """An assignment that is due; `late`: its due date has gone by, and until `when` what is sent counts still.
 
     `left` is how many of its exercises are not solved. Of a test that is to be
@@ -40,9 +40,9 @@ class DueView:
     partners: tuple[str, ...] = ()
 
 
-def due_soon(
+def load_assignments_due_soon(
     db: Session, account: Account | None, progress: Mapping[str, ExerciseProgress], module: str | None = None
-) -> tuple[DueView, ...]:
+) -> tuple[DueAssignmentView, ...]:
     """Tests that are open, then what is due within a week, or late, and not done yet; of one module, or of all.
 
     Three queries at most, four where there is a test.
@@ -53,16 +53,21 @@ def due_soon(
     running = [
         assigned
         for assigned in student_assignments.load_open_assignments(db, account.id, now)
-        if _is_of(assigned, module)
+        if _is_assignment_of_module(assigned, module)
     ]
     found = student_assignments.filter_due_soon(
         [assigned for assigned in running if assigned.assignment.mode != Mode.test], now, SOON
     )
-    views = [*_tests(db, account, running, now), *(_view(assigned, progress) for assigned in found)]
+    views = [
+        *_find_tests_to_sit(db, account, running, now),
+        *(_build_due_view(assigned, progress) for assigned in found),
+    ]
     return tuple(view for view in views if view.left)[:MOST]
 
 
-def _tests(db: Session, account: Account, running: Iterable[StudentAssignment], now: datetime) -> Iterator[DueView]:
+def _find_tests_to_sit(
+    db: Session, account: Account, running: Iterable[StudentAssignment], now: datetime
+) -> Iterator[DueAssignmentView]:
     """Return the tests that the student still has to sit, running ones first."""
     tests = [assigned for assigned in running if assigned.assignment.mode == Mode.test]
     sat = (
@@ -75,12 +80,12 @@ def _tests(db: Session, account: Account, running: Iterable[StudentAssignment], 
             sitting = sat.get(assigned.assignment.id)
             stage = feedback.sitting_stage(assigned.assignment, assigned.rules, sitting, now)
             if stage is wanted and (sitting is not None or not assigned.rules.excused):
-                yield _test(assigned, sitting)
+                yield _build_test_view(assigned, sitting)
 
 
-def _test(assigned: StudentAssignment, sitting: Sitting | None) -> DueView:
+def _build_test_view(assigned: StudentAssignment, sitting: Sitting | None) -> DueAssignmentView:
     end = SendingWindow(assigned.rules, sitting).ends_at
-    return DueView(
+    return DueAssignmentView(
         title=assigned.assignment.title,
         href=feedback.sitting_path(assigned.assignment.class_id, assigned.assignment.id),
         when=end,
@@ -90,11 +95,13 @@ def _test(assigned: StudentAssignment, sitting: Sitting | None) -> DueView:
     )
 
 
-def _is_of(assigned: StudentAssignment, module: str | None) -> bool:
+def _is_assignment_of_module(assigned: StudentAssignment, module: str | None) -> bool:
     return module is None or any(row.exercise.startswith(f"{module}/") for row in assigned.exercises)
 
 
-def due_for_exercise(db: Session, account: Account | None, exercise: str) -> tuple[DueView, ...]:
+def load_assignments_due_for_exercise(
+    db: Session, account: Account | None, exercise: str
+) -> tuple[DueAssignmentView, ...]:
     """The assignments that ask one for this exercise now. Three queries at most, one where there is none.
 
     A test says so itself, over the exercise, as one stands in it.
@@ -103,12 +110,12 @@ def due_for_exercise(db: Session, account: Account | None, exercise: str) -> tup
         return ()
     found = student_assignments.load_open_assignments(db, account.id, utc_now(), exercise)
     asking = [assigned for assigned in found if not assigned.rules.excused and assigned.assignment.mode != Mode.test]
-    return tuple(_view(assigned, {}) for assigned in asking)[:MOST]
+    return tuple(_build_due_view(assigned, {}) for assigned in asking)[:MOST]
 
 
-def _view(assigned: StudentAssignment, progress: Mapping[str, ExerciseProgress]) -> DueView:
+def _build_due_view(assigned: StudentAssignment, progress: Mapping[str, ExerciseProgress]) -> DueAssignmentView:
     late = assigned.stage is AssignmentStage.late
-    return DueView(
+    return DueAssignmentView(
         title=assigned.assignment.title,
         href=f"/classes/{assigned.assignment.class_id}#devoir-{assigned.assignment.id}",
         when=assigned.rules.closes_at if late else assigned.rules.due_at,

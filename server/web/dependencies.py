@@ -42,7 +42,7 @@ class ModuleConvertor(Convertor[str]):
 register_url_convertor("module", ModuleConvertor())
 
 
-async def _reader(request: Request, db: Db) -> Reader:
+async def _build_reader(request: Request, db: Db) -> Reader:
     def who() -> Account | None:
         if request.method not in SAFE_METHODS:
             return load_session_account(request, _database(request.app))
@@ -53,7 +53,7 @@ async def _reader(request: Request, db: Db) -> Reader:
     return Reader(db, _course(request.app), _submissions(request.app), who)
 
 
-CurrentReader = Annotated[Reader, Depends(_reader)]
+CurrentReader = Annotated[Reader, Depends(_build_reader)]
 #: No list has a million pages, no exercise a million attempts, no file a million lines.
 MAX_NUMBER = 10**6
 #: A number in an address, counted from one, under the name of its parameter.

@@ -17,7 +17,7 @@ OURS = "Votre classe garde cette édition, jusqu’à ce que votre enseignant en
 OTHER = "Votre classe travaille sur une autre édition de ce module\u202f: {label}."
 
 
-def modules_of_classes(reader: Reader) -> frozenset[str]:
+def load_module_slugs_of_classes(reader: Reader) -> frozenset[str]:
     """The modules of one's classes, those that are archived left out."""
     if reader.account is None:
         return frozenset()
@@ -25,7 +25,7 @@ def modules_of_classes(reader: Reader) -> frozenset[str]:
     return frozenset(seat.school_class.module for seat in joined if seat.school_class.archived_at is None)
 
 
-def visible_editions(reader: Reader, progress: Mapping[str, ExerciseProgress]) -> Sequence[Module]:
+def choose_visible_editions(reader: Reader, progress: Mapping[str, ExerciseProgress]) -> Sequence[Module]:
     """Of each module the edition of one's class, else the last, and those where one has begun; in the course's order.
 
     No query where each module has but one edition.
@@ -33,7 +33,7 @@ def visible_editions(reader: Reader, progress: Mapping[str, ExerciseProgress]) -
     course = reader.course
     if len(course.latest) == len(course.modules):
         return course.latest
-    own = modules_of_classes(reader)
+    own = load_module_slugs_of_classes(reader)
     families = {edition_of(slug).family for slug in own if slug in course.modules}
     wanted = own | {module.slug for module in course.latest if edition_of(module.slug).family not in families}
     begun = {
@@ -42,13 +42,13 @@ def visible_editions(reader: Reader, progress: Mapping[str, ExerciseProgress]) -
     return [module for slug, module in course.modules.items() if slug in wanted | begun]
 
 
-def edition_note(reader: Reader, module: Module) -> EditionNote | None:
+def build_edition_note(reader: Reader, module: Module) -> EditionNote | None:
     """Build the notice of a module that has other editions."""
     course = reader.course
     others = [edition for edition in course.editions(module.slug) if edition is not module]
     if not others:
         return None
-    own = modules_of_classes(reader)
+    own = load_module_slugs_of_classes(reader)
     if module.slug in own:
         return EditionNote(OURS) if course.newer(module.slug) else None
     for edition in others:
@@ -58,19 +58,21 @@ def edition_note(reader: Reader, module: Module) -> EditionNote | None:
     return EditionNote(NEWER.format(label=newer.label), f"/{newer.slug}") if newer else None
 
 
-def later_editions(course: Course, slug: str) -> tuple[Module, ...]:
+def list_editions_for_class_copy(course: Course, slug: str) -> tuple[Module, ...]:
     """The editions that a class of this one may be copied into: its own, where it is served, and those after it."""
     return tuple(later for later in course.editions(slug) if edition_of(later.slug) >= edition_of(slug))
 
 
-def chosen_edition(course: Course, own: str, wanted: str) -> str:
+def require_copy_edition(course: Course, current: str, chosen: str) -> str:
     """The module of a class's copy. Raises NotFound for one that is none of its later editions."""
-    if wanted in {"", own} or any(edition.slug == wanted for edition in later_editions(course, own)):
-        return wanted or own
+    if chosen in {"", current} or any(
+        edition.slug == chosen for edition in list_editions_for_class_copy(course, current)
+    ):
+        return chosen or current
     raise NotFound("Cette édition du module n’existe pas.")
 
 
-def exercise_in_edition(course: Course, exercise: str, module: str) -> str | None:
+def find_exercise_in_edition(course: Course, exercise: str, module: str) -> str | None:
     """The exercise of the same name in another edition, where it has one; in its own, served or not."""
     home, _, slug = exercise.partition("/")
     if home == module:

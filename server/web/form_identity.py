@@ -100,22 +100,22 @@ class IdentityRefusal(FormRefusal):
     """The session is not that of the account for which the form was drawn."""
 
 
-class SignedOut(IdentityRefusal):
+class SignedOutRefusal(IdentityRefusal):
     status = HTTPStatus.UNAUTHORIZED
     slug = "session-terminee"
     title = "Vous n’êtes plus connecté"
 
 
-class AccountChanged(IdentityRefusal):
+class AccountChangedRefusal(IdentityRefusal):
     slug = "autre-compte"
     title = "Ce n’est plus le même compte"
 
 
-def account_key(account: Account | None) -> str:
+def account_form_key(account: Account | None) -> str:
     return VISITOR if account is None else str(account.id)
 
 
-def name_account_in_forms(html: str, key: str) -> str:
+def insert_account_key_in_forms(html: str, key: str) -> str:
     """Return the page with the account's key in each of its forms."""
     field = f'<input type="hidden" name="{ACCOUNT_FIELD}" value="{escape(key)}">'
     return _POST_FORM.sub(lambda form: form[0] + field, html)
@@ -127,7 +127,7 @@ async def read_form(request: Request) -> FormData:
 
 
 async def require_same_account(request: Request) -> None:
-    """Raise SignedOut or AccountChanged for a request drawn for another account than the session's."""
+    """Raise SignedOutRefusal or AccountChangedRefusal for a request drawn for another account than the session's."""
     if request.method in SAFE_METHODS:
         return
     is_form = request.headers.get("content-type", "").partition(";")[0].strip().lower() in FORM_TYPES
@@ -136,29 +136,29 @@ async def require_same_account(request: Request) -> None:
     if key is None and not session_token(request):
         return
     account = await run_in_threadpool(load_session_account, request, get_service(request.app, Database))
-    if key == account_key(account) or (key is None and account is not None):
+    if key == account_form_key(account) or (key is None and account is not None):
         return
     if key == VISITOR and account is not None and account.is_guest:  # another tab made the visitor a guest
         return
-    fields = typed_fields(form)
+    fields = resendable_text_fields(form)
     has_file = any(
         not isinstance(value, str) and value.filename for value in form.values()
     )  # a field left empty is none
     if account is None:
-        raise SignedOut(SIGNED_OUT, fields, has_file=has_file, account=None)
+        raise SignedOutRefusal(SIGNED_OUT, fields, has_file=has_file, account=None)
     name = show_invisible_characters(account.name)
     button = "" if has_file else SEND_AS.format(name=name)
     detail = OTHER_ACCOUNT.format(name=name)
-    raise AccountChanged(detail, fields, has_file=has_file, account=account, button=button)
+    raise AccountChangedRefusal(detail, fields, has_file=has_file, account=account, button=button)
 
 
-def typed_fields(form: FormData) -> TypedFields:
+def resendable_text_fields(form: FormData) -> TypedFields:
     """Return the text fields of a form that may be written into a page again."""
     pairs = ((name, value) for name, value in form.multi_items() if isinstance(value, str))
     return [(name, value) for name, value in pairs if name not in DROPPED_FIELDS]
 
 
-def resend_context(
+def build_resend_context(
     fields: TypedFields,
     action: str,
     after: str,
@@ -191,28 +191,28 @@ def resend_context(
     }
 
 
-def referring_page(request: Request) -> str:
+def referring_page_path(request: Request) -> str:
     """Return the path, within this site, of the page that sent the request."""
     path = split_address(request.headers.get("referer", "/")).path
     return local_path(path.removeprefix(root_path.root_path()))
 
 
-def refusal_members(request: Request, refusal: FormRefusal) -> dict[str, str]:
+def refusal_problem_members(request: Request, refusal: FormRefusal) -> dict[str, str]:
     """Return the members by which a problem document tells a script how to go on."""
-    login = f"/connexion?suite={quote(referring_page(request))}"
+    login = f"/connexion?suite={quote(referring_page_path(request))}"
     return {
         **refusal.members,
-        "account": account_key(refusal.account),
+        "account": account_form_key(refusal.account),
         "button": refusal.button,
         "login": root_path.external_path(login),
     }
 
 
-def refusal_context(request: Request, refusal: FormRefusal) -> dict[str, Any]:
-    return resend_context(
+def build_refusal_context(request: Request, refusal: FormRefusal) -> dict[str, Any]:
+    return build_resend_context(
         refusal.fields,
         request.url.path,
-        referring_page(request),
+        referring_page_path(request),
         refusal.account,
         title=refusal.title,
         detail=refusal.detail,
@@ -224,16 +224,16 @@ def refusal_context(request: Request, refusal: FormRefusal) -> dict[str, Any]:
     )
 
 
-def decode_fields(text: str) -> TypedFields | None:
+def decode_resent_fields(text: str) -> TypedFields | None:
     """Return the fields of a refused form that came back through the log-in form; None for anything else."""
     try:
         pairs = json.loads(text)
     except (ValueError, RecursionError):
         return None
-    if not isinstance(pairs, list) or not all(_is_pair(pair) for pair in pairs):
+    if not isinstance(pairs, list) or not all(_is_name_value_pair(pair) for pair in pairs):
         return None
     return [(name, value) for name, value in pairs if name not in DROPPED_FIELDS]
 
 
-def _is_pair(pair: object) -> bool:
+def _is_name_value_pair(pair: object) -> bool:
     return isinstance(pair, list) and len(pair) == 2 and all(isinstance(text, str) for text in pair)

@@ -13,7 +13,7 @@ from hashlib import sha256
 from starlette.datastructures import FormData
 
 from server.identity.models import Account
-from server.web.form_identity import FormRefusal, typed_fields
+from server.web.form_identity import FormRefusal, resendable_text_fields
 
 VERSION_FIELD = "version"
 VERSION_DIGITS = 16
@@ -26,19 +26,21 @@ SAVE_MINE = "Enregistrer ma version"
 FieldTexts = Mapping[str, str]
 
 
-class VersionChanged(FormRefusal):
+class FormVersionChanged(FormRefusal):
     slug = "autre-version"
     title = "Modifié entre-temps"
 
 
-def version_of(values: FieldTexts) -> str:
+def form_version_tag(values: FieldTexts) -> str:
     """Return the version tag of what a form shows: equal values have equal tags."""
     text = json.dumps(sorted(values.items()), ensure_ascii=False)
     return sha256(text.encode()).hexdigest()[:VERSION_DIGITS]
 
 
-def require_same_version(form: FormData, account: Account, subject: str, stored: FieldTexts, typed: FieldTexts) -> None:
-    """Raise VersionChanged for a form drawn from other values than the stored ones.
+def require_unchanged_values(
+    form: FormData, account: Account, subject: str, stored: FieldTexts, typed: FieldTexts
+) -> None:
+    """Raise FormVersionChanged for a form drawn from other values than the stored ones.
 
     `stored` and `typed` are texts by the label of their field. A form without a version is taken as it is, and so is
     one that changes nothing.
@@ -46,10 +48,10 @@ def require_same_version(form: FormData, account: Account, subject: str, stored:
     changes = [(label, text, typed.get(label, "")) for label, text in stored.items() if typed.get(label, "") != text]
     if changes:
         detail = CHANGED_MEANWHILE.format(subject=subject)
-        require_version(form, account, version_of(stored), detail, SAVE_MINE, changes)
+        require_form_version(form, account, form_version_tag(stored), detail, SAVE_MINE, changes)
 
 
-def require_version(
+def require_form_version(
     form: FormData,
     account: Account,
     version: str,
@@ -57,10 +59,10 @@ def require_version(
     button: str,
     changes: Sequence[tuple[str, str, str]] = (),
 ) -> None:
-    """Raise VersionChanged, with this detail and button, for a form that carries another version."""
+    """Raise FormVersionChanged, with this detail and button, for a form that carries another version."""
     if form.get(VERSION_FIELD, version) == version:
         return
     replacements = {VERSION_FIELD: version}
-    raise VersionChanged(
-        detail, typed_fields(form), account=account, button=button, replacements=replacements, changes=changes
+    raise FormVersionChanged(
+        detail, resendable_text_fields(form), account=account, button=button, replacements=replacements, changes=changes
     )

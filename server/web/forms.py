@@ -14,17 +14,17 @@ from server.web.rendering import render_page
 Field = Annotated[str, Form()]
 
 
-async def _fields(request: Request) -> FormData:
+async def _read_text_fields(request: Request) -> FormData:
     return await read_form(request)
 
 
 #: All of a form, whose fields are not known beforehand.
-FormFields = Annotated[FormData, Depends(_fields)]
+FormFields = Annotated[FormData, Depends(_read_text_fields)]
 SEE_OTHER = 303
 UNKNOWN_ACTION = "Cette action n’existe pas."
 
 
-def account_form(
+def render_account_form(
     request: Request, template: str, account: Account | None, refused: RefusedForm | None = None, **context: Any
 ) -> HTMLResponse:
     problems = refused.problems if refused else {}

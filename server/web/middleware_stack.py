@@ -15,9 +15,9 @@ GZIP_LEVEL = 4  # mathematics in HTML shrink twelvefold; higher levels gain litt
 
 def add_middleware_stack(app: FastAPI, settings: Settings) -> None:
     """Add every middleware, with the limits and cookie lifetimes of the settings."""
-    app.add_middleware(middleware.RefusalMiddleware, refuse=errors.error_response)
+    app.add_middleware(middleware.RefusalMiddleware, refuse=errors.render_service_error)
     app.add_middleware(middleware.LargeFormMiddleware)
-    app.add_middleware(turns.FairTurnsMiddleware, refuse=errors.error_response)
+    app.add_middleware(turns.FairTurnsMiddleware, refuse=errors.render_service_error)
     app.add_middleware(middleware.BodyLimitMiddleware, most=settings.body_bytes)
     app.add_middleware(middleware.SameOriginMiddleware)
     app.add_middleware(

@@ -13,7 +13,7 @@ from server.course import Course
 from server.course.kinds import SEANCE
 from server.course.models import Lesson
 from server.web.views import exercise_href, lesson_href
-from server.web.words import plural
+from server.web.words import count_with_noun
 
 Link = tuple[str, str]
 SIGNS = {Mastery.mastered: "✓", Mastery.started: "…", Mastery.weak: "!", Mastery.none: "·"}
@@ -27,7 +27,7 @@ SHOWN_STATES = (Mastery.mastered, Mastery.started, Mastery.weak, Mastery.none)
 
 
 @dataclass(frozen=True)
-class OwnObjectiveRow:
+class StudentObjectiveRow:
     """A student in an objective. `mistakes`: titles; `rest`: exercises to solve still; `lesson`: what to read again."""
 
     objective: PractisedObjective
@@ -43,22 +43,22 @@ class OwnObjectiveRow:
     lesson: Link
 
     @property
-    def step(self) -> Link | None:
+    def next_exercise_link(self) -> Link | None:
         """The exercise with which the student goes on."""
         return self.rest[0] if self.rest else None
 
 
 @dataclass(frozen=True)
-class ObjectiveGroup:
+class LessonObjectiveGroup:
     """The objectives of a student in one lesson, unfolded where `is_open`; `summary`: in words, beside the title."""
 
     title: str
     is_open: bool
-    rows: tuple[OwnObjectiveRow, ...]
+    rows: tuple[StudentObjectiveRow, ...]
     summary: str = ""
 
 
-def lesson_of(course: Course, module: str, slug: str) -> Lesson:
+def find_lesson(course: Course, module: str, slug: str) -> Lesson:
     return next(lesson for lesson in course.modules[module].lessons if lesson.slug == slug)
 
 
@@ -66,36 +66,38 @@ def lesson_title(lesson: Lesson) -> str:
     return f"{lesson.label} · {lesson.title.partition(' :')[0]}" if lesson.kind is SEANCE else lesson.title
 
 
-def count_states(rows: Sequence[OwnObjectiveRow]) -> str:
+def count_states_in_words(rows: Sequence[StudentObjectiveRow]) -> str:
     """Return how many objectives are in each state, in words: « 3 acquis, 2 pas commencés »."""
     counts = [(state, sum(row.state is state for row in rows)) for state in SHOWN_STATES]
     return ", ".join(
-        plural(count, WORDS[state], WORDS[state] + ("s" if state is Mastery.none else ""))
+        count_with_noun(count, WORDS[state], WORDS[state] + ("s" if state is Mastery.none else ""))
         for state, count in counts
         if count
     )
 
 
-def group_by_lesson(course: Course, module: str, rows: Sequence[OwnObjectiveRow]) -> tuple[ObjectiveGroup, ...]:
+def group_objectives_by_lesson(
+    course: Course, module: str, rows: Sequence[StudentObjectiveRow]
+) -> tuple[LessonObjectiveGroup, ...]:
     """Group the objectives of a student by lesson; the first lesson in which something is under way is unfolded."""
-    groups: list[ObjectiveGroup] = []
+    groups: list[LessonObjectiveGroup] = []
     for slug, group in groupby(rows, key=lambda row: row.objective.objective.lesson):
-        lesson, own = lesson_of(course, module, slug), tuple(group)
+        lesson, own = find_lesson(course, module, slug), tuple(group)
         is_under_way = any(row.state in {Mastery.weak, Mastery.started} for row in own)
         is_open = is_under_way and not any(earlier.is_open for earlier in groups)
-        groups.append(ObjectiveGroup(lesson_title(lesson), is_open, own, count_states(own)))
+        groups.append(LessonObjectiveGroup(lesson_title(lesson), is_open, own, count_states_in_words(own)))
     return tuple(groups)
 
 
-def own_row(course: Course, module: str, found: ObjectiveState) -> OwnObjectiveRow:
+def build_objective_row(course: Course, module: str, found: ObjectiveState) -> StudentObjectiveRow:
     """Lay out the state of a student in an objective."""
     objective = found.objective.objective
     stars = {exercise.id: exercise.stars for exercise in course.modules[module].exercises}
     rest = [name for name in found.objective.exercises if name not in found.solved and not stars.get(name)]
     with_mistake = [exercise for exercise, _ in found.mistakes]
     rest.sort(key=lambda name: (name not in with_mistake, name not in found.failing))
-    lesson = lesson_of(course, module, objective.lesson)
-    return OwnObjectiveRow(
+    lesson = find_lesson(course, module, objective.lesson)
+    return StudentObjectiveRow(
         objective=found.objective,
         state=found.state,
         sign=SIGNS[found.state],

@@ -25,12 +25,12 @@ from server.identity.models import Account
 from server.marks import means
 from server.marks.own import describe_column_mark
 from server.text.plain import show_invisible_characters
-from server.text.python_colours import colour_block
+from server.text.python_colours import colour_python_block
 from server.text.repeated_lines import fold_repeated_lines
-from server.text.said import message_html
+from server.text.said import cached_message_html
 from server.text.spoken import html_to_spoken_text
 from server.web import assets, threads, verdicts, views, words
-from server.web.form_identity import account_key, name_account_in_forms
+from server.web.form_identity import account_form_key, insert_account_key_in_forms
 from server.web.schemas import AccountView, CurrentModuleView
 
 TAG_DIGITS = 24  # of the SHA-256 of a page
@@ -48,29 +48,32 @@ def jinja_environment() -> Environment:
         lstrip_blocks=True,
     )
     jinja.filters.update(
-        french=french, sentence=sentence, visible=show_invisible_characters, folded=fold_repeated_lines,
-        ticks=ticks, python=python, said=written, spoken=html_to_spoken_text,
-        iso_moment=words.iso_moment, short_moment=words.short_moment, long_day=words.long_day,
+        french=french, sentence=typeset_verdict_message, visible=show_invisible_characters,
+        folded=fold_repeated_lines,
+        ticks=render_backquotes_as_code, python=highlight_python, said=render_personal_message, spoken=html_to_spoken_text,
+        iso_moment=words.format_iso_time, short_moment=words.format_short_time, long_day=words.format_long_day,
         decimal=means.format_number,
-        points_or_dash=points_or_dash,
-        moment=moment, mark=words.format_mark, points=words.format_points,
+        points_or_dash=format_points_or_dash,
+        moment=render_time_element, mark=words.format_mark, points=words.format_points,
         exercise_href=views.exercise_href, lesson_href=views.lesson_href,
-        outcome_title=verdicts.outcome_title,
-        state_label=threads.state_label, subject=threads.thread_subject, shorten=threads.shorten,
+        outcome_title=verdicts.outcome_in_words,
+        state_label=threads.thread_state_label, subject=threads.describe_thread_subject,
+        shorten=threads.shorten_message,
     )  # fmt: skip
     jinja.globals.update(
-        static=assets.static_url, has_katex=assets.is_built, plural=words.plural, time_zone=school_time.time_zone,
+        static=assets.static_url, has_katex=assets.is_frontend_built, plural=words.count_with_noun,
+        time_zone=school_time.time_zone,
         mean_formula=means.FORMULA, column_mark_text=describe_column_mark, version=VERSION,
     )  # fmt: skip
     return jinja
 
 
-def points_or_dash(points: float | None) -> str:
+def format_points_or_dash(points: float | None) -> str:
     """Points rounded to the hundredth, « — » for none."""
     return "—" if points is None else means.format_points(points)
 
 
-def ticks(message: str) -> Markup:
+def render_backquotes_as_code(message: str) -> Markup:
     """Plain text in which `…` marks code: everything else is escaped, and its invisible characters shown."""
     parts = str(escape(show_invisible_characters(message))).split("`")
     if len(parts) % 2 == 0:
@@ -78,37 +81,37 @@ def ticks(message: str) -> Markup:
     return Markup("".join(f"<code>{part}</code>" if odd % 2 else part for odd, part in enumerate(parts)))
 
 
-def moment(when: datetime | None, *, long: bool = False) -> Markup:
+def render_time_element(when: datetime | None, *, long: bool = False) -> Markup:
     """Render a time on the school's clock as a `<time>` element; a dash for none."""
     if when is None:
         return Markup("—")
-    text = words.long_moment(when) if long else words.short_moment(when)
-    return Markup('<time datetime="{}">{}</time>').format(words.iso_moment(when), text)
+    text = words.format_long_time(when) if long else words.format_short_time(when)
+    return Markup('<time datetime="{}">{}</time>').format(words.format_iso_time(when), text)
 
 
-def sentence(message: str) -> str:
+def typeset_verdict_message(message: str) -> str:
     """A verdict's message in French typography; the lines below its first are code and traces, left as they are."""
     first, *rest = message.split("\n")
     return "\n".join([french(first), *rest])
 
 
-def python(code: str) -> Markup:
+def highlight_python(code: str) -> Markup:
     """Return Python with colours, a student's too: the text is escaped, and read in linear time."""
-    return Markup(colour_block(show_invisible_characters(code)))
+    return Markup(colour_python_block(show_invisible_characters(code)))
 
 
-def written(message: str) -> Markup:
+def render_personal_message(message: str) -> Markup:
     """Render a message that one person wrote to another."""
-    return Markup(message_html(message))
+    return Markup(cached_message_html(message))
 
 
-def account_view(account: Account | None) -> AccountView:
+def build_account_view(account: Account | None) -> AccountView:
     if account is None:
-        return AccountView("visitor", "", account_key(None))
-    return AccountView(account.role, account.name, account_key(account))  # type: ignore[arg-type]
+        return AccountView("visitor", "", account_form_key(None))
+    return AccountView(account.role, account.name, account_form_key(account))  # type: ignore[arg-type]
 
 
-def _here(request: Request, modules: Mapping[str, Module]) -> CurrentModuleView | None:
+def _find_current_module(request: Request, modules: Mapping[str, Module]) -> CurrentModuleView | None:
     """The module that the address is in, when there is something to search there."""
     module = modules.get(request.path_params.get("module", ""))
     if module is None or not module.lessons:
@@ -116,14 +119,14 @@ def _here(request: Request, modules: Mapping[str, Module]) -> CurrentModuleView 
     return CurrentModuleView(module.slug, module.label, request.url.path == f"/{module.slug}/recherche")
 
 
-def _modules(request: Request, course: Course) -> list[tuple[str, str, str]]:
+def _list_module_links(request: Request, course: Course) -> list[tuple[str, str, str]]:
     """Slug, number and title of each: the edition that the address is in, else the last."""
     here = course.modules.get(request.path_params.get("module", ""))
     latest = [here if here and course.newer(here.slug) is module else module for module in course.latest]
     return [(module.slug, module.label, module.title) for module in latest]
 
 
-def _back(request: Request, context: Mapping[str, Any]) -> str:
+def _return_address_after_login(request: Request, context: Mapping[str, Any]) -> str:
     """Where who logs in from this page comes back to: the page, or where it was to lead."""
     if "after" in context:
         return str(context["after"])
@@ -145,15 +148,19 @@ def render_page(
     """A whole page: `template` extends `base.html`, which shows `account` and the modules of the course."""
     course = get_service(request.app, Course)
     surroundings = {
-        "modules": _modules(request, course),
+        "modules": _list_module_links(request, course),
         "title_of": course.title_of,
         "title_at": course.title_at,
-        "here": _here(request, course.modules),
+        "here": _find_current_module(request, course.modules),
         "path": request.url.path,
-        "back": _back(request, context),
+        "back": _return_address_after_login(request, context),
     }
-    html = jinja_environment().get_template(template).render(account=account_view(account), **surroundings, **context)
-    html = name_account_in_forms(html, account_key(account))
+    html = (
+        jinja_environment()
+        .get_template(template)
+        .render(account=build_account_view(account), **surroundings, **context)
+    )
+    html = insert_account_key_in_forms(html, account_form_key(account))
     # A page shows one person's own work: no shared cache may store it.
     all_headers = {"Cache-Control": "private, no-cache", **(headers or {})}
     return _tagged_response(request, root_path.with_external_paths(html).encode(), status, all_headers)
@@ -172,18 +179,18 @@ def _tagged_response(request: Request, content: bytes, status: int, headers: dic
 Answer = TypeVar("Answer", bound=Response)
 
 
-def with_etag(request: Request, answer: Answer) -> Answer:
+def add_etag(request: Request, response: Answer) -> Answer:
     """The same answer with a tag of its content; without its content for a browser that has it already."""
-    tag = f'W/"{blake2b(bytes(answer.body), digest_size=12).hexdigest()}"'
-    answer.headers["ETag"] = tag
+    tag = f'W/"{blake2b(bytes(response.body), digest_size=12).hexdigest()}"'
+    response.headers["ETag"] = tag
     if tag in request.headers.get("if-none-match", ""):
-        answer.status_code, answer.body = HTTPStatus.NOT_MODIFIED, b""
-        del answer.headers["content-length"]
-    return answer
+        response.status_code, response.body = HTTPStatus.NOT_MODIFIED, b""
+        del response.headers["content-length"]
+    return response
 
 
 def render_fragment(template: str, account: Account | None, *, back: str, **context: Any) -> HTMLResponse:
     """A part of a page, for a script that puts it in place; `back` is where who logs in from there comes back to."""
-    html = jinja_environment().get_template(template).render(account=account_view(account), back=back, **context)
-    body = name_account_in_forms(html, account_key(account))
+    html = jinja_environment().get_template(template).render(account=build_account_view(account), back=back, **context)
+    body = insert_account_key_in_forms(html, account_form_key(account))
     return HTMLResponse(root_path.with_external_paths(body), headers={"Cache-Control": "private, no-store"})

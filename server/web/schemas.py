@@ -60,7 +60,7 @@ class SolutionSwitchView:
 
 
 @dataclass(frozen=True)
-class OwnProgress:
+class StudentExerciseProgress:
     """Where one stands in an exercise: `done` with full marks, `label` in words, `best` out of 20 or empty."""
 
     attempts: int
@@ -79,7 +79,7 @@ class ExerciseRow:
     summary: str
     stars: int
     origin: str
-    own: OwnProgress
+    own: StudentExerciseProgress
 
 
 @dataclass(frozen=True)
@@ -156,7 +156,7 @@ class DiagnosisView:
     by_teacher: bool = False
 
     @property
-    def questions(self) -> tuple[str, ...]:
+    def guiding_questions(self) -> tuple[str, ...]:
         """What the student is asked before the remedy is told."""
         return tuple(paragraph for paragraph in self.paragraphs if paragraph.endswith("?"))
 
@@ -164,8 +164,8 @@ class DiagnosisView:
 class ExerciseTexts(Protocol):
     """Renders the texts of an exercise (`server.course.Exercise`)."""
 
-    def prose(self, text: str) -> str: ...
-    def line(self, text: str) -> str: ...
+    def render_paragraphs(self, text: str) -> str: ...
+    def render_line(self, text: str) -> str: ...
 
 
 @dataclass(frozen=True)
@@ -192,7 +192,7 @@ class VerdictView:
     remarks: tuple[str, ...] = ()
 
     @property
-    def passed(self) -> int:
+    def passed_check_count(self) -> int:
         return sum(check.passed for check in self.checks)
 
     @property

@@ -14,7 +14,7 @@ from server.comments.line_tracking import LineFate, LineRange
 from server.comments.models import Phrase, Thread, ThreadState
 from server.comments.schemas import AuthoredMessage, Conversation
 from server.identity.models import Account
-from server.text.lines import tidy_line
+from server.text.lines import normalise_line
 
 STATES = {ThreadState.open: "ouvert", ThreadState.answered: "répondu", ThreadState.settled: "réglé"}
 REMARK = "remarque"
@@ -66,18 +66,18 @@ class ThreadView:
 
 
 @dataclass(frozen=True)
-class Draft:
+class UnsentMessageDraft:
     """A text that was not sent, and why it was refused; both empty for a new one."""
 
     text: str = ""
     problem: str = ""
 
 
-NO_DRAFT = Draft()
+NO_DRAFT = UnsentMessageDraft()
 
 
 @dataclass(frozen=True)
-class WriterView:
+class MessageFormView:
     """The form of a message: `staff` is the reader's side; `phrases`: the reader's own, those of `diagnosis` first."""
 
     staff: bool
@@ -86,48 +86,48 @@ class WriterView:
     diagnosis: str | None = None
 
 
-def thread_views(talks: Sequence[Conversation], reader: Account | None) -> tuple[ThreadView, ...]:
-    return tuple(thread_view(talk, reader) for talk in talks)
+def build_thread_views(conversations: Sequence[Conversation], reader: Account | None) -> tuple[ThreadView, ...]:
+    return tuple(build_thread_view(talk, reader) for talk in conversations)
 
 
-def thread_view(talk: Conversation, reader: Account | None) -> ThreadView:
+def build_thread_view(conversation: Conversation, reader: Account | None) -> ThreadView:
     """Return the whole thread; messages by `reader` are shown as theirs."""
-    thread = talk.thread
+    thread = conversation.thread
     return ThreadView(
         id=str(thread.id),
-        about=thread_subject(thread, talk.lines),
-        state=talk.state.value,
-        label=state_label(thread, all(said.message.as_staff for said in talk.messages)),
-        note=_note(talk),
-        origin="" if talk.number is None else f"essai n° {talk.number}",
-        origin_href="" if talk.origin is None else f"/soumissions/{talk.origin}#fil-{thread.id}",
-        is_new=talk.is_new,
-        messages=tuple(_message(said, reader) for said in talk.messages),
+        about=describe_thread_subject(thread, conversation.lines),
+        state=conversation.state.value,
+        label=thread_state_label(thread, all(said.message.as_staff for said in conversation.messages)),
+        note=_describe_changed_lines(conversation),
+        origin="" if conversation.number is None else f"essai n° {conversation.number}",
+        origin_href="" if conversation.origin is None else f"/soumissions/{conversation.origin}#fil-{thread.id}",
+        is_new=conversation.is_new,
+        messages=tuple(_build_message_view(said, reader) for said in conversation.messages),
     )
 
 
-def thread_subject(thread: Thread, place: LineRange | None = None) -> str:
+def describe_thread_subject(thread: Thread, lines: LineRange | None = None) -> str:
     if thread.check_id is not None:
         return f"Vérification « {thread.check_title} »"
-    first, last = (place.first, place.last) if place else (thread.first_line, thread.last_line)
+    first, last = (lines.first, lines.last) if lines else (thread.first_line, thread.last_line)
     if first is not None:
         return f"Ligne {first}" if first == last else f"Lignes {first} à {last}"
     return "L’essai entier" if thread.submission_id else "L’exercice"
 
 
-def state_label(thread: Thread, by_staff_alone: bool) -> str:
+def thread_state_label(thread: Thread, by_staff_alone: bool) -> str:
     """Its state in a word: what a teacher says unasked waits for nothing."""
     state = ThreadState(thread.state)
     return REMARK if by_staff_alone and state is ThreadState.answered else STATES[state]
 
 
-def _note(talk: Conversation) -> str:
-    thread = talk.thread
-    many = talk.fate is LineFate.changed and thread.first_line != thread.last_line
-    return CHANGED_MANY if many else FATES[talk.fate]
+def _describe_changed_lines(conversation: Conversation) -> str:
+    thread = conversation.thread
+    many = conversation.fate is LineFate.changed and thread.first_line != thread.last_line
+    return CHANGED_MANY if many else FATES[conversation.fate]
 
 
-def _message(said: AuthoredMessage, account: Account | None) -> MessageView:
+def _build_message_view(said: AuthoredMessage, account: Account | None) -> MessageView:
     message = said.message
     mine = account is not None and message.author_id == account.id
     return MessageView(
@@ -139,16 +139,16 @@ def _message(said: AuthoredMessage, account: Account | None) -> MessageView:
     )
 
 
-def writer_view(
+def build_message_form(
     db: Session, account: Account, exercise: str, back: str, *, staff: bool, diagnosis: str | None = None
-) -> WriterView:
+) -> MessageFormView:
     """Build the form; `diagnosis` is that of the attempt that it is about: it decides which phrases come first."""
     if not staff:
-        return WriterView(False, back)
-    return WriterView(True, back, notes.suggest_phrases(db, account, exercise, diagnosis), diagnosis)
+        return MessageFormView(False, back)
+    return MessageFormView(True, back, notes.suggest_phrases(db, account, exercise, diagnosis), diagnosis)
 
 
-def shorten(text: str) -> str:
+def shorten_message(text: str) -> str:
     """The beginning of a message, on one line."""
-    line = tidy_line(text)
+    line = normalise_line(text)
     return line if len(line) <= SHORT else line[:SHORT].rstrip() + "…"

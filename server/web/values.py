@@ -44,7 +44,7 @@ class ValueView:
 
 
 @dataclass(frozen=True)
-class _Beside:
+class _ReferenceValue:
     """The value that another one is shown beside: by it numbers get their digits and, beyond `tolerance`, their marks.
 
     Without a tolerance, nothing is marked. A `short` value is that of a counterexample, which is read.
@@ -54,48 +54,48 @@ class _Beside:
     tolerance: float | None = None
     short: bool = False
 
-    def parts(self, count: int) -> list[_Beside]:
+    def item_references(self, count: int) -> list[_ReferenceValue]:
         """The counterparts of the items of a list of that length."""
         items = self.value if isinstance(self.value, list) and len(self.value) == count else [None] * count
-        return [_Beside(item, self.tolerance, self.short) for item in items]
+        return [_ReferenceValue(item, self.tolerance, self.short) for item in items]
 
 
-def value_view(value: Any, expected: Any = None, *, short: bool = False) -> ValueView:
+def build_value_view(value: Any, expected: Any = None, *, short: bool = False) -> ValueView:
     """Lay out `value`; numbers that differ from those of `expected`, where it has the same shape, are marked.
 
     Of a `short` one, the part that is read is laid out, from the first difference on.
     """
-    marks = any(_differs(*pair, MARKED) for pair in _number_pairs(value, expected))
-    return _layout(value, _Beside(expected, MARKED if marks else MARKED_ALONE, short))
+    marks = any(_differs_beyond_tolerance(*pair, MARKED) for pair in _iterate_number_pairs(value, expected))
+    return _build_view(value, _ReferenceValue(expected, MARKED if marks else MARKED_ALONE, short))
 
 
-def value_view_pair(expected: Any, got: Any) -> tuple[ValueView, ValueView]:
+def build_value_view_pair(expected: Any, got: Any) -> tuple[ValueView, ValueView]:
     """Lay out two values side by side: the numbers that differ have digits to tell them apart, the second's a mark."""
-    return _layout(expected, _Beside(got, short=True)), value_view(got, expected, short=True)
+    return _build_view(expected, _ReferenceValue(got, short=True)), build_value_view(got, expected, short=True)
 
 
-def _number_pairs(value: Any, other: Any) -> Iterator[tuple[Any, Any]]:
+def _iterate_number_pairs(value: Any, other: Any) -> Iterator[tuple[Any, Any]]:
     """Yield the numbers of a value with those at the same place of another one of its shape."""
     if isinstance(value, list) and isinstance(other, list) and len(value) == len(other):
         for item, counterpart in zip(value, other, strict=True):
-            yield from _number_pairs(item, counterpart)
+            yield from _iterate_number_pairs(item, counterpart)
     elif _is_number(value) and _is_number(other):
         yield value, other
 
 
-def _layout(value: Any, beside: _Beside) -> ValueView:
-    if isinstance(value, Mapping) and _is_summary(value):
-        return _summary(value)
-    if isinstance(value, Mapping | list) and (line := python_line(value)):
+def _build_view(value: Any, reference: _ReferenceValue) -> ValueView:
+    if isinstance(value, Mapping) and _is_array_summary(value):
+        return _build_array_summary_view(value)
+    if isinstance(value, Mapping | list) and (line := format_as_python_line(value)):
         return ValueView("text", line)
     if isinstance(value, Mapping):
-        return _fields(value)
+        return _build_fields_view(value)
     if isinstance(value, list) and value:
-        return _sequence(value, beside)
-    return ValueView("text", _format_beside(value, beside.value))
+        return _build_sequence_view(value, reference)
+    return ValueView("text", _format_to_distinguish(value, reference.value))
 
 
-def python_line(value: Any) -> str:
+def format_as_python_line(value: Any) -> str:
     """Return a short dictionary or list in Python's notation; empty for numbers alone, and for plans."""
     restored = restore_numbers(value)
     if is_numeric(restored) or (isinstance(value, list) and value and all(isinstance(row, list) for row in value)):
@@ -104,7 +104,7 @@ def python_line(value: Any) -> str:
     return line if len(line) <= MAX_PYTHON_LINE and MORE not in line else ""
 
 
-def name_parts(laid_out: ValueView, parts: Sequence[str]) -> ValueView:
+def name_items_of_list(laid_out: ValueView, parts: Sequence[str]) -> ValueView:
     """A list of as many values as `parts` has names, each under its own: « R = … », « t = … »."""
     items = laid_out.items
     if laid_out.kind != "list" or len(items) != len(parts) or laid_out.note:
@@ -112,7 +112,7 @@ def name_parts(laid_out: ValueView, parts: Sequence[str]) -> ValueView:
     return ValueView("fields", items=tuple((name, item) for name, (_, item) in zip(parts, items, strict=True)))
 
 
-def format_scalar(value: Any) -> str:
+def format_scalar_in_french(value: Any) -> str:
     """A number, truth value or text in French."""
     if value is None:
         return "None"
@@ -125,42 +125,45 @@ def format_scalar(value: Any) -> str:
     return "[ ]" if value == [] else str(value)
 
 
-def _format_beside(value: Any, beside: Any) -> str:
+def _format_to_distinguish(value: Any, reference: Any) -> str:
     """A scalar, with the digits that tell it from the one that it is shown beside, if both are numbers."""
-    if any(isinstance(it, bool) or not isinstance(it, int | float) for it in (value, beside)):
-        return format_scalar(value)
-    if are_within_tolerance(value, beside, NOISE):
-        return format_scalar(value)
-    return number_text_pair(value, beside)[0]
+    if any(isinstance(it, bool) or not isinstance(it, int | float) for it in (value, reference)):
+        return format_scalar_in_french(value)
+    if are_within_tolerance(value, reference, NOISE):
+        return format_scalar_in_french(value)
+    return number_text_pair(value, reference)[0]
 
 
-def _is_summary(value: Mapping[str, Any]) -> bool:
+def _is_array_summary(value: Mapping[str, Any]) -> bool:
     """Whether it stands for an array too large to be kept; a dictionary that a program returned may look like one."""
     parts = [value.get("forme"), value.get("premiers", [])]
     return value.keys() <= {"forme", "premiers"} and all(isinstance(part, list) for part in parts)
 
 
-def _summary(value: Mapping[str, Any]) -> ValueView:
+def _build_array_summary_view(value: Mapping[str, Any]) -> ValueView:
     shape = " × ".join(str(size) for size in value["forme"])
-    start = " ; ".join(format_scalar(item) for item in value.get("premiers", []))
+    start = " ; ".join(format_scalar_in_french(item) for item in value.get("premiers", []))
     return ValueView("text", f"tableau de forme {shape}", note=f"premières valeurs : {start}" if start else "")
 
 
-def _fields(value: Mapping[str, Any]) -> ValueView:
-    return ValueView("fields", items=tuple((str(name), value_view(item)) for name, item in value.items()))
+def _build_fields_view(value: Mapping[str, Any]) -> ValueView:
+    return ValueView("fields", items=tuple((str(name), build_value_view(item)) for name, item in value.items()))
 
 
-def _sequence(value: list[Any], beside: _Beside) -> ValueView:
-    if _is_row(value):
-        return _matrix([value], _Beside([beside.value], beside.tolerance, beside.short))
-    if all(isinstance(row, list) and _is_row(row) for row in value) and len({len(row) for row in value}) == 1:
+def _build_sequence_view(value: list[Any], reference: _ReferenceValue) -> ValueView:
+    if _is_row_of_scalars(value):
+        return _build_matrix_view([value], _ReferenceValue([reference.value], reference.tolerance, reference.short))
+    if (
+        all(isinstance(row, list) and _is_row_of_scalars(row) for row in value)
+        and len({len(row) for row in value}) == 1
+    ):
         if all(isinstance(item, bool) for row in value for item in row):
-            return _plan(value)
-        return _matrix(value, beside)
-    return _list(value, beside)
+            return _build_plan_view(value)
+        return _build_matrix_view(value, reference)
+    return _build_list_view(value, reference)
 
 
-def _is_row(value: list[Any]) -> bool:
+def _is_row_of_scalars(value: list[Any]) -> bool:
     return bool(value) and all(_is_number(item) for item in value)
 
 
@@ -168,36 +171,41 @@ def _is_number(value: Any) -> bool:
     return isinstance(value, int | float) or (isinstance(value, str) and value in SPECIAL)
 
 
-def _matrix(rows: list[list[Any]], beside: _Beside) -> ValueView:
-    same, tolerance = _same_shape(rows, beside.value), beside.tolerance
+def _build_matrix_view(rows: list[list[Any]], reference: _ReferenceValue) -> ValueView:
+    same, tolerance = _has_same_shape(rows, reference.value), reference.tolerance
     odd = [
         i
         for i, row in enumerate(rows)
-        if same and any(_differs(item, beside.value[i][j], MARKED_ALONE) for j, item in enumerate(row))
+        if same
+        and any(_differs_beyond_tolerance(item, reference.value[i][j], MARKED_ALONE) for j, item in enumerate(row))
     ]
     columns = min(len(rows[0]), MAX_COLUMNS)
-    shown = _rows_shown(len(rows), columns, odd[0] if odd else 0) if beside.short else range(min(len(rows), MAX_ROWS))
+    shown = (
+        _choose_shown_rows(len(rows), columns, odd[0] if odd else 0)
+        if reference.short
+        else range(min(len(rows), MAX_ROWS))
+    )
     cells = tuple(
         tuple(
             MatrixCell(
-                _format_beside(item, beside.value[i][j] if same else None),
-                same and tolerance is not None and _differs(item, beside.value[i][j], tolerance),
+                _format_to_distinguish(item, reference.value[i][j] if same else None),
+                same and tolerance is not None and _differs_beyond_tolerance(item, reference.value[i][j], tolerance),
             )
             for j, item in enumerate(rows[i][:columns])
         )
         for i in shown
     )
-    return ValueView("matrix", rows=cells, note=_cut_note(rows, shown, columns))
+    return ValueView("matrix", rows=cells, note=_describe_omitted_rows(rows, shown, columns))
 
 
-def _rows_shown(count: int, columns: int, first_odd: int) -> range:
+def _choose_shown_rows(count: int, columns: int, first_odd: int) -> range:
     """Return the rows of a table that are shown: all, or as many as are read, from before the first odd one on."""
     height = min(count, MAX_ROWS, max(3, MAX_CELLS // columns))
     begin = max(0, min(first_odd - 1, count - height))
     return range(begin, begin + height)
 
 
-def _cut_note(rows: list[list[Any]], shown: range, columns: int) -> str:
+def _describe_omitted_rows(rows: list[list[Any]], shown: range, columns: int) -> str:
     size = f"{len(rows)} × {len(rows[0])}" if len(rows) > 1 else f"{len(rows[0])} valeurs"
     if len(shown) == len(rows) and columns == len(rows[0]):
         return ""
@@ -206,72 +214,72 @@ def _cut_note(rows: list[list[Any]], shown: range, columns: int) -> str:
     return f"{size}, seules les lignes d’indices {shown.start} à {shown.stop - 1} sont montrées"
 
 
-def _same_shape(rows: list[list[Any]], expected: Any) -> bool:
+def _has_same_shape(rows: list[list[Any]], expected: Any) -> bool:
     if not isinstance(expected, list) or len(expected) != len(rows):
         return False
-    return all(isinstance(row, list) and len(row) == len(rows[0]) and _is_row(row) for row in expected)
+    return all(isinstance(row, list) and len(row) == len(rows[0]) and _is_row_of_scalars(row) for row in expected)
 
 
-def _differs(got: Any, wanted: Any, tolerance: float) -> bool:
-    left, right = (float(it) if isinstance(it, str) else it for it in (got, wanted))
+def _differs_beyond_tolerance(got: Any, expected: Any, tolerance: float) -> bool:
+    left, right = (float(it) if isinstance(it, str) else it for it in (got, expected))
     if "nan" in (str(left), str(right)):
         return str(left) != str(right)
     return not are_within_tolerance(left, right, tolerance)
 
 
-def _plan(rows: list[list[bool]]) -> ValueView:
+def _build_plan_view(rows: list[list[bool]]) -> ValueView:
     drawing = "\n".join("".join("." if free else "#" for free in row) for row in rows)
     return ValueView("plan", drawing, note=f"{len(rows)} × {len(rows[0])} ; « . » vaut True, « # » vaut False")
 
 
-def _list(value: list[Any], beside: _Beside) -> ValueView:
-    most = MAX_LISTS if beside.short and any(isinstance(item, list) for item in value) else MAX_LIST
-    parts = beside.parts(len(value))[:most]
-    items = tuple(("", _layout(item, part)) for item, part in zip(value[:most], parts, strict=True))
+def _build_list_view(value: list[Any], reference: _ReferenceValue) -> ValueView:
+    most = MAX_LISTS if reference.short and any(isinstance(item, list) for item in value) else MAX_LIST
+    parts = reference.item_references(len(value))[:most]
+    items = tuple(("", _build_view(item, part)) for item, part in zip(value[:most], parts, strict=True))
     left = len(value) - most
     return ValueView("list", items=items, note=f"et {left} autres" if left > 0 else "")
 
 
-def inputs_as_code(inputs: Mapping[str, Any]) -> str:
+def write_inputs_as_code(inputs: Mapping[str, Any]) -> str:
     """Python lines that give the same inputs again, to try at home; empty when a value has been cut short."""
-    lines = [f"{name} = {literal(value)}" for name, value in inputs.items() if name.isidentifier()]
-    if len(lines) != len(inputs) or any(_is_cut(value) for value in inputs.values()):
+    lines = [f"{name} = {format_as_python_literal(value)}" for name, value in inputs.items() if name.isidentifier()]
+    if len(lines) != len(inputs) or any(_is_cut_short(value) for value in inputs.values()):
         return ""
     return "\n".join(lines)
 
 
-def _is_cut(value: Any) -> bool:
-    return any(isinstance(item, Mapping) and "forme" in item for item in _walk(value))
+def _is_cut_short(value: Any) -> bool:
+    return any(isinstance(item, Mapping) and "forme" in item for item in _iterate_nested_values(value))
 
 
-def _walk(value: Any) -> Iterator[Any]:
+def _iterate_nested_values(value: Any) -> Iterator[Any]:
     yield value
     children = value.values() if isinstance(value, Mapping) else value if isinstance(value, list) else ()
     for child in children:
-        yield from _walk(child)
+        yield from _iterate_nested_values(child)
 
 
-def literal(value: Any) -> str:
+def format_as_python_literal(value: Any) -> str:
     """Return the Python that gives a value of a counterexample again."""
     if not isinstance(value, list) or not value:
-        return _plain(value)
+        return _format_plain_value(value)
     if _is_array(value):
-        return f"np.array({_plain(value)})"
-    return "[" + ", ".join(literal(item) for item in value) + "]"
+        return f"np.array({_format_plain_value(value)})"
+    return "[" + ", ".join(format_as_python_literal(item) for item in value) + "]"
 
 
 def _is_array(value: list[Any]) -> bool:
     """Numbers in rows of the same length, however deep."""
-    if _is_row(value):
+    if _is_row_of_scalars(value):
         return True
     if not all(isinstance(item, list) and item and _is_array(item) for item in value):
         return False
     return len({len(item) for item in value}) == 1 and len({isinstance(item[0], list) for item in value}) == 1
 
 
-def _plain(value: Any) -> str:
+def _format_plain_value(value: Any) -> str:
     if isinstance(value, list):
-        return "[" + ", ".join(_plain(item) for item in value) + "]"
+        return "[" + ", ".join(_format_plain_value(item) for item in value) + "]"
     if isinstance(value, str) and value in SPECIAL:
         return {"nan": "np.nan", "inf": "np.inf", "-inf": "-np.inf"}[value]
     return value if isinstance(value, str) and is_python_text(value) else repr(value)

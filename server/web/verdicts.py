@@ -15,7 +15,7 @@ from graders.core.contract.verdict import TEACHER, CheckResult, Counterexample, 
 from graders.typography import french
 from server.course import FunctionSpec
 from server.web import values
-from server.web.replay_code import replay_code
+from server.web.replay_code import write_replay_code
 from server.web.schemas import (
     CheckView,
     CounterexampleView,
@@ -51,7 +51,7 @@ TIMINGS = {
 }
 
 
-def verdict_view(
+def build_verdict_view(
     verdict: Verdict,
     figures: str,
     texts: ExerciseTexts | None = None,
@@ -76,36 +76,36 @@ def verdict_view(
     return VerdictView(
         title=wording.title,
         sentence=wording.sentence,
-        tone=_tone(verdict),
+        tone=_choose_tone(verdict),
         points=format_mark(verdict.points) if verdict.outcome.counts else "",
-        common=common_message(verdict.checks),
+        common=message_shared_by_checks(verdict.checks),
         checks=tuple(
-            _check(check, (figures, grading, described), marked, functions, films[1], replayed, world)
+            _build_check_view(check, (figures, grading, described), marked, functions, films[1], replayed, world)
             for check in verdict.checks
         ),
-        diagnosis=_diagnosis(verdict.diagnosis) if verdict.diagnosis else None,
+        diagnosis=_build_diagnosis_view(verdict.diagnosis) if verdict.diagnosis else None,
         stdout=verdict.stdout,
-        timings=tuple(_timing(name, value) for name, value in verdict.timings.items()),
+        timings=tuple(_format_timing(name, value) for name, value in verdict.timings.items()),
         seed=str(verdict.seed),
         version=verdict.exercise_version,
         texts=texts,
-        films=_films(verdict.checks, films, grading),
+        films=_build_film_views(verdict.checks, films, grading),
         remarks=tuple(verdict.remarks),
     )
 
 
-def outcome_title(outcome: str | None, kind: Kind = "code") -> str:
+def outcome_in_words(outcome: str | None, kind: Kind = "code") -> str:
     """The outcome of that name in words; « en cours » while there is none."""
     return Outcome(outcome).wording(kind).title if outcome else "En cours de correction"
 
 
-def _tone(verdict: Verdict) -> Tone:
+def _choose_tone(verdict: Verdict) -> Tone:
     if verdict.outcome.blame is Blame.STUDENT:
         return "partial" if verdict.score >= 0.5 else "bad"
     return "ours" if verdict.outcome.blame is Blame.OURS else "good"
 
 
-def common_message(checks: Sequence[CheckResult]) -> str:
+def message_shared_by_checks(checks: Sequence[CheckResult]) -> str:
     """Return the message that all checks share, as when the file did not load; shown once."""
     if len(checks) < 2 or any(check.repeats != checks[0].id for check in checks[1:]):
         messages = {check.message for check in checks}
@@ -113,7 +113,7 @@ def common_message(checks: Sequence[CheckResult]) -> str:
     return checks[0].message
 
 
-def _films(checks: Sequence[CheckResult], films: Films, grading: UUID | None) -> tuple[FilmView, ...]:
+def _build_film_views(checks: Sequence[CheckResult], films: Films, grading: UUID | None) -> tuple[FilmView, ...]:
     folder, filmed = films
     ending = f"?correction={grading}" if grading else ""
     first_failed = sorted((check for check in checks if check.id in filmed), key=lambda check: check.passed)
@@ -122,7 +122,7 @@ def _films(checks: Sequence[CheckResult], films: Films, grading: UUID | None) ->
     )
 
 
-def _check(
+def _build_check_view(
     check: CheckResult,
     figures: Figures,
     marked: bool,
@@ -141,10 +141,12 @@ def _check(
         max_points=format_points(check.max_points),
         message=check.message,
         hint=check.hint or "",
-        counterexample=_counterexample(counterexample, functions, _world_of(check, world), shows_inputs=not marked)
+        counterexample=_build_counterexample_view(
+            counterexample, functions, _world_settings_of_check(check, world), shows_inputs=not marked
+        )
         if counterexample
         else None,
-        figure=_figure(check, figures) if check.figure else None,
+        figure=_build_figure_view(check, figures) if check.figure else None,
         filmed=check.id in filmed,
         replay=address if check.id in which else "",
         repeats=bool(check.repeats),
@@ -152,23 +154,23 @@ def _check(
     )
 
 
-def _counterexample(
+def _build_counterexample_view(
     counterexample: Counterexample, functions: Sequence[FunctionSpec], world: World, *, shows_inputs: bool
 ) -> CounterexampleView:
     """Without code the data stand in the statement: they are not told again with each answer."""
     given = counterexample.inputs if shows_inputs else {}
     judged = counterexample.expected is not None or counterexample.got is not None
-    parts = _parts(given, functions)
-    expected, got = values.value_view_pair(counterexample.expected, counterexample.got)
+    parts = _names_of_returned_parts(given, functions)
+    expected, got = values.build_value_view_pair(counterexample.expected, counterexample.got)
     return CounterexampleView(
-        inputs=tuple((name, values.value_view(value, short=True)) for name, value in given.items()),
-        expected=values.name_parts(expected, parts) if judged and counterexample.has_expected else None,
-        got=values.name_parts(got, parts) if judged else None,
-        code=replay_code(given, functions, *world),
+        inputs=tuple((name, values.build_value_view(value, short=True)) for name, value in given.items()),
+        expected=values.name_items_of_list(expected, parts) if judged and counterexample.has_expected else None,
+        got=values.name_items_of_list(got, parts) if judged else None,
+        code=write_replay_code(given, functions, *world),
     )
 
 
-def _world_of(check: CheckResult, world: World) -> World:
+def _world_settings_of_check(check: CheckResult, world: World) -> World:
     """Return the settings of a check, which may have run on another map than the others."""
     kit, solution = world
     if check.kit is None or kit is None:
@@ -176,13 +178,13 @@ def _world_of(check: CheckResult, world: World) -> World:
     return replace(kit, parameters={**kit.parameters, **check.kit}), solution
 
 
-def _parts(given: Mapping[str, object], functions: Sequence[FunctionSpec]) -> tuple[str, ...]:
+def _names_of_returned_parts(given: Mapping[str, object], functions: Sequence[FunctionSpec]) -> tuple[str, ...]:
     """The names of what is returned by the one function that takes the inputs of those names; none if in doubt."""
     takers = [function for function in functions if given and given.keys() <= set(NAME.findall(function.signature))]
     return takers[0].parts if len(takers) == 1 else ()
 
 
-def _figure(check: CheckResult, figures: Figures) -> FigureView:
+def _build_figure_view(check: CheckResult, figures: Figures) -> FigureView:
     folder, grading, described = figures
     address = f"{folder}/{check.figure}.svg?{f'correction={grading}&' if grading else ''}theme="
     shown = described.get(check.figure or "", "Votre résultat superposé à la référence.")
@@ -190,10 +192,10 @@ def _figure(check: CheckResult, figures: Figures) -> FigureView:
     return FigureView(address + "light", address + "dark", french(alt), french(shown))
 
 
-def _diagnosis(diagnosis: Diagnosis) -> DiagnosisView:
+def _build_diagnosis_view(diagnosis: Diagnosis) -> DiagnosisView:
     paragraphs = tuple(part.strip() for part in diagnosis.explanation.split("\n\n") if part.strip())
     return DiagnosisView(diagnosis.id, diagnosis.title, paragraphs, diagnosis.source == TEACHER)
 
 
-def _timing(name: str, milliseconds: float) -> tuple[str, str]:
+def _format_timing(name: str, milliseconds: float) -> tuple[str, str]:
     return TIMINGS.get(name, name), f"{round(milliseconds)}\u00a0ms"

@@ -16,7 +16,7 @@ from server.gradebook.schemas import NOTHING_YET, ExerciseProgress
 from server.gradebook.solutions import SolutionAudience
 from server.identity.models import Account
 from server.submissions.service import SubmissionService
-from server.web.schemas import ExerciseRow, ModuleLink, OwnProgress, SolutionSwitchView
+from server.web.schemas import ExerciseRow, ModuleLink, SolutionSwitchView, StudentExerciseProgress
 from server.web.words import format_mark
 
 
@@ -60,25 +60,25 @@ def lesson_href(lesson: Lesson) -> str:
     return f"/{lesson.module}/lire/{lesson.slug}"
 
 
-def solution_switch_view(door: SolutionAudience) -> SolutionSwitchView:
-    to_whom = "à tous les élèves" if door.class_id is None else f"à la classe « {door.class_name} »"
-    verb = "Refermer" if door.is_open else "Ouvrir"
-    return SolutionSwitchView(str(door.class_id or ""), f"{verb} le corrigé {to_whom}", door.is_open)
+def build_solution_switch_view(audience: SolutionAudience) -> SolutionSwitchView:
+    to_whom = "à tous les élèves" if audience.class_id is None else f"à la classe « {audience.class_name} »"
+    verb = "Refermer" if audience.is_open else "Ouvrir"
+    return SolutionSwitchView(str(audience.class_id or ""), f"{verb} le corrigé {to_whom}", audience.is_open)
 
 
-def module_link(module: Module, progress: dict[str, ExerciseProgress] | None = None) -> ModuleLink:
+def build_module_link(module: Module, progress: dict[str, ExerciseProgress] | None = None) -> ModuleLink:
     done = sum((progress or {}).get(exercise.id, NOTHING_YET).succeeded for exercise in module.exercises)
     return ModuleLink(module.slug, module.label, module.title, module.summary, len(module.exercises), done)
 
 
-def exercise_row(exercise: Exercise, progress: ExerciseProgress) -> ExerciseRow:
-    own = own_progress(progress)
+def build_exercise_row(exercise: Exercise, progress: ExerciseProgress) -> ExerciseRow:
+    own = build_student_progress(progress)
     return ExerciseRow(exercise_href(exercise), exercise.title, exercise.summary, exercise.stars, exercise.origin, own)
 
 
-def own_progress(progress: ExerciseProgress) -> OwnProgress:
+def build_student_progress(progress: ExerciseProgress) -> StudentExerciseProgress:
     best = "" if progress.best is None else format_mark(20 * progress.best)
-    return OwnProgress(progress.attempts, best, progress.succeeded)
+    return StudentExerciseProgress(progress.attempts, best, progress.succeeded)
 
 
 def exercises_in_reading_order(module: Module) -> list[Exercise]:

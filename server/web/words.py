@@ -39,12 +39,12 @@ def format_mark(value: float, most: float = 20.0) -> str:
     return format_points(min(nearest, below) / 4)
 
 
-def plural(count: int, singular: str, many: str | None = None) -> str:
+def count_with_noun(count: int, singular: str, many: str | None = None) -> str:
     """« 1 essai », « 3 essais »: zero and one take the singular, as in French."""
     return f"{count} {singular if abs(count) < 2 else many or singular + 's'}"
 
 
-def list_names(names: Sequence[str], limit: int = 6) -> str:
+def join_names_with_limit(names: Sequence[str], limit: int = 6) -> str:
     """Return the names in one line, those beyond the limit as a number: « Ada, Inès et 3 autres »."""
     shown, others = (names, 0) if len(names) <= limit + 1 else (names[:limit], len(names) - limit)
     listed = ", ".join(shown)
@@ -57,43 +57,44 @@ def join_words(words: Iterable[str]) -> str:
     return f"{', '.join(before)} et {last}" if before else last
 
 
-def iso_moment(when: datetime) -> str:
+def format_iso_time(when: datetime) -> str:
     """A date as ISO text for a `<time>` element."""
-    return _instant(when).isoformat(timespec="seconds")
+    return _to_utc(when).isoformat(timespec="seconds")
 
 
-def _instant(when: datetime) -> datetime:
+def _to_utc(when: datetime) -> datetime:
     return (when if when.tzinfo else when.replace(tzinfo=UTC)).astimezone(UTC)
 
 
-def short_moment(when: datetime) -> str:
+def format_short_time(when: datetime) -> str:
     """The same date on the school's clock, short, for a table: « 21/11/2026 à 12 h 05 »."""
-    return _moment_text(_instant(when), school_time.time_zone())
+    return _format_time_in_zone(_to_utc(when), school_time.time_zone())
 
 
 @lru_cache(maxsize=KEPT)
-def _moment_text(when: datetime, _zone: ZoneInfo) -> str:
+def _format_time_in_zone(when: datetime, _zone: ZoneInfo) -> str:
     here = school_time.to_local(when)
-    return f"{here:%d/%m/%Y} à {school_time.format_hour(here)}{_which(when)}"
+    return f"{here:%d/%m/%Y} à {school_time.format_hour(here)}{_first_or_second_occurrence(when)}"
 
 
-def long_moment(when: datetime) -> str:
+def format_long_time(when: datetime) -> str:
     """The same in a sentence: « lundi 23 mars 2026 à 18 h 00 »."""
-    return f"{long_day(when)} à {school_time.format_hour(school_time.to_local(when))}{_which(when)}"
+    hour = school_time.format_hour(school_time.to_local(when))
+    return f"{format_long_day(when)} à {hour}{_first_or_second_occurrence(when)}"
 
 
-def long_day(when: datetime) -> str:
+def format_long_day(when: datetime) -> str:
     """« lundi 23 mars 2026 », « dimanche 1er mars 2026 »."""
     here = school_time.to_local(when)
-    return f"{short_day(here)} {MONTHS[here.month - 1]} {here.year}"
+    return f"{format_short_day(here)} {MONTHS[here.month - 1]} {here.year}"
 
 
-def short_day(day: date) -> str:
+def format_short_day(day: date) -> str:
     """A day, or a moment on the school's clock, near to today: « lundi 23 », « dimanche 1er »."""
     return f"{DAYS[day.weekday()]} {'1er' if day.day == 1 else day.day}"
 
 
-def _which(when: datetime) -> str:
+def _first_or_second_occurrence(when: datetime) -> str:
     """Which of both, of a time that comes twice in the night when the clock is put back."""
     if not school_time.is_ambiguous(when):
         return ""

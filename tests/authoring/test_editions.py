@@ -14,7 +14,7 @@ from server.authoring import editions
 from server.authoring.new import SkeletonRefused
 from server.course import Course, load_course
 from server.course.editions import edition_of, latest_editions, next_edition_slug
-from server.web.editions import exercise_in_edition, later_editions
+from server.web.editions import find_exercise_in_edition, list_editions_for_class_copy
 from tests.support.outside import taken_in
 
 
@@ -35,7 +35,7 @@ def test_a_copied_module_holds_together_and_grades(place: Path, tmp_path: Path) 
         read = load_course(course / "curriculum", code=course, render=False)
         assert [one.message for one in read.problems if "n’a pas d’exercice" not in one.message] == []
         assert [module.slug for module in read.latest] == ["l21e3"]
-        assert [one.slug for one in later_editions(read, "l21e2")] == ["l21e2", "l21e3"]
+        assert [one.slug for one in list_editions_for_class_copy(read, "l21e2")] == ["l21e2", "l21e3"]
         exercise = read.exercises["l21e2/gain"]
         judgement = exercise.grader.grade(exercise.grader.solution.encode(), LOCAL, seed=3, version="x")
         assert (judgement.verdict.exercise, judgement.verdict.score) == ("l21e2/gain", 1.0)
@@ -48,9 +48,9 @@ def test_exercises_are_found_by_name_in_another_edition(course: Course) -> None:
     kept = tuple(replace(one, module="l21e2") for one in module.exercises if one.slug != "gain")
     newer = replace(module, slug="l21e2", exercises=kept)
     both = Course(MappingProxyType({"l21": module, "l21e2": newer}), ())
-    assert exercise_in_edition(both, "l21/calcul", "l21e2") == "l21e2/calcul"
-    assert exercise_in_edition(both, "l21/gain", "l21e2") is None
-    assert exercise_in_edition(both, "l21/gone", "l21") == "l21/gone"
+    assert find_exercise_in_edition(both, "l21/calcul", "l21e2") == "l21e2/calcul"
+    assert find_exercise_in_edition(both, "l21/gain", "l21e2") is None
+    assert find_exercise_in_edition(both, "l21/gone", "l21") == "l21/gone"
     assert both.newer("l21") is newer
     assert both.newer("l21e2") is None
     assert newer.label == "L21, 2ᵉ édition"

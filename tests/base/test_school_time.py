@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 
 from server.base import school_time
 from server.base.errors import Invalid
-from server.web.words import long_day, long_moment, short_moment
+from server.web.words import format_long_day, format_long_time, format_short_time
 
 PARIS = ZoneInfo("Europe/Paris")
 
@@ -33,22 +33,24 @@ def read(text: str, kept: datetime | None = None) -> datetime | None:
 
 
 def test_dates_are_told_on_the_school_s_clock() -> None:
-    assert long_moment(at(2026, 3, 23, 17)) == "lundi 23 mars 2026 à 18\u00a0h\u00a000"
-    assert long_moment(at(2026, 7, 31, 22)) == "samedi 1er août 2026 à 0\u00a0h\u00a000"
-    assert short_moment(at(2026, 12, 31, 23, 5)) == "01/01/2027 à 0\u00a0h\u00a005"
-    assert short_moment(datetime(2026, 12, 31, 23, 5)) == "01/01/2027 à 0\u00a0h\u00a005", "what says no zone is in UTC"
-    assert long_day(at(2026, 2, 10)) == "mardi 10 février 2026"
+    assert format_long_time(at(2026, 3, 23, 17)) == "lundi 23 mars 2026 à 18\u00a0h\u00a000"
+    assert format_long_time(at(2026, 7, 31, 22)) == "samedi 1er août 2026 à 0\u00a0h\u00a000"
+    assert format_short_time(at(2026, 12, 31, 23, 5)) == "01/01/2027 à 0\u00a0h\u00a005"
+    assert format_short_time(datetime(2026, 12, 31, 23, 5)) == "01/01/2027 à 0\u00a0h\u00a005", (
+        "what says no zone is in UTC"
+    )
+    assert format_long_day(at(2026, 2, 10)) == "mardi 10 février 2026"
     assert school_time.time_zone_name() == "heure de Paris"
     school_time.set_time_zone("Indian/Reunion")
-    assert long_moment(at(2026, 3, 23, 17)) == "lundi 23 mars 2026 à 21\u00a0h\u00a000"
+    assert format_long_time(at(2026, 3, 23, 17)) == "lundi 23 mars 2026 à 21\u00a0h\u00a000"
     school_time.set_time_zone("America/Argentina/Buenos_Aires")
     assert school_time.time_zone_name() == "heure de Buenos Aires"
 
 
 def test_an_hour_that_comes_twice_is_told_apart_and_read_as_the_first() -> None:
     first, second = at(2026, 10, 25, 0, 30), at(2026, 10, 25, 1, 30)
-    assert short_moment(first) == "25/10/2026 à 2\u00a0h\u00a030 (heure d’été)"
-    assert short_moment(second) == "25/10/2026 à 2\u00a0h\u00a030 (heure d’hiver)"
+    assert format_short_time(first) == "25/10/2026 à 2\u00a0h\u00a030 (heure d’été)"
+    assert format_short_time(second) == "25/10/2026 à 2\u00a0h\u00a030 (heure d’hiver)"
     assert school_time.format_field(first) == school_time.format_field(second) == "2026-10-25T02:30"
     assert read("2026-10-25T02:30") == first
     assert read("2026-10-25T02:30", second) == second, "a field left as it was changes nothing"

@@ -163,7 +163,7 @@ def scripts(_: Wanted) -> list[Row]:
     from tests.support.scripts import MOST, sent
 
     subject, goal = "JavaScript of an exercise's page, compressed", Goal(MOST / 1000)
-    if not assets.is_built():
+    if not assets.is_frontend_built():
         return [Row.missing(subject, "the front end is not built", goal)]
     return [Row(subject, "kB", sum(sent().values()) / 1000, goal=goal)]
 

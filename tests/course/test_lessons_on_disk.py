@@ -214,7 +214,7 @@ def test_nothing_is_read_before_it_is_asked_for(course_folder: CourseFolder, mon
 
     write_page(course_folder, "une", "A\n")
     course_folder.write("curriculum/m9/glossaire.toml", GLOSSARY)
-    monkeypatch.setattr("server.text.markup.parser.markdown", refuse)
+    monkeypatch.setattr("server.text.markup.parser.markdown_parser", refuse)
     assert len(module(course_folder).lessons) == 1
 
 
@@ -226,7 +226,7 @@ def test_no_formula_is_drawn_when_the_service_starts(
 
     write_page(course_folder, "une", "Un $x$.\n")
     monkeypatch.setattr("server.text.katex.render_formula", refuse)
-    monkeypatch.setattr("server.text.katex.render_ahead", refuse)
+    monkeypatch.setattr("server.text.katex.render_formulas_ahead", refuse)
     assert problems(course_folder, render=False, check=True) == []
 
 

@@ -33,7 +33,7 @@ from server.identity.models import Account, Role
 from server.marks.models import Override
 from server.marks.schemas import ExerciseMark
 from server.submissions.models import Submission
-from server.web.words import long_moment
+from server.web.words import format_long_time
 from tests.support.classes import Person, new_class, person, seat
 from tests.support.client import TestClient
 from tests.support.counting import Counted
@@ -79,7 +79,7 @@ class School:
 
 def written(when: datetime) -> str:
     """Return a moment as `read` shows it."""
-    return long_moment(when).replace("\u00a0", " ")
+    return format_long_time(when).replace("\u00a0", " ")
 
 
 def told(text: str) -> str:

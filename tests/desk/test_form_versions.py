@@ -13,7 +13,7 @@ from server.assignments.models import Assignment, Exemption
 from server.classes.models import SchoolClass
 from server.database import utc_now
 from server.identity.models import Role
-from server.web.form_version import version_of
+from server.web.form_version import form_version_tag
 from tests.support.classes import Person, assign, new_class, person, seat
 from tests.support.forms import hidden_fields
 from tests.support.service import EXERCISE, Site
@@ -115,6 +115,6 @@ def test_two_teachers_do_not_grant_twice_unknowingly(desk: Desk) -> None:
 
 
 def test_versions_do_not_depend_on_the_order_of_fields() -> None:
-    assert version_of({"a": "1", "b": "2"}) == version_of({"b": "2", "a": "1"})
-    assert version_of({"a": "1"}) != version_of({"a": "2"})
-    assert version_of({"a": "1", "b": ""}) != version_of({"a": "", "b": "1"})
+    assert form_version_tag({"a": "1", "b": "2"}) == form_version_tag({"b": "2", "a": "1"})
+    assert form_version_tag({"a": "1"}) != form_version_tag({"a": "2"})
+    assert form_version_tag({"a": "1", "b": ""}) != form_version_tag({"a": "", "b": "1"})

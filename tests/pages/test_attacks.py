@@ -88,7 +88,7 @@ def shown(grading: Judgement) -> str:
     return (
         jinja_environment()
         .from_string(SHOW)
-        .render(verdict=verdicts.verdict_view(Verdict.from_json(stored), "/figures"))
+        .render(verdict=verdicts.build_verdict_view(Verdict.from_json(stored), "/figures"))
     )
 
 

@@ -13,7 +13,7 @@ from starlette.types import Message
 
 from server.base import turns
 from server.reading import downloads, search
-from server.text.markup import Text
+from server.text.markup import MarkdownText
 from tests.support.service import Site
 
 #: More than there are threads for pages.
@@ -51,8 +51,8 @@ def gate(monkeypatch: pytest.MonkeyPatch) -> threading.Event:
         return wait_and_work
 
     monkeypatch.setattr(turns, "TURN_SECONDS", 600)  # nobody's turn ends by itself: all of the crowd come to wait
-    monkeypatch.setattr(Text, "is_rendered", property(lambda _text: opened.is_set()))
-    monkeypatch.setattr(Text, "rendered", property(waiting(lambda text: text.__dict__["rendered"])))
+    monkeypatch.setattr(MarkdownText, "is_rendered", property(lambda _text: opened.is_set()))
+    monkeypatch.setattr(MarkdownText, "rendered", property(waiting(lambda text: text.__dict__["rendered"])))
     monkeypatch.setattr(search, "_indexes", {})
     monkeypatch.setattr(search, "SearchIndex", waiting(search.SearchIndex))
     monkeypatch.setattr(downloads, "import_file", waiting(downloads.import_file))

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from graders.core.contract.outcomes import Outcome
 from graders.core.contract.verdict import CheckResult, Counterexample, Diagnosis, Verdict, internal_error_verdict
 from server.regrades.differences import VerdictDifference, compare_verdicts
-from server.web.regraded import reason_sentences
+from server.web.regraded import verdict_difference_sentences
 
 
 def check(name: str, points: float, most: float = 4.0, seen: float | None = None) -> CheckResult:
@@ -69,7 +69,7 @@ def test_each_difference_has_its_sentence(name: str) -> None:
     after, told = CASES[name]
     found = compare_verdicts(OLD, after)
     expected = [line.replace("« Résultat inexact »", f"« {OLD.outcome.wording('code').title} »") for line in told]
-    assert list(reason_sentences(found, "code")) == expected
+    assert list(verdict_difference_sentences(found, "code")) == expected
     assert tuple(VerdictDifference.from_json(one.to_json()) for one in found) == found
 
 
@@ -80,8 +80,8 @@ def test_what_was_our_error_is_mended_whatever_is_found() -> None:
 
 def test_a_diagnosis_that_goes_or_changes_is_told() -> None:
     named, other = (verdict(REST, named=name) for name in ("a", "b"))
-    (gone,) = reason_sentences(compare_verdicts(named, verdict(REST)), "code")
-    (changed,) = reason_sentences(compare_verdicts(named, other), "code")
+    (gone,) = verdict_difference_sentences(compare_verdicts(named, verdict(REST)), "code")
+    (changed,) = verdict_difference_sentences(compare_verdicts(named, other), "code")
     assert gone == "l’erreur « Titre a » n’est plus reconnue"
     assert changed == "l’erreur reconnue est « Titre b », et non plus « Titre a »"
 

@@ -78,12 +78,12 @@ from server.studio.drafts import ExerciseDraft
 from server.studio.import_drafts import ImportRefused
 from server.studio.importing import import_exercise_file
 from server.submissions.service import digest_code
-from server.text.lines import require_line, tidy_lines
-from server.text.python_colours import colour_lines_uncached
-from server.text.said import render_message
-from server.web.form_identity import decode_fields, name_account_in_forms
-from server.web.form_version import version_of
-from server.web.rendering import sentence, ticks
+from server.text.lines import normalise_lines, require_normalised_line
+from server.text.python_colours import colour_python_lines_uncached
+from server.text.said import render_message_html
+from server.web.form_identity import decode_resent_fields, insert_account_key_in_forms
+from server.web.form_version import form_version_tag
+from server.web.rendering import render_backquotes_as_code, typeset_verdict_message
 from tests.support.quick import the_course
 from tests.support.shapes import JSON, MARKDOWN, PROGRAMS, TEXTS, Shape
 
@@ -220,7 +220,7 @@ READERS: tuple[Reader, ...] = (
     Reader("an identity", lambda text: parse_uuid(text, "inconnu"), BODY, TEXTS, IDENTITIES),
     Reader(
         "a line",
-        lambda text: require_line(text, 200, "Trop long."),
+        lambda text: require_normalised_line(text, 200, "Trop long."),
         BODY,
         TEXTS,
         "form:title form:titre body:ColumnIn.title body:ColumnChange.title body:AssignmentIn.title "
@@ -231,7 +231,7 @@ READERS: tuple[Reader, ...] = (
     Reader("names of students", lambda text: find_named_students((), text), BODY, TEXTS, "form:noms"),
     Reader(
         "lines",
-        tidy_lines,
+        normalise_lines,
         BODY,
         TEXTS,
         "form:explanation form:question form:motif body:NewName.explanation body:NewName.question "
@@ -260,10 +260,10 @@ READERS: tuple[Reader, ...] = (
     Reader("a class's code", parse_join_code, HEAD, TEXTS, "body:JoinCode.code"),
     Reader("a guest's name", lambda text: validate_guest_name(text, text), BODY, TEXTS, "form:given form:family"),
     Reader("a message", normalise_message_text, BODY, TEXTS, "form:texte body:NewComment.text"),
-    Reader("a message that is shown", render_message, MESSAGE, {**TEXTS, **MARKDOWN}),
+    Reader("a message that is shown", render_message_html, MESSAGE, {**TEXTS, **MARKDOWN}),
     Reader("the form of an address", _matched, HEAD, TEXTS, "raw:server.base.routing.FilteringRouter.matches"),
     Reader("a next address", local_path, BODY, TEXTS, "query:suite form:suite form:retour"),
-    Reader("a form that comes back", decode_fields, BODY, {**TEXTS, **JSON}, "form:reprise"),
+    Reader("a form that comes back", decode_resent_fields, BODY, {**TEXTS, **JSON}, "form:reprise"),
     Reader("a mark", lambda text: parse_typed_mark(text, 20.0), BODY, TEXTS, "form:points form:sur form:coefficient"),
     Reader("a comment on a mark", parse_mark_comment, BODY, TEXTS, "body:TypedMarkIn.comment"),
     Reader("a moment", lambda text: parse_field(text, "la date"), BODY, TEXTS, "form:date form:rentree"),
@@ -402,7 +402,7 @@ READERS: tuple[Reader, ...] = (
         "raw:server.pages.own_run.run_typed_call "
         "raw:server.pages.routes.save_test_work raw:server.pages.routes.submit_attempt",
     ),
-    Reader("a program in colours", colour_lines_uncached, CODE, {**TEXTS, **PROGRAMS}),
+    Reader("a program in colours", colour_python_lines_uncached, CODE, {**TEXTS, **PROGRAMS}),
     Reader("a program before it is opened", _encoded(lambda code: require_text(code, Policy())), CODE, ANYTHING),
     Reader("a program's imports", _encoded(lambda code: import_set_of_program(code, None)), CODE, PROGRAMS),
     Reader(
@@ -436,7 +436,12 @@ READERS: tuple[Reader, ...] = (
         "raw:server.pages.answers._read_placed_steps raw:server.pages.answers._read_typed_answer "
         "raw:server.pages.answers._read_ticked_options",
     ),
-    Reader("a sentence of a verdict", lambda text: (ticks(text), sentence(text), french(text)), SENTENCE, TEXTS),
+    Reader(
+        "a sentence of a verdict",
+        lambda text: (render_backquotes_as_code(text), typeset_verdict_message(text), french(text)),
+        SENTENCE,
+        TEXTS,
+    ),
     Reader("a name to file by", lambda text: (unaccented(text), ascii_slug(text, "x")), SENTENCE, TEXTS),
     Reader(
         "a cell of an export",
@@ -446,17 +451,17 @@ READERS: tuple[Reader, ...] = (
     ),
     Reader(
         "a page",
-        lambda text: name_account_in_forms(with_external_paths(html.escape(text)), "x"),
+        lambda text: insert_account_key_in_forms(with_external_paths(html.escape(text)), "x"),
         BODY,
         TEXTS,
     ),
     Reader(
         "a form's version",
-        lambda text: version_of({"a": text}),
+        lambda text: form_version_tag({"a": text}),
         BODY,
         TEXTS,
         "raw:server.pages.form_state.read_base_version raw:server.pages.form_state.require_same_tests "
-        "raw:server.web.form_version.require_version raw:server.web.form_identity.typed_fields",
+        "raw:server.web.form_version.require_form_version raw:server.web.form_identity.resendable_text_fields",
     ),
     Reader(
         "a column's form",
@@ -505,11 +510,12 @@ READERS: tuple[Reader, ...] = (
         raw:server.health.routes.show_metrics raw:server.pages.drawn.send_film
         raw:server.pages.school.launches._open_launch_session
         raw:server.pages.school.launches._render_no_cookies_page
-        raw:server.replays.routes._compressed_response raw:server.web.assets._Packed.file_response
-        raw:server.web.errors.wants_json raw:server.web.form_identity.referring_page
-        raw:server.web.form_identity.refusal_context raw:server.web.rendering._back raw:server.web.rendering._here
-        raw:server.web.rendering._modules raw:server.web.rendering._tagged_response
-        raw:server.web.rendering.render_page raw:server.web.rendering.with_etag
+        raw:server.replays.routes._compressed_response raw:server.web.assets._PrecompressedStaticFiles.file_response
+        raw:server.web.errors.does_client_want_json raw:server.web.form_identity.referring_page_path
+        raw:server.web.form_identity.build_refusal_context
+        raw:server.web.rendering._return_address_after_login raw:server.web.rendering._find_current_module
+        raw:server.web.rendering._list_module_links raw:server.web.rendering._tagged_response
+        raw:server.web.rendering.render_page raw:server.web.rendering.add_etag
         """,
     ),
 )

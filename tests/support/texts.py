@@ -10,7 +10,7 @@ from typing import Any
 
 from server.course import Course
 from server.course.kinds import KINDS
-from server.course.models import Cell, Drawing, Heading, Lesson, Section, Term
+from server.course.models import CodeCell, Drawing, Heading, Lesson, Section, Term
 
 BODY = """
 <h2 id="s-un">Un <em>début</em></h2>
@@ -45,7 +45,7 @@ class Made:
     figures: tuple[str, ...] = ()
     replays: tuple[str, ...] = ()
     questions: tuple[str, ...] = ()
-    cells: tuple[Cell, ...] = ()
+    cells: tuple[CodeCell, ...] = ()
     exercises: tuple[str, ...] = ()
     retrievals: tuple[str, ...] = ()
     amounts: Mapping[tuple[str, str], int] = field(default_factory=lambda: {("", "words"): 13_500})

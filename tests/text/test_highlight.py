@@ -17,7 +17,7 @@ def test_the_classes_are_those_that_the_style_sheet_colours() -> None:
 
 
 def test_only_what_has_a_colour_has_an_element_and_the_text_stays() -> None:
-    drawn = highlight.highlight(CODE)
+    drawn = highlight.highlight_code_block(CODE)
     assert set(re.findall(r'<span class="([^"]*)"', drawn)) == {
         "k",
         "nf",
@@ -33,9 +33,10 @@ def test_only_what_has_a_colour_has_an_element_and_the_text_stays() -> None:
     }
     assert html.unescape(re.sub("<[^>]*>", "", drawn)) == CODE + "\n"
     assert (
-        highlight.highlight("x = a.b(c)[d]\n") == '<pre class="code" tabindex="0"><code>x = a.b(c)[d]\n</code></pre>\n'
+        highlight.highlight_code_block("x = a.b(c)[d]\n")
+        == '<pre class="code" tabindex="0"><code>x = a.b(c)[d]\n</code></pre>\n'
     )
 
 
 def test_an_unknown_language_is_plain() -> None:
-    assert "<span" not in highlight.highlight("def f(): pass", "brainfog")
+    assert "<span" not in highlight.highlight_code_block("def f(): pass", "brainfog")

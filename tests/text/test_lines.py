@@ -11,7 +11,14 @@ from hypothesis import strategies as st
 
 from server.base.errors import Invalid
 from server.identity.logins import login_problem, normalise_login
-from server.text.lines import MAX_LINE, MAX_TEXT, character_problem, require_line, tidy_line, tidy_lines
+from server.text.lines import (
+    MAX_LINE,
+    MAX_TEXT,
+    describe_forbidden_character,
+    normalise_line,
+    normalise_lines,
+    require_normalised_line,
+)
 
 PROBLEM = "Donnez un titre de 1 à 20 caractères."
 
@@ -32,19 +39,19 @@ PROBLEM = "Donnez un titre de 1 à 20 caractères."
     ],
 )
 def test_what_nobody_sees_goes(typed: str, meant: str) -> None:
-    assert tidy_line(typed) == meant
+    assert normalise_line(typed) == meant
 
 
 @given(st.text(max_size=30))
 def test_a_tidy_line_stays_as_it_is(text: str) -> None:
-    line = tidy_line(text)
-    assert tidy_line(line) == line
+    line = normalise_line(text)
+    assert normalise_line(line) == line
     assert line == line.strip()
     assert not any(unicodedata.category(sign) == "Cf" for sign in line)
 
 
 def test_lines_stay_lines() -> None:
-    assert tidy_lines("\n a\u200b \r\n\r\n b\u00a0c\n") == "a\n\nb c"
+    assert normalise_lines("\n a\u200b \r\n\r\n b\u00a0c\n") == "a\n\nb c"
 
 
 @pytest.mark.parametrize(
@@ -57,26 +64,26 @@ def test_lines_stay_lines() -> None:
     ],
 )
 def test_the_character_that_stays_in_the_way_is_named(text: str, words: str) -> None:
-    assert words in character_problem(text)
+    assert words in describe_forbidden_character(text)
     with pytest.raises(Invalid) as refused:
-        require_line(text, 20, PROBLEM)
+        require_normalised_line(text, 20, PROBLEM)
     assert words in refused.value.detail
 
 
 def test_a_long_or_an_empty_line_is_refused_with_its_bounds() -> None:
     for text in ("", "\u200b\u00a0", "x" * 21):
         with pytest.raises(Invalid) as refused:
-            require_line(text, 20, PROBLEM)
+            require_normalised_line(text, 20, PROBLEM)
         assert refused.value.detail == PROBLEM
-    assert require_line(f" {'x' * 20}\u200b", 20, PROBLEM) == "x" * 20
-    assert character_problem("deux\nlignes\t!") == ""
+    assert require_normalised_line(f" {'x' * 20}\u200b", 20, PROBLEM) == "x" * 20
+    assert describe_forbidden_character("deux\nlignes\t!") == ""
 
 
 def test_what_is_far_too_long_is_refused_without_being_read_whole() -> None:
     """A letter that Unicode spells with eighteen others: a login of 160,000 of them took seconds."""
     for letter in ("\ufdfa", "é", "\u0130"):
-        assert len(tidy_line(letter * 200_000)) <= MAX_LINE
-        assert len(tidy_lines(f"{letter}\n" * 200_000)) <= MAX_TEXT
+        assert len(normalise_line(letter * 200_000)) <= MAX_LINE
+        assert len(normalise_lines(f"{letter}\n" * 200_000)) <= MAX_TEXT
         began = time.process_time()
         assert login_problem(normalise_login(letter * 200_000))
         assert time.process_time() - began < 0.5

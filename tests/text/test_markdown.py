@@ -13,14 +13,14 @@ from hypothesis import strategies as st
 from graders import typography
 from graders.typography import french
 from server.text import katex
-from server.text.markup import Source, Text
+from server.text.markup import MarkdownSource, MarkdownText
 from server.web import assets
 
-needs_katex = pytest.mark.skipif(not assets.is_built(), reason="the front end is not built here")
+needs_katex = pytest.mark.skipif(not assets.is_frontend_built(), reason="the front end is not built here")
 
 
 def html(text: str) -> str:
-    return Text(Source(text, Path("enonce.md"))).html
+    return MarkdownText(MarkdownSource(text, Path("enonce.md"))).html
 
 
 def test_a_long_text_is_written_as_a_short_one_and_not_kept() -> None:
@@ -143,8 +143,8 @@ def test_display_mathematics_of_several_lines() -> None:
 
 @needs_katex
 def test_bad_tex_says_where() -> None:
-    text = Text(Source("Un.\n\nDeux $x$ et\ntrois $\\frac{1}{$ là.\n", Path("enonce.md")))
-    (fault,) = text.faults(formulas=True)
+    text = MarkdownText(MarkdownSource("Un.\n\nDeux $x$ et\ntrois $\\frac{1}{$ là.\n", Path("enonce.md")))
+    (fault,) = text.find_faults(formulas=True)
     assert fault.line == 4
     assert "formule refusée" in fault.message
     assert "<code" in text.html, "the rest of the text can still be read"
@@ -161,7 +161,7 @@ def test_formulas_may_be_drawn_from_many_threads() -> None:
 
 
 def test_without_katex_formulas_stay_readable(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(katex, "shared_engine", lambda: None)
+    monkeypatch.setattr(katex, "shared_katex_engine", lambda: None)
     katex.drawn.clear()
     assert "<code>a &lt; \\theta</code>" in html("$a < \\theta$")
     katex.drawn.clear()

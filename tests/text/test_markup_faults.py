@@ -9,13 +9,13 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from server.text.markup import Names, Picture, Source, Text
+from server.text.markup import MarkdownSource, MarkdownText, ModuleNames, PictureSize
 from server.web import assets
 from tests.support.quick import one_in
 from tests.support.small_course import CourseFolder
 from tests.support.texts_on_disk import FIGURES, GLOSSARY, faults, page, problems, write_page
 
-needs_katex = pytest.mark.skipif(not assets.is_built(), reason="the front end is not built here")
+needs_katex = pytest.mark.skipif(not assets.is_frontend_built(), reason="the front end is not built here")
 
 BAD = {
     "unknown block": ("A\n\n::: sottise\nB\n:::\n", 3, "encadré inconnu : « sottise »"),
@@ -163,14 +163,14 @@ WORDS = st.text(st.characters(exclude_categories=["Cs", "Co"]), max_size=4)  # t
 @settings(deadline=None, max_examples=150)
 @given(st.lists(st.sampled_from(PIECES) | WORDS, max_size=25).map("".join), st.sampled_from(["", "une"]))
 def test_any_text_is_read_to_the_end_and_closes_what_it_opens(written: str, slug: str) -> None:
-    names = Names(module="m9", pictures={"trace": Picture("Une ligne.", 640, 400)}, replays={"r"})
-    text = Text(Source(written, Path("une.md"), page=slug, names=lambda: names))
-    assert text.faults(formulas=True) == tuple(sorted(text.faults(formulas=True), key=lambda one: one.line))
+    names = ModuleNames(module="m9", pictures={"trace": PictureSize("Une ligne.", 640, 400)}, replays={"r"})
+    text = MarkdownText(MarkdownSource(written, Path("une.md"), page=slug, names=lambda: names))
+    assert text.find_faults(formulas=True) == tuple(sorted(text.find_faults(formulas=True), key=lambda one: one.line))
     assert not Whole(text.html).seen & {"script", "b"}
     for heading in text.headings:
         Whole(heading.html)
     assert not any(mark in section.text for section in text.sections for mark in "\ue000\ue001\ue002")
-    Whole(Text(Source(written, Path("une.md"), names=lambda: names), inline=True).html)
+    Whole(MarkdownText(MarkdownSource(written, Path("une.md"), names=lambda: names), inline=True).html)
 
 
 class Whole(HTMLParser):
@@ -247,6 +247,6 @@ def test_nothing_in_a_page_can_run(course_folder: CourseFolder, attack: str) -> 
 
 def test_a_text_needs_no_page_around_it(course_folder: CourseFolder) -> None:
     """What an author of another kind of question may write: one paragraph, no place of its own."""
-    text = Text(Source("Le *mot* [x](page:une)", course_folder.root), inline=True)
+    text = MarkdownText(MarkdownSource("Le *mot* [x](page:une)", course_folder.root), inline=True)
     assert text.html == 'Le <em>mot</em> <a class="fault">x</a>'
-    assert [one.message for one in text.faults(formulas=True)] == ["page inconnue : « une »"]
+    assert [one.message for one in text.find_faults(formulas=True)] == ["page inconnue : « une »"]

@@ -14,7 +14,7 @@ from server.sandbox.faults import ProgramFault
 from server.sandbox.policy import Policy
 from server.sandbox.sources import require_text
 from server.steps.calls import parse_call
-from server.text.lines import tidy_line
+from server.text.lines import normalise_line
 
 #: Four classes of marks, which Unicode puts in order one by one.
 PILE = "\u0327\u0301\u0323\u0308"
@@ -26,7 +26,7 @@ def test_marks_that_a_language_writes_stay() -> None:
     assert limit_marks("a" + "\u0301" * 500 + "b") == "a" + "\u0301" * MAX_MARKS + "b"
 
 
-@pytest.mark.parametrize("read", [tidy_line, unaccented, normalise_name, normalise_login])
+@pytest.mark.parametrize("read", [normalise_line, unaccented, normalise_name, normalise_login])
 def test_reading_them_takes_linear_time(read: Callable[[str], Any]) -> None:
     def seconds(count: int) -> float:
         best = float("inf")

@@ -12,7 +12,12 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from server.text import highlight, python_colours
-from server.text.python_colours import MOST_TOKENS, colour_block, colour_lines, colour_lines_uncached
+from server.text.python_colours import (
+    MOST_TOKENS,
+    colour_python_block,
+    colour_python_lines,
+    colour_python_lines_uncached,
+)
 
 CODE = '''@np.vectorize
 def f(a: int) -> str:
@@ -66,7 +71,7 @@ def text_of(lines: list[str]) -> str:
 
 
 def test_what_has_a_colour_has_its_class() -> None:
-    drawn = colour_block(CODE)
+    drawn = colour_python_block(CODE)
     pairs = re.findall(r'<span class="(\w+)">([^<]*)</span>', drawn)
     assert {style for style, _ in pairs} <= highlight.COLOURED
     found = {html.unescape(text): style for style, text in pairs}
@@ -80,7 +85,7 @@ def test_what_has_a_colour_has_its_class() -> None:
 
 @given(st.lists(st.sampled_from(FRAGMENTS)).map("".join) | st.text())
 def test_the_text_stays_and_each_line_stands_alone(code: str) -> None:
-    lines = colour_lines(code)
+    lines = colour_python_lines(code)
     assert text_of(lines) == code.removesuffix("\n")
     assert len(lines) == code.removesuffix("\n").count("\n") + 1
     assert all(line.count("<span") == line.count("</span>") for line in lines)
@@ -94,7 +99,7 @@ def test_no_text_takes_more_than_linear_time(shape: str) -> None:
         code, best = SHAPES[shape](size), float("inf")
         for _ in range(3):
             began = time.process_time()
-            colour_lines_uncached(code)
+            colour_python_lines_uncached(code)
             best = min(best, time.process_time() - began)
         return best
 
@@ -104,7 +109,7 @@ def test_no_text_takes_more_than_linear_time(shape: str) -> None:
 @pytest.mark.parametrize("text", ["x\n" * 30_000, "#\n" * 30_000, '"a"+' * 15_000, "(" * 60_000])
 def test_a_long_file_is_coloured_for_a_bounded_number_of_tokens(text: str, monkeypatch: pytest.MonkeyPatch) -> None:
     """50 ms of everybody's processor for each view of a page, of any guest's file of 64 KB."""
-    asked, split = 0, python_colours.split_tokens
+    asked, split = 0, python_colours.split_into_coloured_tokens
 
     def count(code: str) -> Iterator[tuple[str, str]]:
         nonlocal asked
@@ -112,10 +117,10 @@ def test_a_long_file_is_coloured_for_a_bounded_number_of_tokens(text: str, monke
             asked += 1
             yield token
 
-    monkeypatch.setattr(python_colours, "split_tokens", count)
+    monkeypatch.setattr(python_colours, "split_into_coloured_tokens", count)
     text += f"# {asked} {id(monkeypatch)}"
-    assert text_of(colour_lines(text)) == text
+    assert text_of(colour_python_lines(text)) == text
     assert 0 < asked <= MOST_TOKENS
     first, asked = asked, 0
-    assert text_of(colour_lines(text)) == text
+    assert text_of(colour_python_lines(text)) == text
     assert not asked, f"{first} tokens again"

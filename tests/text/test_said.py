@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from server.text.said import message_html
+from server.text.said import cached_message_html
 
 #: A text, and its HTML.
 CASES = {
@@ -28,7 +28,7 @@ CASES = {
 
 @pytest.mark.parametrize("text", list(CASES))
 def test_a_message_is_shown_as_it_was_written(text: str) -> None:
-    assert message_html(text) == CASES[text]
+    assert cached_message_html(text) == CASES[text]
 
 
 PIECES = ["<script>", "</p>", '"', "onerror=", "```", "`", "\n", "    ", "&lt;", "<!--", "x", "[a](b)", "*", "~~~ <i>"]
@@ -37,7 +37,7 @@ PIECES = ["<script>", "</p>", '"', "onerror=", "```", "`", "\n", "    ", "&lt;",
 @settings(max_examples=60, deadline=None)
 @given(st.lists(st.sampled_from(PIECES), max_size=15).map("".join))
 def test_nothing_but_four_elements_ever_comes_out(text: str) -> None:
-    html = message_html(text)
+    html = cached_message_html(text)
     tags = re.findall(r"<[^>]*>", html)
     plain = re.compile(r"</?(p|code|pre)>|<br>|<code class=\"language-[^\"<>]*\">")
     assert [tag for tag in tags if not plain.fullmatch(tag)] == []
@@ -50,6 +50,6 @@ def test_nothing_but_four_elements_ever_comes_out(text: str) -> None:
 def test_a_message_is_rendered_once(monkeypatch: pytest.MonkeyPatch) -> None:
     """A hundred messages of a page, each of 1,300 paragraphs, were a second of everybody's processor at each view."""
     text = f"a\n\n{id(monkeypatch)}\n\n" * 3
-    html = message_html(text)
-    monkeypatch.setattr("server.text.said.render_message", lambda _text: pytest.fail("it is remembered"))
-    assert message_html(text) == html
+    html = cached_message_html(text)
+    monkeypatch.setattr("server.text.said.render_message_html", lambda _text: pytest.fail("it is remembered"))
+    assert cached_message_html(text) == html

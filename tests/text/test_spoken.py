@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import pytest
 
-from server.text.markup.text import no_names
-from server.text.prose import author_line_html
+from server.text.markup.text import no_module_names
+from server.text.prose import render_author_line
 from server.text.spoken import html_to_spoken_text
 
 
@@ -20,7 +20,7 @@ from server.text.spoken import html_to_spoken_text
     ],
 )
 def test_formulas_are_said_once(text: str, said: str) -> None:
-    assert html_to_spoken_text(author_line_html(text, no_names)) == said
+    assert html_to_spoken_text(render_author_line(text, no_module_names)) == said
 
 
 def test_a_matrix_is_said_row_by_row() -> None:

@@ -21,7 +21,7 @@ from tests.support.quick import in_a_loop
 from tests.support.small_course import CourseFolder
 
 FRONTEND = assets.SERVER / "frontend"
-CACHED = (assets.is_built, assets.build_stamp, assets._files)
+CACHED = (assets.is_frontend_built, assets.frontend_version_tag, assets._static_files_app)
 
 
 @pytest.fixture(scope="module")
@@ -128,7 +128,7 @@ def test_what_was_compressed_at_build_is_sent_so(
 
 
 def test_an_exercise_asks_for_a_hundred_kilobytes_of_script_at_most() -> None:
-    if not assets.is_built():
+    if not assets.is_frontend_built():
         pytest.skip("the front end is not built")
     sent = scripts.sent()
     assert sum(sent.values()) <= scripts.MOST, sent

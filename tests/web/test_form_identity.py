@@ -12,7 +12,7 @@ from sqlalchemy import delete, func, select
 from server.base.http import SESSION_COOKIE
 from server.identity.models import Account, BrowserSession
 from server.submissions.models import Submission
-from server.web.form_identity import decode_fields, name_account_in_forms
+from server.web.form_identity import decode_resent_fields, insert_account_key_in_forms
 from tests.support.classes import Person, person
 from tests.support.client import TestClient
 from tests.support.forms import hidden_fields
@@ -55,8 +55,8 @@ def test_every_form_of_a_page_names_its_account(site: Site, xavier: Person) -> N
 def test_only_forms_that_post_to_us_are_marked() -> None:
     page = '<form role="search" action="/q"><p>&lt;form method="post"&gt;</p></form><form method="post" class="a">'
     away = '<form method="post" action="https://moodle.example/retour">'
-    assert name_account_in_forms(away, "a") == away
-    assert name_account_in_forms(page, 'a"b') == page + '<input type="hidden" name="pour" value="a&#34;b">'
+    assert insert_account_key_in_forms(away, "a") == away
+    assert insert_account_key_in_forms(page, 'a"b') == page + '<input type="hidden" name="pour" value="a&#34;b">'
 
 
 @pytest.mark.parametrize("cookie", ["dead", "none"])
@@ -119,7 +119,7 @@ def test_a_pasted_list_is_kept_where_no_file_was_chosen(site: Site, xavier: Pers
     refused = browser.post(SEND, content=body.encode(), headers=form)
     assert refused.status_code == 401
     assert "Le fichier joint" not in refused.text
-    assert decode_fields(hidden_fields(refused.text, "/connexion")["reprise"]) == [("code", CODE)]
+    assert decode_resent_fields(hidden_fields(refused.text, "/connexion")["reprise"]) == [("code", CODE)]
     chosen = {"fichier": ("liste.csv", b"nom", "text/csv")}
     assert "Le fichier joint n’a pas été gardé" in browser.post(SEND, data={"pour": pour}, files=chosen).text
 
@@ -172,11 +172,11 @@ def test_who_was_signed_out_may_send_as_a_guest_when_told_so(site: Site, xavier:
 
 @pytest.mark.parametrize("text", ["", "{", "[1]", '[["a"]]', '[["a", 1]]', '{"a": "b"}', "[" * 100_000])
 def test_resent_fields_that_are_no_fields_are_nothing(text: str) -> None:
-    assert decode_fields(text) is None
+    assert decode_resent_fields(text) is None
 
 
 def test_passwords_are_not_sent_again() -> None:
-    assert decode_fields('[["password", "x"], ["code", "y"]]') == [("code", "y")]
+    assert decode_resent_fields('[["password", "x"], ["code", "y"]]') == [("code", "y")]
 
 
 def test_a_request_that_is_cut_off_is_no_request(site: Site, xavier: Person) -> None:

@@ -14,8 +14,8 @@ from graders.core.code.grading import CodeGrader
 from graders.core.contract.local import LOCAL
 from graders.core.contract.streams import stream
 from server.course import FunctionSpec
-from server.web.replay_code import replay_code
-from server.web.verdicts import verdict_view
+from server.web.replay_code import write_replay_code
+from server.web.verdicts import build_verdict_view
 from tests.support.quick import the_course
 
 KIT = str(Path(__file__).parents[2] / "curriculum" / "l20" / "kit")
@@ -33,7 +33,7 @@ def test_a_counterexample_is_a_program(exercise: str, monkeypatch: pytest.Monkey
     assert isinstance(known.grader, CodeGrader)
     verdict = known.grader.grade(source.encode(), LOCAL, seed=5, version="v").verdict
     kit = known.grader.kit(stream(5, "kit"))
-    view = verdict_view(verdict, "/figures", functions=known.functions, world=(kit, known.solution))
+    view = build_verdict_view(verdict, "/figures", functions=known.functions, world=(kit, known.solution))
     codes = [
         check.counterexample.code
         for check, judged in zip(view.checks, verdict.checks, strict=True)
@@ -51,9 +51,9 @@ def test_a_counterexample_is_a_program(exercise: str, monkeypatch: pytest.Monkey
 
 def test_what_was_cut_short_is_no_program() -> None:
     functions = [FunctionSpec("f", "f(x)", "", "")]
-    assert replay_code({"x": {"forme": [40, 50], "premiers": [1.5]}}, functions, None) == ""
-    assert replay_code({"x": [1.0, 2.0]}, functions, None) == (
+    assert write_replay_code({"x": {"forme": [40, 50], "premiers": [1.5]}}, functions, None) == ""
+    assert write_replay_code({"x": [1.0, 2.0]}, functions, None) == (
         "import numpy as np\nx = np.array([1.0, 2.0])\nprint(f(x))"
     )
     sparse = {"x (2, 3), cases (y, x) non nulles": {"(1, 2)": 0.5}}
-    assert "x = np.zeros((2, 3))\nx[1, 2] = 0.5\nprint(f(x))" in replay_code(sparse, functions, None)
+    assert "x = np.zeros((2, 3))\nx[1, 2] = 0.5\nprint(f(x))" in write_replay_code(sparse, functions, None)

@@ -9,9 +9,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from server.text.plain import show_invisible_characters
-from server.web.rendering import jinja_environment, ticks
-from server.web.values import MAX_ROWS, ValueView, inputs_as_code, value_view, value_view_pair
-from server.web.words import format_mark, format_points, plural
+from server.web.rendering import jinja_environment, render_backquotes_as_code
+from server.web.values import MAX_ROWS, ValueView, build_value_view, build_value_view_pair, write_inputs_as_code
+from server.web.words import count_with_noun, format_mark, format_points
 
 SHOW = '{% from "values.html" import show %}{{ show(value) }}'
 numbers = (
@@ -31,7 +31,7 @@ def shown(value: ValueView) -> str:
 
 
 def cells(value: Any, expected: Any = None) -> list[list[str]]:
-    return [[cell.text for cell in row] for row in value_view(value, expected).rows]
+    return [[cell.text for cell in row] for row in build_value_view(value, expected).rows]
 
 
 def test_vectors_and_matrices_are_tables_in_french() -> None:
@@ -42,31 +42,31 @@ def test_vectors_and_matrices_are_tables_in_french() -> None:
 def test_what_differs_from_the_expected_is_marked() -> None:
     odd = [
         [cell.odd for cell in row]
-        for row in value_view([[1, 2], [3, "nan"]], expected=[[1, 5], [3.0000000001, 4]]).rows
+        for row in build_value_view([[1, 2], [3, "nan"]], expected=[[1, 5], [3.0000000001, 4]]).rows
     ]
     assert odd == [[False, True], [False, True]]
-    assert not any(cell.odd for cell in value_view([1, 2], expected=[1, 2, 3]).rows[0])
+    assert not any(cell.odd for cell in build_value_view([1, 2], expected=[1, 2, 3]).rows[0])
 
 
 def test_values_side_by_side_have_the_digits_that_tell_them_apart() -> None:
     """Only numbers that differ get more digits, and a gap below six digits is marked when it is all that differs."""
-    expected, got = value_view_pair([-0.25, -2.1415926536], [-0.25, -2.1415926464])
+    expected, got = build_value_view_pair([-0.25, -2.1415926536], [-0.25, -2.1415926464])
     texts = [[cell.text for cell in row] for view in (expected, got) for row in view.rows]
     assert texts == [["−0,25", "−2,1415926536"], ["−0,25", "−2,1415926464"]]
     assert [cell.odd for cell in got.rows[0]] == [False, True]
     assert not any(cell.odd for cell in expected.rows[0])
-    number, other = value_view_pair(1.0, 1.00000001)
+    number, other = build_value_view_pair(1.0, 1.00000001)
     assert number.text != other.text
-    listed, others = value_view_pair([[1.0, 2.0], 3.0], [[1.0, 2.00000001], 3.0])
+    listed, others = build_value_view_pair([[1.0, 2.0], 3.0], [[1.0, 2.00000001], 3.0])
     assert listed.items[0][1].rows[0][1].text != others.items[0][1].rows[0][1].text
-    assert value_view_pair(["a", None], [10**400, True])
+    assert build_value_view_pair(["a", None], [10**400, True])
 
 
 def test_large_values_are_cut_and_say_so() -> None:
-    big = value_view([[0.0] * 30] * 40)
+    big = build_value_view([[0.0] * 30] * 40)
     assert len(big.rows) == MAX_ROWS
     assert "40 × 30" in big.note
-    assert "tableau de forme 40 × 50" in value_view({"forme": [40, 50], "premiers": [1.5]}).text
+    assert "tableau de forme 40 × 50" in build_value_view({"forme": [40, 50], "premiers": [1.5]}).text
 
 
 def test_a_counterexample_is_short_and_shows_where_it_differs() -> None:
@@ -74,22 +74,22 @@ def test_a_counterexample_is_short_and_shows_where_it_differs() -> None:
     expected = [[0.0] * 24 for _ in range(16)]
     got = [row[:] for row in expected]
     got[11][3] = 0.5
-    left, right = value_view_pair(expected, got)
+    left, right = build_value_view_pair(expected, got)
     for view in (left, right):
         assert len(view.rows) == 3
         assert view.note == "16 × 24, seules les lignes d’indices 10 à 12 sont montrées"
     assert [cell.text for row in right.rows for cell in row if cell.odd] == ["0,5"]
-    edges = value_view([[0, 1, [0.1, 0.2, 0.3]]] * 30, short=True)
+    edges = build_value_view([[0, 1, [0.1, 0.2, 0.3]]] * 30, short=True)
     assert (len(edges.items), edges.note) == (4, "et 26 autres")
 
 
 def test_grids_of_truth_values_are_drawn_as_maps() -> None:
-    plan = value_view([[True, False], [False, True]])
+    plan = build_value_view([[True, False], [False, True]])
     assert (plan.kind, plan.text) == ("plan", ".#\n#.")
 
 
 def test_lists_that_are_no_matrix() -> None:
-    mixed = value_view([[[1, 0], [0, 1]], [1, 2]], expected=[[[1, 0], [0, 1]], [1, 3]])
+    mixed = build_value_view([[[1, 0], [0, 1]], [1, 2]], expected=[[[1, 0], [0, 1]], [1, 3]])
     assert mixed.kind == "list"
     assert mixed.items[1][1].rows[0][1].odd
 
@@ -97,7 +97,7 @@ def test_lists_that_are_no_matrix() -> None:
 @settings(deadline=None, max_examples=60)
 @given(json_values, json_values)
 def test_any_json_can_be_shown(value: Any, expected: Any) -> None:
-    assert shown(value_view(value, expected))
+    assert shown(build_value_view(value, expected))
 
 
 @settings(deadline=None, max_examples=60)
@@ -110,14 +110,14 @@ def test_replayed_lines_give_the_same_inputs(inputs: dict[str, Any]) -> None:
     import numpy as np
 
     names: dict[str, Any] = {"np": np}
-    exec(inputs_as_code(inputs), names)
+    exec(write_inputs_as_code(inputs), names)
     for name, value in inputs.items():
         wanted = np.array(value, dtype=float) if value not in ("nan", "inf", "-inf") else float(value)
         np.testing.assert_array_equal(np.asarray(names[name], dtype=float), wanted)
 
 
 def test_an_edge_of_a_graph_is_replayed_with_its_arrays() -> None:
-    lines = inputs_as_code({"aretes": [[0, 1, [1.0, "nan"], [[1, 0], [0, 2]]], [1, 2, [3], [[1, 0]]]]})
+    lines = write_inputs_as_code({"aretes": [[0, 1, [1.0, "nan"], [[1, 0], [0, 2]]], [1, 2, [3], [[1, 0]]]]})
     assert lines == (
         "aretes = [[0, 1, np.array([1.0, np.nan]), np.array([[1, 0], [0, 2]])], "
         "[1, 2, np.array([3]), np.array([[1, 0]])]]"
@@ -125,8 +125,8 @@ def test_an_edge_of_a_graph_is_replayed_with_its_arrays() -> None:
 
 
 def test_a_value_cut_short_cannot_be_replayed() -> None:
-    assert inputs_as_code({"a": 1, "b": [{"forme": [900], "premiers": [1]}]}) == ""
-    assert inputs_as_code({"argument 1": 3}) == ""
+    assert write_inputs_as_code({"a": 1, "b": [{"forme": [900], "premiers": [1]}]}) == ""
+    assert write_inputs_as_code({"argument 1": 3}) == ""
 
 
 @pytest.mark.parametrize("strange", ["\x1b[31m", "\u202e", "\u2066", "\u200b", "\ufeff", "\x00", "\x7f", "\U000e0041"])
@@ -148,7 +148,7 @@ def test_visible_text_is_stable_and_keeps_what_can_be_seen(text: str) -> None:
 
 @pytest.mark.parametrize("attack", ["<b>x</b>", "`<b>`", "{{ 7 * 7 }}", "`<script>`x`</script>`", '"><svg onload=x>'])
 def test_a_message_is_never_markup(attack: str) -> None:
-    html = str(ticks(attack))
+    html = str(render_backquotes_as_code(attack))
     assert "<b>" not in html
     assert "<script>" not in html
     assert "<svg" not in html
@@ -156,12 +156,12 @@ def test_a_message_is_never_markup(attack: str) -> None:
 
 
 def test_ticks_mark_code() -> None:
-    assert str(ticks("appelez `f(x)` ici")) == "appelez <code>f(x)</code> ici"
-    assert str(ticks("un ` seul")) == "un ` seul"
+    assert str(render_backquotes_as_code("appelez `f(x)` ici")) == "appelez <code>f(x)</code> ici"
+    assert str(render_backquotes_as_code("un ` seul")) == "un ` seul"
 
 
 def test_numbers_in_words() -> None:
-    assert [plural(count, "essai") for count in (0, 1, 2)] == ["0 essai", "1 essai", "2 essais"]
+    assert [count_with_noun(count, "essai") for count in (0, 1, 2)] == ["0 essai", "1 essai", "2 essais"]
     assert [format_points(value) for value in (20, 12.5, 0, 6.6667)] == ["20", "12,5", "0", "6,67"]
 
 

@@ -29,7 +29,9 @@ PAIR = [FunctionSpec("kabsch", "kabsch(P, Q)", "", "", ("R", "t")), FunctionSpec
 def test_what_is_returned_together_is_named(inputs: dict[str, object], expected: object, names: list[str]) -> None:
     counterexample = {"inputs": inputs, "expected": expected, "got": expected}
     check = CheckResult.from_json({**CHECK, "counterexample": counterexample})
-    view = verdicts.verdict_view(Verdict("m9/a", "abc", Outcome.WRONG_ANSWER, 1, [check]), "/figures", functions=PAIR)
+    view = verdicts.build_verdict_view(
+        Verdict("m9/a", "abc", Outcome.WRONG_ANSWER, 1, [check]), "/figures", functions=PAIR
+    )
     example = view.checks[0].counterexample
     assert example is not None
     for value in (example.expected, example.got):
@@ -41,13 +43,13 @@ def test_what_is_returned_together_is_named(inputs: dict[str, object], expected:
 def test_what_can_be_replayed_is_offered_under_its_counterexample(which: tuple[str, ...], buttons: int) -> None:
     check = CheckResult.from_json({**CHECK, "counterexample": {"inputs": {"x": 1}, "expected": 1, "got": 2}})
     verdict = Verdict("m9/a", "abc", Outcome.WRONG_ANSWER, 1, [check])
-    view = verdicts.verdict_view(verdict, "/figures", replayed=("/soumissions/1/pas", which))
+    view = verdicts.build_verdict_view(verdict, "/figures", replayed=("/soumissions/1/pas", which))
     html = jinja_environment().from_string(SHOW).render(verdict=view)
     assert html.count(f'data-steps="/soumissions/1/pas" data-check="{check.id}"') == buttons
 
 
 def test_what_a_right_program_measured_is_read_without_a_click() -> None:
     check = CheckResult("a", "Le graphe", True, 20, 20, "L’ATE passe de 0,19 m à 0,10 m.")
-    view = verdicts.verdict_view(Verdict("m9/a", "abc", Outcome.OK, 1, [check]), "/figures")
+    view = verdicts.build_verdict_view(Verdict("m9/a", "abc", Outcome.OK, 1, [check]), "/figures")
     html = jinja_environment().from_string(SHOW).render(verdict=view)
     assert '</div><p class="check-why small">L’ATE passe de' in html

@@ -13,7 +13,7 @@ from server.cli.admin.answer import Answer, account_json, account_label
 from server.database import Database
 from server.identity import administration, links, repository, tokens
 from server.identity.models import ApiToken, BrowserSession
-from server.web.words import iso_moment, plural
+from server.web.words import count_with_noun, format_iso_time
 
 #: A session's name is a prefix of its token digest: enough to identify it, useless to authenticate.
 NAME_LENGTH = 12
@@ -25,10 +25,11 @@ def list_sessions(database: Database, _settings: Settings, arguments: Namespace)
         account = links.find_account_by_login_or_id(db, arguments.login)
         open_sessions = repository.load_sessions(db, account.id)
     lines = [
-        f"  {_name(session)} : depuis {iso_moment(session.created_at)}, jusqu’à {iso_moment(session.expires_at)}"
+        f"  {_name(session)} : depuis {format_iso_time(session.created_at)}, "
+        f"jusqu’à {format_iso_time(session.expires_at)}"
         for session in open_sessions
     ]
-    end = f"{account_label(account)} : {plural(len(open_sessions), 'session ouverte', 'sessions ouvertes')}."
+    end = f"{account_label(account)} : {count_with_noun(len(open_sessions), 'session ouverte', 'sessions ouvertes')}."
     return Answer(
         [*lines, end], {**account_json(account), "sessions": [_session(session) for session in open_sessions]}
     )
@@ -39,7 +40,7 @@ def list_tokens(database: Database, _settings: Settings, arguments: Namespace) -
         account = links.find_account_by_login_or_id(db, arguments.login)
         api_tokens = tokens.load_tokens(db, account)
     lines = [f"  {token.id} : « {token.label} », {_served(token.last_used_at)}" for token in api_tokens]
-    end = f"{account_label(account)} : {plural(len(api_tokens), 'jeton')}."
+    end = f"{account_label(account)} : {count_with_noun(len(api_tokens), 'jeton')}."
     return Answer([*lines, end], {**account_json(account), "tokens": [_token(token) for token in api_tokens]})
 
 
@@ -65,7 +66,7 @@ def revoke(database: Database, _settings: Settings, arguments: Namespace) -> Ans
                     raise NotFound(missing) from error
         journal.record(db, AuditAction.access_revoked, account, after={"accesses": count})
     return Answer(
-        [f"{account_label(account)} : {plural(count, 'accès révoqué', 'accès révoqués')}."], {"revoked": count}
+        [f"{account_label(account)} : {count_with_noun(count, 'accès révoqué', 'accès révoqués')}."], {"revoked": count}
     )
 
 
@@ -83,4 +84,4 @@ def _token(token: ApiToken) -> dict[str, object]:
 
 
 def _served(when: datetime | None) -> str:
-    return "jamais utilisé" if when is None else f"utilisé pour la dernière fois {iso_moment(when)}"
+    return "jamais utilisé" if when is None else f"utilisé pour la dernière fois {format_iso_time(when)}"

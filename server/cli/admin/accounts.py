@@ -10,7 +10,7 @@ from server.cli.admin.answer import ROLES, Answer, account_json, account_label
 from server.database import Database
 from server.identity import administration, links, repository
 from server.identity.models import Role
-from server.web.words import plural
+from server.web.words import count_with_noun
 
 BEHIND = "À mettre derrière l’adresse du service (--server URL l’ajoute)."
 
@@ -24,7 +24,10 @@ def create(database: Database, settings: Settings, arguments: Namespace) -> Answ
     label = f"{account_label(account)}, {ROLES[account.role]}"
     first = f"Compte créé : {label}. Son premier mot de passe se choisit par ce lien, qui"
     return _link(
-        f"{first} ne sert qu’une fois, pendant {plural(days, 'jour')} :", token, arguments, account_json(account)
+        f"{first} ne sert qu’une fois, pendant {count_with_noun(days, 'jour')} :",
+        token,
+        arguments,
+        account_json(account),
     )
 
 
@@ -32,7 +35,7 @@ def reset_link(database: Database, settings: Settings, arguments: Namespace) -> 
     with database.write() as db:
         account, token = links.create_reset_link(db, arguments.login, settings)
         journal.record(db, AuditAction.password_link_made, account)
-    hours = plural(settings.password_link_hours, "heure")
+    hours = count_with_noun(settings.password_link_hours, "heure")
     line = f"Pour {account_label(account)} : ce lien ne sert qu’une fois, et pendant {hours}."
     return _link(line, token, arguments, account_json(account))
 
@@ -43,7 +46,9 @@ def invite(database: Database, settings: Settings, arguments: Namespace) -> Answ
     with database.write() as db:
         token = links.create_invitation(db, role, timedelta(days=days))
         journal.record(db, AuditAction.invitation_made, after={"role": role})
-    line = f"Ce lien ouvre un compte d’{ROLES[role]} ; il ne sert qu’une fois, et pendant {plural(days, 'jour')}."
+    line = (
+        f"Ce lien ouvre un compte d’{ROLES[role]} ; il ne sert qu’une fois, et pendant {count_with_noun(days, 'jour')}."
+    )
     return _link(line, token, arguments, {"role": role}, page="bienvenue")
 
 
@@ -89,5 +94,5 @@ def list_accounts(database: Database, _settings: Settings, arguments: Namespace)
         f"  {account_label(account)} : {ROLES[account.role]}{', suspendu' if account.disabled_at else ''}"
         for account in shown
     ]
-    end = f"{plural(len(shown), 'compte')}{' ; il y en a d’autres (--most, --search)' if more else ''}."
+    end = f"{count_with_noun(len(shown), 'compte')}{' ; il y en a d’autres (--most, --search)' if more else ''}."
     return Answer([*lines, end], {"accounts": [account_json(account) for account in shown], "more": more})

@@ -16,7 +16,7 @@ from server.base.settings import Settings
 from server.cli.admin.answer import Answer
 from server.database import Database
 from server.identity.models import Account
-from server.web.words import iso_moment, plural, short_moment
+from server.web.words import count_with_noun, format_iso_time, format_short_time
 
 
 def record(
@@ -59,11 +59,11 @@ def show_log(database: Database, _settings: Settings, arguments: Namespace) -> A
         total = repository.count_server_entries(db)
     lines, data = [], []
     for entry in entries:
-        changes = describe_changes(entry.before, entry.after, short_moment)
+        changes = describe_changes(entry.before, entry.after, format_short_time)
         subject = f" : {entry.student.name}" if entry.student else ""
         author = f", par {entry.by.name}" if entry.by else ""
         details = f" ({' ; '.join(map(str, changes))})" if changes else ""
-        lines.append(f"  {iso_moment(entry.at)} {entry.words}{subject}{details}{author} [{entry.about}]")
+        lines.append(f"  {format_iso_time(entry.at)} {entry.words}{subject}{details}{author} [{entry.about}]")
         data.append(
             {
                 "at": entry.at,
@@ -75,5 +75,9 @@ def show_log(database: Database, _settings: Settings, arguments: Namespace) -> A
                 "after": entry.after,
             }
         )
-    shown = f"{plural(len(entries), 'action')} sur {total}." if total > len(entries) else f"{plural(total, 'action')}."
+    shown = (
+        f"{count_with_noun(len(entries), 'action')} sur {total}."
+        if total > len(entries)
+        else f"{count_with_noun(total, 'action')}."
+    )
     return Answer([*lines, shown], {"actions": data, "total": total})

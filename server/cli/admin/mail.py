@@ -13,7 +13,7 @@ from server.cli.admin.answer import Answer
 from server.database import Database, utc_now
 from server.mails import repository, service, smtp
 from server.mails.errors import MailError
-from server.web.words import plural, short_moment
+from server.web.words import count_with_noun, format_short_time
 
 DAYS, SHOWN = 30, 10
 NOT_SET = "aucun serveur de courriel n’est réglé : voyez BALISE_SMTP_HOST, dans la page « Les courriels » des docs."
@@ -40,10 +40,10 @@ def mail(database: Database, settings: Settings, arguments: Namespace) -> Answer
     sent, waiting = counts.get("sent", 0), counts.get("waiting", 0)
     refused = counts.get("refused", 0) + counts.get("unknown", 0)
     lines.append(
-        f"Depuis {DAYS} jours : {plural(sent, 'courriel envoyé', 'courriels envoyés')}, {waiting} en attente, "
-        f"{plural(refused, 'échec')}."
+        f"Depuis {DAYS} jours : {count_with_noun(sent, 'courriel envoyé', 'courriels envoyés')}, {waiting} en attente, "
+        f"{count_with_noun(refused, 'échec')}."
     )
-    lines += [f"  {short_moment(delivery.created_at)}, {name} : {delivery.reason}" for delivery, name in problems]
+    lines += [f"  {format_short_time(delivery.created_at)}, {name} : {delivery.reason}" for delivery, name in problems]
     data = [
         {"at": delivery.created_at, "class": name, "state": delivery.state, "reason": delivery.reason}
         for delivery, name in problems

@@ -18,13 +18,13 @@ from server.personal.service import PURGE_BATCH, PersonalDataService
 from server.queue.interfaces import NullNotifier
 from server.queue.service import TableQueue
 from server.submissions.service import SubmissionService
-from server.web.words import plural
+from server.web.words import count_with_noun
 
 
 def recount_standings(database: Database, _settings: Settings, _arguments: Namespace) -> Answer:
     total, changed = gradebook.rebuild_all_standings(database)
     journal.record_now(database, AuditAction.standings_rebuilt, after={"corrected": changed})
-    corrected = plural(changed, "ligne corrigée", "lignes corrigées")
+    corrected = count_with_noun(changed, "ligne corrigée", "lignes corrigées")
     line = f"Bilans refaits d’après l’historique des corrections : {corrected}, {total} en tout."
     return Answer([line], {"standings": total, "changed": changed})
 
@@ -38,7 +38,7 @@ def purge(database: Database, settings: Settings, arguments: Namespace) -> Answe
     if arguments.yes:
         journal.record_now(database, AuditAction.accounts_purged, after={"accounts": len(found)})
     more = len(found) == PURGE_BATCH
-    end = plural(len(found), "compte effacé", "comptes effacés") if arguments.yes else _to_erase(len(found))
+    end = count_with_noun(len(found), "compte effacé", "comptes effacés") if arguments.yes else _to_erase(len(found))
     lines = [
         *(f"  {account_label(account)}" for account in found),
         f"{end}{' ; recommencez pour la suite' if more else ''}.",
@@ -47,7 +47,8 @@ def purge(database: Database, settings: Settings, arguments: Namespace) -> Answe
 
 
 def _to_erase(count: int) -> str:
-    return f"{plural(count, 'compte à effacer', 'comptes à effacer')} : le service le fait de lui-même, --yes aussi"
+    counted = count_with_noun(count, "compte à effacer", "comptes à effacer")
+    return f"{counted} : le service le fait de lui-même, --yes aussi"
 
 
 def erase(database: Database, settings: Settings, arguments: Namespace) -> Answer:
@@ -64,18 +65,18 @@ def erase(database: Database, settings: Settings, arguments: Namespace) -> Answe
             journal.record(db, AuditAction.erasure_cancelled, account)
         return Answer([f"{person} : effacement annulé."], {**account_json(account), "cancelled": True})
     counts = [
-        plural(shown.attempts, "essai"),
-        plural(shown.marks, "note saisie", "notes saisies"),
-        plural(shown.messages, "message"),
-        plural(shown.sittings, "contrôle commencé", "contrôles commencés"),
-        plural(shown.classes, "classe"),
+        count_with_noun(shown.attempts, "essai"),
+        count_with_noun(shown.marks, "note saisie", "notes saisies"),
+        count_with_noun(shown.messages, "message"),
+        count_with_noun(shown.sittings, "contrôle commencé", "contrôles commencés"),
+        count_with_noun(shown.classes, "classe"),
     ]
     lines = [f"{person} : {', '.join(counts)}. Restent le journal des classes, sans son nom, et les sauvegardes."]
     if arguments.yes:
         journal.record_now(database, AuditAction.erasure_requested, account, after={"attempts": shown.attempts})
     done = arguments.yes and _personal(database, settings).erase_on_request(account.id)
     if shown.tests:
-        when = f"à leur publication, et au plus tard dans {plural(settings.erasure_days, 'jour')}"
+        when = f"à leur publication, et au plus tard dans {count_with_noun(settings.erasure_days, 'jour')}"
         lines.append(f"Résultats à publier d’abord : {', '.join(shown.tests)}. L’effacement se fait {when}.")
     end = "effacé" if done else "effacement demandé" if arguments.yes else "rien n’est effacé sans --yes"
     data = {**account_json(account), "attempts": shown.attempts, "marks": shown.marks, "messages": shown.messages}
@@ -91,9 +92,10 @@ def purge_guests(database: Database, settings: Settings, arguments: Namespace) -
         journal.record_now(database, AuditAction.guests_purged, after={"accounts": count})
     done = "effacé" if arguments.yes else "à effacer, avec --yes"
     many = "effacés" if arguments.yes else done
-    kind = plural(count, f"invité sans travail {done}", f"invités sans travail {many}")
+    kind = count_with_noun(count, f"invité sans travail {done}", f"invités sans travail {many}")
     return Answer(
-        [f"{kind}, d’il y a plus de {plural(arguments.days, 'jour')}."], {"guests": count, "erased": arguments.yes}
+        [f"{kind}, d’il y a plus de {count_with_noun(arguments.days, 'jour')}."],
+        {"guests": count, "erased": arguments.yes},
     )
 
 
@@ -102,7 +104,7 @@ def requeue(database: Database, settings: Settings, arguments: Namespace) -> Ans
     submissions = SubmissionService(settings, TableQueue(NullNotifier()))
     found = requeuing.requeue_for_grading(database, submissions, failed=arguments.failed, names=arguments.submissions)
     journal.record_now(database, AuditAction.submissions_requeued, after={"attempts": len(found)})
-    line = f"{plural(len(found), 'essai remis', 'essais remis')} dans la file de correction."
+    line = f"{count_with_noun(len(found), 'essai remis', 'essais remis')} dans la file de correction."
     return Answer([*(f"  {name}" for name in found), line], {"requeued": found})
 
 

@@ -20,7 +20,7 @@ from server.identity.dependencies import SignedIn
 from server.rights import service as rights
 from server.rights.models import Right
 from server.web.dependencies import CurrentReader
-from server.web.form_version import VERSION_FIELD, require_version
+from server.web.form_version import VERSION_FIELD, require_form_version
 from server.web.forms import FormFields, redirect, redirect_to_login
 from server.web.rendering import render_page
 
@@ -68,7 +68,7 @@ def grant_exemption(
     try:
         whom, wanted = assignment_forms.parse_exemption(fields)
         version = exemption_views.exemptions_version(db, found)
-        require_version(fields, account, version, EXEMPTIONS_CHANGED, GRANT_ANYWAY)
+        require_form_version(fields, account, version, EXEMPTIONS_CHANGED, GRANT_ANYWAY)
         members = classes.load_members(db, access.school_class.id)
         exemption_service.grant_exemptions(
             db, access.school_class, account.id, found, members, whom, wanted, replacing=values.replace

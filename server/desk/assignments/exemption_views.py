@@ -44,9 +44,9 @@ from server.marks.cells import write_french_csv
 from server.rights.models import Right
 from server.rights.service import ClassAccess
 from server.text.plain import show_invisible_characters
-from server.web.form_version import version_of
-from server.web.time_warnings import time_warnings
-from server.web.words import short_moment
+from server.web.form_version import form_version_tag
+from server.web.time_warnings import compute_time_warnings
+from server.web.words import format_short_time
 
 ORDERS = ("eleve", "date")
 NOBODY = "La classe n’a pas encore d’élève."
@@ -85,14 +85,14 @@ def build_exemptions_page(
             (names[name], words.format_field_value(name, getattr(assignment, name)))
             for name in ("opens_at", "due_at", "closes_at")
         ),
-        warnings=time_warnings(db, assignment, exemptions, members),
+        warnings=compute_time_warnings(db, assignment, exemptions, members),
     )
 
 
 def exemptions_version(db: Session, assignment: Assignment) -> str:
     """Return the version tag of the exemptions in force."""
     active = repository.load_exemptions(db, [assignment.id]).get(assignment.id, ())
-    return version_of({str(exemption.id): "" for exemption in active})
+    return form_version_tag({str(exemption.id): "" for exemption in active})
 
 
 def _sorted_rows(
@@ -124,7 +124,7 @@ def _exemption_row(assignment: Assignment, each: Exemption, places: Mapping[UUID
         effects=tuple(_described_effects(assignment, each)),
         reason=each.reason,
         by=author[1].name if author else "",
-        made=replace(format_date(each.created_at), text=short_moment(each.created_at)),
+        made=replace(format_date(each.created_at), text=format_short_time(each.created_at)),
         revoked=format_date(each.revoked_at),
     )
 
@@ -195,11 +195,11 @@ def _sitting_sentence(found: Sitting | None, rules: Rules) -> str:
     """A sentence on a test: what the rules come to for who has begun it."""
     if found is None:
         return "Pas encore commencé."
-    began, end = f"Commencé le {short_moment(found.began_at)}", sitting_end(rules, found)
+    began, end = f"Commencé le {format_short_time(found.began_at)}", sitting_end(rules, found)
     if is_sitting_running(rules, found, utc_now()):
-        return f"{began} ; fin le {short_moment(end)}." if end else f"{began} ; sans heure de fin."
+        return f"{began} ; fin le {format_short_time(end)}." if end else f"{began} ; sans heure de fin."
     ended = "rendu" if found.ended_by == EndedBy.student else "temps écoulé"
-    return f"{began} ; {ended} le {short_moment(end)}." if end else f"{began}."
+    return f"{began} ; {ended} le {format_short_time(end)}." if end else f"{began}."
 
 
 ORIGIN_WORDS = {

@@ -19,7 +19,7 @@ from server.desk.assignments import words
 from server.desk.assignments.exemption_schemas import ExemptionValues
 from server.desk.assignments.schemas import AssignmentValues
 from server.desk.assignments.words import format_number
-from server.text.lines import tidy_line
+from server.text.lines import normalise_line
 
 NO_NUMBER = "{what} : « {text} » n’est pas un nombre."
 NO_CHOICE = "Ce choix n’est pas proposé."
@@ -70,7 +70,7 @@ class _FormReader:
 def field_text(fields: FormData, name: str) -> str:
     """Of a field that may be absent, or a file."""
     given = fields.get(name, "")
-    return tidy_line(given[:MAX_FIELD_CHARACTERS]) if isinstance(given, str) else ""
+    return normalise_line(given[:MAX_FIELD_CHARACTERS]) if isinstance(given, str) else ""
 
 
 def _parse_number(text: str, what: str) -> float | None:
@@ -144,7 +144,9 @@ def checked_groups(fields: FormData) -> tuple[str, ...]:
     """The groups that are ticked, unless the assignment is for the whole class."""
     if field_text(fields, "donne_a") != "groupes":
         return ()
-    return tuple(tidy_line(name[:MAX_FIELD_CHARACTERS]) for name in fields.getlist("groupe") if isinstance(name, str))
+    return tuple(
+        normalise_line(name[:MAX_FIELD_CHARACTERS]) for name in fields.getlist("groupe") if isinstance(name, str)
+    )
 
 
 def submitted_assignment_values(fields: FormData) -> AssignmentValues:

@@ -12,7 +12,7 @@ from markupsafe import Markup, escape
 from server.assignments.models import LatePolicy
 from server.assignments.rules import DAY, MAX_POINTS, Rules
 from server.base import school_time
-from server.web.words import format_points, long_moment
+from server.web.words import format_long_time, format_points
 
 WIDTH, HEIGHT = 420.0, 196.0
 LEFT, RIGHT, TOP, BOTTOM = 34.0, 410.0, 14.0, 142.0
@@ -140,16 +140,16 @@ def _sentences(rules: Rules) -> Iterator[str]:
         yield from _test_sentences(rules)
         return
     if due is None:
-        until = f"jusqu’au {long_moment(closes)}" if closes else "sans limite"
-        yield f"À partir du {long_moment(opens)}, {until}, aucun retard n’est compté."
+        until = f"jusqu’au {format_long_time(closes)}" if closes else "sans limite"
+        yield f"À partir du {format_long_time(opens)}, {until}, aucun retard n’est compté."
         if closes:
             yield "Ensuite, plus rien ne compte."
         return
-    yield f"Du {long_moment(opens)} au {long_moment(due)}, tout compte en entier."
+    yield f"Du {format_long_time(opens)} au {format_long_time(due)}, tout compte en entier."
     if rules.late is LatePolicy.refuse or (closes is not None and closes <= due):
         yield "Ensuite, plus rien ne compte."
         return
-    until = f"jusqu’au {long_moment(closes)}" if closes else "sans limite"
+    until = f"jusqu’au {format_long_time(closes)}" if closes else "sans limite"
     if rules.late is LatePolicy.accept:
         yield f"Ensuite, {until}, un envoi compte en entier et il est marqué en retard."
     else:
@@ -163,9 +163,9 @@ def _test_sentences(rules: Rules) -> Iterator[str]:
     due, closes = rules.due_at, rules.closes_at
     first = min((end for end in (due, closes) if end is not None), default=None)
     begun = (
-        f"du {long_moment(rules.opens_at)} au {long_moment(first)}"
+        f"du {format_long_time(rules.opens_at)} au {format_long_time(first)}"
         if first
-        else f"dès le {long_moment(rules.opens_at)}"
+        else f"dès le {format_long_time(rules.opens_at)}"
     )
     yield f"Commencé {begun}, tout ce qui est envoyé jusqu’à sa fin compte en entier."
     if due is not None and (closes is None or closes > due):

@@ -25,7 +25,7 @@ from server.identity.dependencies import SignedIn
 from server.rights import service as rights
 from server.rights.models import Right
 from server.web.dependencies import CurrentReader
-from server.web.form_version import VERSION_FIELD, require_same_version, version_of
+from server.web.form_version import VERSION_FIELD, form_version_tag, require_unchanged_values
 from server.web.forms import FormFields, redirect, redirect_to_login
 from server.web.rendering import render_page
 
@@ -124,7 +124,7 @@ def show_edit_form(request: Request, class_id: str, aid: str, reader: CurrentRea
     found = editing.find_assignment(reader.db, access.school_class, aid)
     wanted = editing.load_editable_fields(reader.db, found)
     values = assignment_forms.stored_assignment_values(wanted)
-    version = version_of(assignment_forms.assignment_texts(values))
+    version = form_version_tag(assignment_forms.assignment_texts(values))
     view = assignment_views.build_form_page(
         reader.db, reader.course, access, values, assignment=found, drawn=wanted, version=version
     )
@@ -145,7 +145,7 @@ def update_assignment(
         wanted = assignment_forms.parse_assignment(fields, before)
         if not fields.get("apercu"):
             stored = assignment_forms.assignment_texts(assignment_forms.stored_assignment_values(before))
-            require_same_version(fields, account, SUBJECT, stored, assignment_forms.assignment_texts(values))
+            require_unchanged_values(fields, account, SUBJECT, stored, assignment_forms.assignment_texts(values))
             editing.update_assignment(db, course, access.school_class, account.id, found, wanted)
             return redirect(assignment_views.assignment_href(found))
         known = {each.exercise: each.exercise for each in before.exercises}

@@ -41,9 +41,9 @@ from server.marks.rubrics_repository import load_rubric_titles
 from server.rights.models import Right
 from server.rights.service import ClassAccess
 from server.studio import service as studio
-from server.web.time_warnings import time_warnings
+from server.web.time_warnings import compute_time_warnings
 from server.web.views import exercise_href, exercises_in_reading_order
-from server.web.words import iso_moment, list_names, long_moment
+from server.web.words import format_iso_time, format_long_time, join_names_with_limit
 
 NOBODY = UUID(int=0)
 TAB = "/devoirs"
@@ -51,7 +51,7 @@ OWN_EXERCISES = "Exercices des enseignants de la classe"
 
 
 def format_date(date: datetime | None) -> FormattedDate:
-    return FormattedDate() if date is None else FormattedDate(iso_moment(date), long_moment(date))
+    return FormattedDate() if date is None else FormattedDate(format_iso_time(date), format_long_time(date))
 
 
 def stage_view(at: AssignmentStage) -> StageView:
@@ -159,7 +159,7 @@ def build_assignment_page(db: Session, course: Course, access: ClassAccess, assi
         release=release_view(db, assignment)
         if assignment.mode == Mode.test and access.has(Right.release_feedback)
         else None,
-        warnings=time_warnings(db, assignment, exemptions, members),
+        warnings=compute_time_warnings(db, assignment, exemptions, members),
         may_mark=access.has(Right.read_marks),
         rubric=rubric_titles.get(assignment.id, ("", False))[0],
         teams=_summarise_teams(db, assignment, work) if assignment.team_size > 1 else None,
@@ -182,7 +182,7 @@ def _weighted_exercise_row(course: Course, name: str, weight: float) -> Weighted
 
 def _rule_facts(wanted: AssignmentInput) -> list[tuple[str, str]]:
     facts = [
-        ("Donné à", f"{list_names(wanted.groups)}" if wanted.groups else "toute la classe"),
+        ("Donné à", f"{join_names_with_limit(wanted.groups)}" if wanted.groups else "toute la classe"),
         ("Mode", words.MODE_WORDS[wanted.mode]),
         ("Rendu", words.TEAM_SIZE_WORDS[str(wanted.team_size)]),
         ("En retard", words.describe_late_policy(wanted.late, wanted.late_per_day)),

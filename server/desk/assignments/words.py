@@ -11,7 +11,7 @@ from server.assignments.rule_sources import Field
 from server.assignments.rules import Rules
 from server.assignments.stages import AssignmentStage
 from server.assignments.team_rules import MAX_TEAM_SIZE
-from server.web.words import format_points, long_moment
+from server.web.words import format_long_time, format_points
 
 MODE_WORDS: Mapping[Mode, str] = {Mode.practice: "entraînement", Mode.test: "contrôle"}
 STAGE_WORDS: Mapping[AssignmentStage, tuple[str, str]] = {
@@ -88,7 +88,7 @@ def format_duration(minutes: float) -> str:
 def format_field_value(name: str, said: Any) -> str:
     """What was said of a field."""
     if isinstance(said, datetime):
-        return long_moment(said)
+        return format_long_time(said)
     if name == "time_factor":
         return "× " + format_number(round(float(said), 2)) if said != 1 else "temps ordinaire"
     if name == "excused":

@@ -47,7 +47,9 @@ def misconception_page(
     return MisconceptionPage(
         head=class_head(course, access, "/tableau"),
         row=misconception_row(links, stats),
-        paragraphs=tuple(exercise.prose(paragraph) if exercise.answers else paragraph for paragraph in paragraphs),
+        paragraphs=tuple(
+            exercise.render_paragraphs(paragraph) if exercise.answers else paragraph for paragraph in paragraphs
+        ),
         prose=exercise.answers is not None,
         extracts=_extracts(db, progress, exercise, known, misconception),
         still=links.people(stats.students, exercise_id),

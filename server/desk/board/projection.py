@@ -34,7 +34,7 @@ from server.rights.service import ClassAccess
 from server.steps.replayable import can_replay
 from server.steps.schemas import ReplayBody
 from server.steps.service import StepService
-from server.text.python_colours import colour_lines
+from server.text.python_colours import colour_python_lines
 from server.web.views import Reader
 
 MAX_RIGHT_SOURCES = 30
@@ -112,7 +112,7 @@ def prepare_projection(
     page = ProjectionPage(
         title=known.diagnosis.title,
         exercise=exercise.title,
-        question=exercise.line(known.question) if is_prose else known.question,
+        question=exercise.render_line(known.question) if is_prose else known.question,
         paragraphs=_paragraphs(exercise, known),
         prose=is_prose,
         href=misconception_href(href, exercise_id, misconception),
@@ -146,7 +146,7 @@ def _paragraphs(exercise: Exercise, known: CataloguedMisconception) -> tuple[str
     """Return the explanation without its question."""
     parts = [part.strip() for part in known.diagnosis.explanation.split("\n\n")]
     told = [part for part in parts if part and part != known.question.strip()]
-    return tuple(exercise.prose(part) if exercise.answers is not None else part for part in told)
+    return tuple(exercise.render_paragraphs(part) if exercise.answers is not None else part for part in told)
 
 
 def _programs(
@@ -199,7 +199,7 @@ async def complete_projection(
 
 
 def _coloured(lines: Sequence[ProgramLine]) -> tuple[ColouredLine, ...]:
-    html = colour_lines("\n".join(line.text for line in lines)) if lines else []
+    html = colour_python_lines("\n".join(line.text for line in lines)) if lines else []
     return tuple(ColouredLine(text, line.marked) for text, line in zip(html, lines, strict=True))
 
 

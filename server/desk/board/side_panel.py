@@ -17,7 +17,7 @@ from server.board.schemas import (
 from server.desk.board.links import BoardLinks
 from server.desk.board.schemas import ActivityBar, ActivityChart, ExerciseRow, SidePanel, UnexplainedRow
 from server.desk.views import regrade_href
-from server.web.words import format_points, iso_moment, short_moment
+from server.web.words import format_iso_time, format_points, format_short_time
 
 HEIGHT, BAR, GAP = 60.0, 18.0, 4.0
 NO_BREAK_SPACE = "\u00a0"
@@ -117,6 +117,6 @@ def _chart(title: str, slots: Sequence[ActivitySlot], *, times: bool) -> Activit
 
 def _bar(index: int, slot: ActivitySlot, highest: int, *, times: bool) -> ActivityBar:
     height = round(HEIGHT * slot.attempts / highest, 2) if highest else 0.0
-    begin = iso_moment(slot.begins_at) if times else ""
-    begin_text = short_moment(slot.begins_at) if times else slot.begins_at.strftime("%d/%m/%Y")
+    begin = format_iso_time(slot.begins_at) if times else ""
+    begin_text = format_short_time(slot.begins_at) if times else slot.begins_at.strftime("%d/%m/%Y")
     return ActivityBar(index * (BAR + GAP), HEIGHT - height, height, slot.attempts, begin, begin_text)

@@ -35,7 +35,7 @@ from server.rights.service import ClassAccess
 from server.web.fragments import FRAGMENTS
 from server.web.rendering import jinja_environment
 from server.web.views import Reader
-from server.web.words import format_mark, iso_moment, plural, short_moment
+from server.web.words import count_with_noun, format_iso_time, format_mark, format_short_time
 
 STUDENTS_PER_PAGE = 60
 FIRST_MISCONCEPTIONS = 12
@@ -43,7 +43,7 @@ FIRST_MISCONCEPTIONS = 12
 FEW_STUDENTS = 12
 BY_NAME, BY_SUCCESS, BY_TROUBLE = "nom", "reussis", "bloques"
 SIGNS = {
-    ProgressState.none: "·",
+    ProgressState.none: "",
     ProgressState.trying: "…",
     ProgressState.stuck: "!",
     ProgressState.solved: "✓",
@@ -112,8 +112,8 @@ def board_page(reader: Reader, access: ClassAccess, query: BoardQuery, base: str
         version=inputs.version_text,
         stream=f"{links.href}/evenements{'?erreurs=toutes' if query.everything else ''}",
         again=_href(links, query),
-        generated=iso_moment(progress.now),
-        generated_text=short_moment(progress.now),
+        generated=format_iso_time(progress.now),
+        generated_text=format_short_time(progress.now),
         counts=FRAGMENTS.get_or_render(("board counts", inputs.version), lambda: render_counts(inputs.board)),
         body=FRAGMENTS.get_or_render(
             ("board body", inputs.version, query),
@@ -251,7 +251,7 @@ def board_cell(class_href: str, board: Board, cell: ProgressCell) -> BoardCell:
     tried, misconception = cell.attempts > 0, cell.misconception
     by = f"rendu par {cell.partner}" if cell.partner else ""
     is_left_out = not (tried or by or cell.is_concerned)
-    label = WORDS[cell.state] + (f", {plural(cell.attempts, 'essai')}" if tried else f", {by}" if by else "")
+    label = WORDS[cell.state] + (f", {count_with_noun(cell.attempts, 'essai')}" if tried else f", {by}" if by else "")
     if misconception is not None and cell.state is not ProgressState.solved:
         label += f" : {board.misconception_titles.get((cell.exercise, misconception), misconception)}"
     return BoardCell(

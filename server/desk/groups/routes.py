@@ -22,7 +22,7 @@ from server.rights import service as rights
 from server.rights.models import Right
 from server.rights.service import ClassAccess
 from server.web.dependencies import CurrentReader
-from server.web.form_version import require_same_version, version_of
+from server.web.form_version import form_version_tag, require_unchanged_values
 from server.web.forms import Field, FormFields, redirect, redirect_to_login
 from server.web.rendering import render_page
 from server.web.views import Reader, find_exercise
@@ -87,7 +87,7 @@ def _render_group(
     form = filled or next((other for other in earlier if other.group_id == depuis), None) or found.name
     context: dict[str, Any] = {
         "form": form or GroupNameForm(),
-        "version": version_of(name_texts(found.name or GroupNameForm())),
+        "version": form_version_tag(name_texts(found.name or GroupNameForm())),
     }
     status = 422 if filled else 200
     return render_page(request, "classes/group.html", reader.account, status=status, page=view, **context)
@@ -111,7 +111,7 @@ def name_group(
     group = which.find(db, access)
     require_not_archived(access.school_class)
     stored = name_texts(find_behaviour_name(db, access.school_class.id, group.id) or GroupNameForm())
-    require_same_version(fields, account, SUBJECT, stored, name_texts(GroupNameForm(title, explanation, question)))
+    require_unchanged_values(fields, account, SUBJECT, stored, name_texts(GroupNameForm(title, explanation, question)))
     if action == "retirer" or not (title + explanation + question).strip():
         service.withdraw_group_name(db, access.school_class, group, account.id)
     else:

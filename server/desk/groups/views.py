@@ -81,13 +81,13 @@ def _example_view(example: Mapping[str, Any], exercise: Exercise | None) -> dict
     """Lay out what the programs answer to an input; `expected` is None where several answers are right."""
     expected, inputs, functions = example["expected"], example["inputs"], exercise.functions if exercise else ()
     parts = next((function.parts for function in functions if function.name == example["function"]), ())
-    expected_view, got_view = values.value_view_pair(expected, example["got"])
+    expected_view, got_view = values.build_value_view_pair(expected, example["got"])
     return {
         "function": example["function"],
-        "inputs": [(name, values.value_view(value)) for name, value in inputs.items()],
-        "expected": None if expected is None else values.name_parts(expected_view, parts),
-        "got": values.name_parts(got_view, parts),
-        "code": values.inputs_as_code(inputs),
+        "inputs": [(name, values.build_value_view(value)) for name, value in inputs.items()],
+        "expected": None if expected is None else values.name_items_of_list(expected_view, parts),
+        "got": values.name_items_of_list(got_view, parts),
+        "code": values.write_inputs_as_code(inputs),
     }
 
 

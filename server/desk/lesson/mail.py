@@ -29,7 +29,7 @@ from server.rights.models import Right
 from server.rights.service import ClassAccess
 from server.text.plain import show_invisible_characters
 from server.web.rendering import jinja_environment
-from server.web.words import long_moment, plural, short_moment
+from server.web.words import count_with_noun, format_long_time, format_short_time
 
 LESSON, WEEK = "seance/", "semaine/"
 #: A page that could not be queued for so long is told no more: it is not of tomorrow.
@@ -87,7 +87,7 @@ class ReviewMails:
         if sending.key.startswith(WEEK):
             page = review_page(db, self._course, access, now, None)
             tells = bool(page.to_see or page.to_explain or page.at_fault or page.overcome)
-            name, title = "La semaine", f"jusqu’au {short_moment(now)}"
+            name, title = "La semaine", f"jusqu’au {format_short_time(now)}"
             href = f"{class_href(access.school_class)}/semaine"
         else:
             lesson_id = parse_uuid(sending.key.removeprefix(LESSON), service.UNKNOWN_LINK)
@@ -95,7 +95,7 @@ class ReviewMails:
             if lesson is None:
                 return None
             page, tells = review_page(db, self._course, access, now, lesson), True
-            name, title = "Après la séance", f"séance du {short_moment(lesson.started_at)}"
+            name, title = "Après la séance", f"séance du {format_short_time(lesson.started_at)}"
             href = f"{page.head.href}/seance/{lesson.id}"
         if not tells:
             return None
@@ -106,7 +106,7 @@ class ReviewMails:
             "review",
             subject,
             now,
-            {"page": page, "href": href, "started": short_moment(page.since), **_counts(page)},
+            {"page": page, "href": href, "started": format_short_time(page.since), **_counts(page)},
         )
 
     def _write(
@@ -120,7 +120,7 @@ class ReviewMails:
             "class_name": access.school_class.name,
             "confirm": f"{subscription.service_url}{service.signed_link_href(subscription, service.CONFIRM)}",
             "stop": stop,
-            "when": long_moment(now),
+            "when": format_long_time(now),
             **values,
         }
         jinja, sender = jinja_environment(), smtp.sender_address(self._settings)
@@ -151,7 +151,7 @@ def _counts(page: ReviewPage) -> Mapping[str, Sequence[str]]:
         ),
         (len(page.at_fault), "énoncé à revoir", "énoncés à revoir"),
     )
-    return {"summary": [plural(count, singular, many) for count, singular, many in counts if count]}
+    return {"summary": [count_with_noun(count, singular, many) for count, singular, many in counts if count]}
 
 
 def start_mails(database: Database, settings: Settings, course: Course) -> Callable[[], None]:

@@ -33,7 +33,7 @@ from server.lesson.service import lesson_end
 from server.rights.models import Right
 from server.rights.service import ClassAccess
 from server.web.views import lesson_href
-from server.web.words import join_words, short_day
+from server.web.words import format_short_day, join_words
 
 WEEK = timedelta(days=7)
 #: How long before a lesson others count as earlier ones: of a class with one a week, the last.
@@ -174,7 +174,7 @@ def review_page(
                 _ending_words(row.stuck, until),
                 f"{links.href}/eleves/{row.account}/objectifs",
                 remedy(row.exercise, [row.account]),
-                join_words(map(short_day, row.days)) if len(row.days) >= MIN_DAYS else "",
+                join_words(map(format_short_day, row.days)) if len(row.days) >= MIN_DAYS else "",
                 named_before.get(row.account, ""),
             )
             for row in review.to_see
@@ -218,7 +218,7 @@ def _days_named_before(progress: ClassProgress, earlier: Sequence[LiveLesson]) -
     days: dict[UUID, str] = {}
     for lesson in earlier:
         for account in list_student_ids_to_see(progress, lesson.exercises, lesson.started_at, lesson_end(lesson)):
-            days.setdefault(account, short_day(school_time.to_local(lesson.started_at)))
+            days.setdefault(account, format_short_day(school_time.to_local(lesson.started_at)))
     return days
 
 

@@ -11,7 +11,7 @@ from server.marks.files import assignment_value_cell, column_value_cell, exercis
 from server.marks.means import format_number, format_points
 from server.marks.schemas import AssignmentMark, ColumnMark, ColumnRecord, ExerciseMark, is_test_withheld
 from server.marks.states import UNMARKED_STATES, WHOLE_STATES, Counting, MarkState
-from server.web.words import list_names, short_moment
+from server.web.words import format_short_time, join_names_with_limit
 
 NO_POINTS = "—"
 COUNTS_ZERO = "compte 0"
@@ -24,9 +24,9 @@ def points_text(points: float | None) -> str:
 def assignment_notes(assignment: Assignment, now: datetime) -> tuple[str, ...]:
     notes = [f"coefficient {format_number(assignment.weight)}"]
     if assignment.groups:
-        notes.append(f"pour {list_names(assignment.groups)}")
+        notes.append(f"pour {join_names_with_limit(assignment.groups)}")
     if assignment.due_at is not None:
-        notes.append(f"pour le {short_moment(assignment.due_at).partition(' ')[0]}")
+        notes.append(f"pour le {format_short_time(assignment.due_at).partition(' ')[0]}")
     if is_test_withheld(assignment, now):
         notes.append("contrôle, pas encore publié")
     return tuple(notes)

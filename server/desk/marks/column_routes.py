@@ -25,7 +25,7 @@ from server.rights import service as rights
 from server.rights.models import Right
 from server.rights.service import ClassAccess
 from server.web.dependencies import CurrentReader
-from server.web.form_version import require_same_version, require_version
+from server.web.form_version import require_form_version, require_unchanged_values
 from server.web.forms import UNKNOWN_ACTION, Field, FormFields, redirect, redirect_to_login
 from server.web.rendering import render_page
 
@@ -151,7 +151,7 @@ def _save_column(
     title, out_of, taken_on, weight = (str(fields.get(field, "")) for field in ("titre", "sur", "date", "coefficient"))
     form = ColumnForm(title, out_of, taken_on, weight, "bonus" in fields)
     stored = column_views.stored_form(column)
-    require_same_version(fields, account, SUBJECT, stored.texts, form.texts)
+    require_unchanged_values(fields, account, SUBJECT, stored.texts, form.texts)
     try:
         columns.change_column(db, access.school_class, account, name, _read(form))
     except Invalid as refused:
@@ -171,7 +171,7 @@ def _save_marks(
     if pasting:
         entered = entered.with_pasted(str(fields.get("collage", "")))
     if entered.conflicts and not pasting:
-        require_version(fields, account, entered.version, TYPED_MEANWHILE, SAVE_MINE, entered.conflicts)
+        require_form_version(fields, account, entered.version, TYPED_MEANWHILE, SAVE_MINE, entered.conflicts)
     if entered.problems or pasting:
         roll_back_then_read(db)
         view = column_views.build_column_page(db, course, access, name, entered=entered)

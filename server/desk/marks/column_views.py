@@ -22,8 +22,8 @@ from server.marks.schemas import NEVER_TYPED, ColumnRecord, TypedMark
 from server.marks.typed import format_typed_mark, parse_mark_comment, parse_typed_mark
 from server.rights.models import Right
 from server.rights.service import ClassAccess
-from server.web.form_version import version_of
-from server.web.words import plural
+from server.web.form_version import form_version_tag
+from server.web.words import count_with_noun
 
 SEPARATOR = "|"  # between the mark and the comment of a cell as it was drawn: no mark has one
 MAX_PASTED = 200_000  # characters
@@ -107,9 +107,9 @@ class EnteredMarks:
     def with_pasted(self, text: str) -> EnteredMarks:
         """Fill the marks with pasted lines, from the first student on; nothing is stored yet."""
         lines = text[:MAX_PASTED].rstrip("\r\n").splitlines()
-        pasted = plural(len(lines), "ligne collée", "lignes collées")
+        pasted = count_with_noun(len(lines), "ligne collée", "lignes collées")
         if len(lines) > len(self.rows):
-            students = plural(len(self.rows), "élève")
+            students = count_with_noun(len(self.rows), "élève")
             return replace(self, general_problem=TOO_LONG.format(pasted=pasted, students=students))
         filled = [
             replace(row, text=line.strip(), problem=_problem(line, row.comment, self.out_of))
@@ -167,7 +167,7 @@ def build_column_page(
         record=columns_repository.build_column_record(column),
         marks=entered or read_marks(db, access, column, FormData()),
         form=form or stored,
-        version=version_of(stored.texts),
+        version=form_version_tag(stored.texts),
         may_change=_may_change(access) and column.deleted_at is None,
     )
 
@@ -196,7 +196,7 @@ def read_marks(db: Session, access: ClassAccess, column: ManualColumn, fields: F
                 if drawn != current_text and not _is_same(typed, tidied, current):
                     conflicts.append((student.name, current_text.strip(SEPARATOR), f"{text} {comment}".strip()))
         rows.append(MarkRowInput(student.id, student.name, text, comment, drawn, problem))
-    return EnteredMarks(tuple(rows), tuple(entries), tuple(conflicts), version_of(texts), column.out_of)
+    return EnteredMarks(tuple(rows), tuple(entries), tuple(conflicts), form_version_tag(texts), column.out_of)
 
 
 def _cell_text(mark: str, comment: str) -> str:

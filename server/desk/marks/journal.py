@@ -31,7 +31,7 @@ from server.rights.service import ClassAccess
 from server.web.dependencies import CurrentReader, Number
 from server.web.forms import redirect_to_login
 from server.web.rendering import render_page
-from server.web.words import iso_moment, short_moment
+from server.web.words import format_iso_time, format_short_time
 
 router = APIRouter(include_in_schema=False)
 
@@ -94,13 +94,13 @@ def _log_page(db: Db, course: Course, access: ClassAccess, filter: AuditFilter, 
 
 def _entry_view(entry: AuditEntry) -> LogEntryView:
     return LogEntryView(
-        at=iso_moment(entry.at),
-        at_text=short_moment(entry.at),
+        at=format_iso_time(entry.at),
+        at_text=format_short_time(entry.at),
         by=entry.by_name,
         words=entry.words,
         student=entry.student_name,
         about=entry.about,
-        changes=describe_changes(entry.before, entry.after, short_moment),
+        changes=describe_changes(entry.before, entry.after, format_short_time),
         reason=entry.reason,
     )
 

@@ -17,8 +17,8 @@ from server.marks.schemas import ActiveDecision, ActiveOverride, AssignmentMark,
 from server.marks.states import DecidedState, MarkState
 from server.rights.models import Right
 from server.rights.service import ClassAccess
-from server.web.form_version import version_of
-from server.web.words import plural, short_moment
+from server.web.form_version import form_version_tag
+from server.web.words import count_with_noun, format_short_time
 
 #: What is said beside the mark itself, which says the state where there are no points.
 STATE_DETAILS: Mapping[MarkState, str] = {
@@ -73,7 +73,7 @@ def mark_page(course: Course, access: ClassAccess, gradebook: Gradebook, assignm
         ),
         may_change=may_change,
         may_decide=may_change and is_assignment,
-        version=version_of(stored_texts(gradebook, assignment_id)),
+        version=form_version_tag(stored_texts(gradebook, assignment_id)),
     )
 
 
@@ -82,8 +82,8 @@ def _notes(mark: AssignmentMark) -> tuple[str, ...]:
     sent_ahead = mark.state is MarkState.upcoming and mark.points is not None
     detail = SENT_AHEAD if sent_ahead else STATE_DETAILS.get(mark.state, "")
     dates = (("Ouvre", mark.rules.opens_at), ("Date limite", mark.rules.due_at), ("Ferme", mark.rules.closes_at))
-    texts = [f"{word} le {short_moment(date)}" for word, date in dates if date is not None]
-    late = plural(mark.days_late, "jour de retard", "jours de retard") if mark.days_late else ""
+    texts = [f"{word} le {format_short_time(date)}" for word, date in dates if date is not None]
+    late = count_with_noun(mark.days_late, "jour de retard", "jours de retard") if mark.days_late else ""
     return tuple(text for text in (detail, *texts, late) if text)
 
 
@@ -102,11 +102,11 @@ def _override_text(override: ActiveOverride | None) -> str:
         return ""
     scope = "" if override.assignment_id is None else ", dans ce devoir"
     points = "dispense" if override.points is None else format_number(override.points)
-    return f"{points}{scope} ({override.by or 'compte effacé'}, {short_moment(override.at)}) : {override.reason}"
+    return f"{points}{scope} ({override.by or 'compte effacé'}, {format_short_time(override.at)}) : {override.reason}"
 
 
 def _decision_text(decision: ActiveDecision) -> str:
-    return f"{DECISION_WORDS[decision.state]} ({decision.by or 'compte effacé'}, {short_moment(decision.at)})"
+    return f"{DECISION_WORDS[decision.state]} ({decision.by or 'compte effacé'}, {format_short_time(decision.at)})"
 
 
 def changed_texts(stored: Mapping[str, str], state: str, form: MarkForm) -> list[tuple[str, str, str]]:

@@ -29,10 +29,10 @@ from server.rights import service as rights
 from server.rights.models import Right
 from server.rights.service import ClassAccess
 from server.web.dependencies import CurrentReader, Number
-from server.web.form_version import require_version, version_of
+from server.web.form_version import form_version_tag, require_form_version
 from server.web.forms import UNKNOWN_ACTION, Field, FormFields, redirect, redirect_to_login
 from server.web.rendering import render_page
-from server.web.words import short_moment
+from server.web.words import format_short_time
 
 router = APIRouter(include_in_schema=False)
 
@@ -67,7 +67,7 @@ def download(
 ) -> Response:  # fmt: skip
     access = rights.require_right(db, account, Right.read_marks, class_id)
     gradebook = load_gradebook(db, course, access.school_class, utc_now())
-    rendered = render_download(gradebook, format, identifiant, short_moment)
+    rendered = render_download(gradebook, format, identifiant, format_short_time)
     return Response(rendered.content, media_type=rendered.media_type, headers=rendered.headers)
 
 
@@ -81,7 +81,7 @@ def download_copies(
         access = rights.require_right(db, account, Right.read_marks, class_id)
         gradebook = load_gradebook(db, course, access.school_class, utc_now())
     only = parse_uuid(devoir, UNKNOWN) if devoir else None
-    copies = list_counting_attempt_files(gradebook, course, names=noms, only=only, format_time=short_moment)
+    copies = list_counting_attempt_files(gradebook, course, names=noms, only=only, format_time=format_short_time)
     headers = {
         "Content-Disposition": f'attachment; filename="{gradebook_file_name(gradebook, "copies", "zip")}"',
         "Content-Encoding": "identity",
@@ -134,7 +134,9 @@ def change_mark(
     target = parse_uuid(student, UNKNOWN), parse_uuid(assignment_id, UNKNOWN)
     service.lock_student_marks(db, school_class, target[0])
     stored = stored_texts(load_gradebook(db, course, school_class, utc_now(), target[:1]), assignment_id)
-    require_version(fields, account, version_of(stored), SET_MEANWHILE, SAVE_MINE, changed_texts(stored, etat, form))
+    require_form_version(
+        fields, account, form_version_tag(stored), SET_MEANWHILE, SAVE_MINE, changed_texts(stored, etat, form)
+    )
     try:
         if action == "decider":
             decisions.set_state_decision(db, school_class, account, *target, etat, motif)

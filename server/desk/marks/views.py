@@ -53,7 +53,7 @@ from server.rights.models import Right
 from server.rights.service import ClassAccess
 from server.web.fragments import FRAGMENTS
 from server.web.rendering import jinja_environment
-from server.web.words import iso_moment, short_moment
+from server.web.words import format_iso_time, format_short_time
 
 AVERAGE = "moyenne"
 STUDENTS_PER_PAGE = 200
@@ -118,8 +118,8 @@ def gradebook_page(db: Session, access: ClassAccess, inputs: GradebookInputs, qu
     about = None if chosen is None else _assignment_link(chosen, access)
     return GradebookPage(
         head=class_head(inputs.course, access, "/carnet"),
-        at=iso_moment(inputs.now),
-        at_text=short_moment(inputs.now),
+        at=format_iso_time(inputs.now),
+        at_text=format_short_time(inputs.now),
         total=total,
         group=group,
         search=query.search,

@@ -18,7 +18,7 @@ from server.desk.objectives.views import load_class_objectives
 from server.desk.schemas import ClassHead
 from server.desk.views import class_head, class_href
 from server.rights.service import ClassAccess
-from server.web.words import plural
+from server.web.words import count_with_noun
 
 WEEK = timedelta(days=7)
 MAX_WEAK = 3
@@ -78,11 +78,16 @@ def describe_student(course: Course, loaded: ClassObjectives, student: UUID, sin
     lately = [found for found in mastered if found.mastered_at is not None and found.mastered_at >= since]
     if not begun:
         return ("Aucun objectif commencé.",)
-    first = f"{plural(len(mastered), 'objectif acquis', 'objectifs acquis')} sur {plural(begun, 'commencé')}"
+    acquired = count_with_noun(len(mastered), "objectif acquis", "objectifs acquis")
+    first = f"{acquired} sur {count_with_noun(begun, 'commencé')}"
     if 0 < len(lately) < len(mastered):
         first += f", dont {len(lately)} dans la période"
     weeks = len({(moment - since) // WEEK for moment in times})
-    work = f"{plural(len(times), 'essai')} sur {plural(weeks, 'semaine')}" if times else "aucun essai dans la période"
+    work = (
+        f"{count_with_noun(len(times), 'essai')} sur {count_with_noun(weeks, 'semaine')}"
+        if times
+        else "aucun essai dans la période"
+    )
     lines = [f"{first} ; {work}."]
     weak = [found for found in states if found.state is Mastery.weak]
     if weak:

@@ -29,7 +29,7 @@ from server.rights.models import Right
 from server.web.dependencies import CurrentReader
 from server.web.forms import redirect_to_login
 from server.web.rendering import render_page
-from server.web.words import short_moment
+from server.web.words import format_short_time
 
 router = APIRouter(include_in_schema=False)
 
@@ -118,10 +118,10 @@ def download_mistakes(
     loaded = views.load_class_objectives(db, course, access.school_class, utc_now())
     students = classes.load_student_records(db, access.school_class.id)
     if format is MistakeFormat.csv:
-        sheet = build_mistakes_sheet(loaded, students, short_moment)
+        sheet = build_mistakes_sheet(loaded, students, format_short_time)
         content, media_type = b"".join(write_french_csv(sheet.header, sheet.rows)), CSV
     else:
-        content = build_xlsx(build_mistake_workbook(loaded, students, short_moment))
+        content = build_xlsx(build_mistake_workbook(loaded, students, format_short_time))
         media_type = GradebookFormat.xlsx.media_type
     slug = ascii_slug(access.school_class.name, "classe")
     name = f"balise-{slug}-erreurs-{loaded.progress.now:%Y-%m-%d}.{format.value}"

@@ -31,14 +31,14 @@ from server.web.own_objectives import (
     SHOWN_STATES,
     SIGNS,
     WORDS,
+    LessonObjectiveGroup,
     Link,
-    ObjectiveGroup,
-    OwnObjectiveRow,
-    count_states,
-    group_by_lesson,
-    lesson_of,
+    StudentObjectiveRow,
+    build_objective_row,
+    count_states_in_words,
+    find_lesson,
+    group_objectives_by_lesson,
     lesson_title,
-    own_row,
 )
 from server.web.rendering import jinja_environment
 
@@ -100,8 +100,8 @@ class StudentObjectivesPage:
     name: str
     href: str
     is_own: bool
-    groups: tuple[ObjectiveGroup, ...]
-    steps: tuple[OwnObjectiveRow, ...]
+    groups: tuple[LessonObjectiveGroup, ...]
+    steps: tuple[StudentObjectiveRow, ...]
     counts: str
     rule: str
     gone: str = ""
@@ -146,7 +146,7 @@ def _by_lesson(
     course: Course, module: str, rows: Sequence[ClassObjective]
 ) -> Iterator[tuple[Lesson, Sequence[ClassObjective]]]:
     for slug, own in groupby(rows, key=lambda row: row.practised.objective.lesson):
-        yield lesson_of(course, module, slug), list(own)
+        yield find_lesson(course, module, slug), list(own)
 
 
 def _class_row(links: BoardLinks, people: Mapping[UUID, Link], row: ClassObjective) -> ObjectiveRow:
@@ -198,25 +198,25 @@ def build_student_page(
     """Build the page of one student, for their teacher or for themselves: nothing on it is of other students."""
     school_class = access.school_class
     states = load_student_objective_states(db, course, school_class, student, now, until, as_student=is_own)
-    rows = [own_row(course, school_class.module, state) for state in states]
+    rows = [build_objective_row(course, school_class.module, state) for state in states]
     return StudentObjectivesPage(
         head=class_head(course, access, "" if is_own else "/objectifs"),
         name=name,
         href=f"{class_href(school_class)}/eleves/{student}",
         is_own=is_own,
-        groups=group_by_lesson(course, school_class.module, rows),
+        groups=group_objectives_by_lesson(course, school_class.module, rows),
         steps=choose_steps(rows),
-        counts=count_states(rows),
+        counts=count_states_in_words(rows),
         rule=RULE,
         gone=gone,
     )
 
 
-def choose_steps(rows: Sequence[OwnObjectiveRow]) -> tuple[OwnObjectiveRow, ...]:
+def choose_steps(rows: Sequence[StudentObjectiveRow]) -> tuple[StudentObjectiveRow, ...]:
     """Return what a student does next: each an exercise of its own, the most pressing first."""
-    steps: dict[Link, OwnObjectiveRow] = {}
-    waiting = [row for row in rows if row.state in NEXT_ORDER and row.step is not None]
+    steps: dict[Link, StudentObjectiveRow] = {}
+    waiting = [row for row in rows if row.state in NEXT_ORDER and row.next_exercise_link is not None]
     for row in sorted(waiting, key=lambda row: NEXT_ORDER[row.state]):
-        if row.step is not None:
-            steps.setdefault(row.step, row)
+        if row.next_exercise_link is not None:
+            steps.setdefault(row.next_exercise_link, row)
     return tuple(steps.values())[:MAX_NEXT_STEPS]

@@ -48,7 +48,7 @@ from server.rights.models import Right
 from server.rights.service import ClassAccess
 from server.text.plain import show_invisible_characters
 from server.web.views import exercise_href
-from server.web.words import WHOLE, format_mark, plural
+from server.web.words import WHOLE, count_with_noun, format_mark
 
 OPEN_STAGES = ("open", "late", "done")
 #: Of what is still open, where there is nothing left to do.
@@ -253,7 +253,7 @@ def _own_exercise(
         return OwnExercise(title, href, *_override_standing(found.override), f"note de votre enseignant : {reason}")
     late = found.days_late
     return OwnExercise(
-        title, href, *exercise_standing(found, over=over), f"{plural(late, 'jour')} de retard" if late else ""
+        title, href, *exercise_standing(found, over=over), f"{count_with_noun(late, 'jour')} de retard" if late else ""
     )
 
 

@@ -35,7 +35,7 @@ from server.rights.models import Right
 from server.rights.service import ClassAccess
 from server.web import editions
 from server.web.dependencies import CurrentReader
-from server.web.form_version import require_same_version
+from server.web.form_version import require_unchanged_values
 from server.web.forms import UNKNOWN_ACTION, Field, FormFields, redirect, redirect_to_login
 from server.web.rendering import render_page
 
@@ -214,7 +214,7 @@ def update_settings(
     service.require_not_archived(access.school_class)
     db.refresh(access.school_class, with_for_update=True)
     stored = views.settings_texts(access.school_class.name, access.school_class.approval)
-    require_same_version(fields, account, SETTINGS, stored, views.settings_texts(name, bool(approbation)))
+    require_unchanged_values(fields, account, SETTINGS, stored, views.settings_texts(name, bool(approbation)))
     try:
         access.school_class.name = validate_class_name(name)
     except Invalid as refused:
@@ -306,11 +306,11 @@ def copy_class(
     rights.require_server_right(account, Right.create_class)
     try:
         days = date_shift.shift_in_days(db, access.school_class, semaines, rentree)
-        module = editions.chosen_edition(course, access.school_class.module, edition)
+        module = editions.require_copy_edition(course, access.school_class.module, edition)
         made = copying.copy_class(db, access.school_class, account, name, module=module, with_students=eleves)
         moved, there = (
             partial(school_time.shift_days, days=days),
-            partial(editions.exercise_in_edition, course, module=module),
+            partial(editions.find_exercise_in_edition, course, module=module),
         )
         assignments.copy_assignments(db, access.school_class, made, account.id, moved, there)
         decisions.copy_marking_rules(db, access.school_class, made)

@@ -21,7 +21,7 @@ from server.regrades.schemas import MarkChange, MarkOutcome, RegradeProgress, Re
 from server.regrades.service import RegradeService
 from server.rights.service import ClassAccess
 from server.web import regraded
-from server.web.words import format_points, plural
+from server.web.words import count_with_noun, format_points
 
 PATH = "/recalculs"
 SAME_POINTS = 1e-6
@@ -126,12 +126,12 @@ def build_regrade_page(db: Session, course: Course, access: ClassAccess, regrade
         "texts": None if exercise is None or exercise.answers is None else exercise,
         "points_pair": regraded.format_points_pair,
         "difference": _format_difference,
-        "reasons": partial(regraded.reason_sentences, kind="code" if exercise is None else exercise.kind),
+        "reasons": partial(regraded.verdict_difference_sentences, kind="code" if exercise is None else exercise.kind),
     }
 
 
 def progress_text(advance: RegradeProgress) -> str:
-    return f"{advance.graded} sur {plural(advance.total, 'copie', 'copies')}"
+    return f"{advance.graded} sur {count_with_noun(advance.total, 'copie', 'copies')}"
 
 
 def _outcome_groups(changes: Sequence[MarkChange], progress: RegradeProgress) -> Iterator[dict[str, Any]]:
@@ -140,7 +140,7 @@ def _outcome_groups(changes: Sequence[MarkChange], progress: RegradeProgress) ->
     for outcome, (sign, tone) in OUTCOME_SIGNS.items():
         same = [change for change in changes if change.outcome is outcome]
         if same:
-            title, folded = plural(len(same), *titles[outcome]), outcome is MarkOutcome.same
+            title, folded = count_with_noun(len(same), *titles[outcome]), outcome is MarkOutcome.same
             yield {
                 "id": outcome.value, "title": title, "sign": sign, "tone": tone, "folded": folded, "changes": same
             }  # fmt: skip

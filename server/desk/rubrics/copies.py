@@ -30,12 +30,12 @@ from server.marks.service import load_visible_marks
 from server.marks.states import STATE_WORDS
 from server.marks.typed import format_typed_mark
 from server.rights.service import ClassAccess
-from server.web.code_lines import CodeView, code_view
+from server.web.code_lines import CodeView, build_code_view
 from server.web.schemas import VerdictView
-from server.web.threads import ThreadView, thread_views
-from server.web.verdicts import verdict_view
+from server.web.threads import ThreadView, build_thread_views
+from server.web.verdicts import build_verdict_view
 from server.web.views import Reader
-from server.web.words import plural
+from server.web.words import count_with_noun
 
 
 @dataclass(frozen=True)
@@ -87,7 +87,13 @@ class CopyView:
 
 
 def build_copy(
-    reader: Reader, access: ClassAccess, assignment: Assignment, student: UUID, name: str, *, with_threads: bool = True
+    reader: Reader,
+    access: ClassAccess,
+    assignment: Assignment,
+    student: UUID,
+    name: str,
+    *,
+    with_threads: bool = True,
 ) -> CopyView:
     """Build the copy as the reader may see it: its student without what is withheld from them, staff whole."""
     assert reader.account is not None
@@ -143,7 +149,7 @@ def _part(
     talks = comments.load_attempt_conversations(reader.db, attempt) if with_threads else ()
     is_code = exercise.answers is None
     talker = account if account.id == student else None  # on paper « vous » is the student
-    code = code_view(attempt.submission.code, talks, talker) if is_code else None
+    code = build_code_view(attempt.submission.code, talks, talker) if is_code else None
     on_lines = {talk.thread.id for talk in talks if is_code and talk.lines is not None}
     return CopyPart(
         title=title,
@@ -151,10 +157,10 @@ def _part(
         number=gradebook.attempt_number(reader.db, attempt.submission),
         href=f"/soumissions/{attempt.submission.id}",
         sent_at=attempt.submission.created_at,
-        late=f"{plural(mark.days_late, 'jour')} de retard" if mark.days_late else "",
+        late=f"{count_with_noun(mark.days_late, 'jour')} de retard" if mark.days_late else "",
         code=code,
         verdict=_verdict(reader, attempt),
-        threads=thread_views([talk for talk in talks if talk.thread.id not in on_lines], talker),
+        threads=build_thread_views([talk for talk in talks if talk.thread.id not in on_lines], talker),
         held=attempt.held_text,
         partner=find_teammate_name(reader.db, student, attempt.submission.account_id)
         if with_threads and attempt.submission.account_id != student
@@ -176,7 +182,7 @@ def _verdict(reader: Reader, attempt: Attempt) -> VerdictView | None:
     figures = f"/soumissions/{attempt.submission.id}/figures"
     grading = attempt.grading.id
     described = describe_figures(reader.db, grading, verdict)
-    return verdict_view(verdict, figures, texts, exercise.functions, grading=grading, described=described)
+    return build_verdict_view(verdict, figures, texts, exercise.functions, grading=grading, described=described)
 
 
 def load_marked_rubric(db: Session, assignment: Assignment, student: UUID) -> MarkedRubric | None:

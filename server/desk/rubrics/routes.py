@@ -23,12 +23,12 @@ from server.marks import columns, rubrics, rubrics_repository
 from server.rights import service as rights
 from server.rights.models import Right
 from server.web.dependencies import CurrentReader, PageNumber
-from server.web.form_identity import typed_fields
-from server.web.form_version import VersionChanged, require_same_version
+from server.web.form_identity import resendable_text_fields
+from server.web.form_version import FormVersionChanged, require_unchanged_values
 from server.web.forms import UNKNOWN_ACTION, Field, FormFields, redirect, redirect_to_login
 from server.web.rendering import render_page
 from server.web.views import Reader
-from server.web.words import iso_moment
+from server.web.words import format_iso_time
 
 router = APIRouter(include_in_schema=False)
 
@@ -62,7 +62,7 @@ def save_rubric(
     wanted, form = forms.parse_form(form)
     if wanted is not None:
         stored = forms.stored_form(assignment, rubrics_repository.find_rubric(reader.db, assignment.id))
-        require_same_version(fields, account, SUBJECT, stored.texts, form.texts)
+        require_unchanged_values(fields, account, SUBJECT, stored.texts, form.texts)
         try:
             rubrics.save_rubric(reader.db, access.school_class, account, assignment, wanted)
             return redirect(f"/classes/{class_id}/devoirs/{aid}/noter")
@@ -160,15 +160,15 @@ def mark_copy(
         if refused.detail != rubrics.MARKED_MEANWHILE:
             raise
         version = 0 if row.marking is None else row.marking.version
-        raise VersionChanged(
+        raise FormVersionChanged(
             refused.detail,
-            typed_fields(fields),
+            resendable_text_fields(fields),
             account=account,
             button=SAVE_MINE,
             replacements={"version": str(version)},
         ) from refused
     if by_script:
-        return JSONResponse({"saved_at": iso_moment(marking.at), "version": str(marking.version)})
+        return JSONResponse({"saved_at": format_iso_time(marking.at), "version": str(marking.version)})
     listing = f"/classes/{class_id}/devoirs/{aid}/noter"
     if action == "brouillon":
         return redirect(f"{listing}/{copy}")

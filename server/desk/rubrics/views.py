@@ -32,7 +32,7 @@ from server.marks.rubric_items import (
 )
 from server.rights.models import Right
 from server.rights.service import ClassAccess
-from server.web.form_version import version_of
+from server.web.form_version import form_version_tag
 from server.web.views import Reader
 
 COPIES_A_PAGE = 50
@@ -64,7 +64,7 @@ def build_rubric_page(
         href=assignment_href(assignment),
         form=replace(shown, rows=rows),
         column=None if row is None else row[1],
-        version=version_of(stored.texts),
+        version=form_version_tag(stored.texts),
         may_change=may_mark(access),
     )
 

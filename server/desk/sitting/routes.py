@@ -15,7 +15,7 @@ from server.rights import service as rights
 from server.rights.models import Right
 from server.submissions.dependencies import SittingCollectorOf
 from server.web.dependencies import CurrentReader
-from server.web.form_version import require_version
+from server.web.form_version import require_form_version
 from server.web.forms import Field, FormFields, redirect, redirect_to_login
 from server.web.rendering import render_page
 
@@ -89,7 +89,7 @@ def release_results(
     else:
         effects = releases.load_release_effects(db, test, now)
         detail = " ".join([EFFECTS_CHANGED, *release_lines(effects)])
-        require_version(fields, account, release_version(effects), detail, RELEASE_ANYWAY)
+        require_form_version(fields, account, release_version(effects), detail, RELEASE_ANYWAY)
         releases.release_feedback(db, test, account.id, now)
     return redirect(f"/classes/{access.school_class.id}/devoirs/{test.id}")
 

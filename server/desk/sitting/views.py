@@ -19,9 +19,9 @@ from server.desk.views import class_head
 from server.gradebook import service as gradebook
 from server.identity.models import Account
 from server.rights.service import ClassAccess
-from server.web.form_version import version_of
+from server.web.form_version import form_version_tag
 from server.web.views import Reader
-from server.web.words import format_points, list_names, plural
+from server.web.words import count_with_noun, format_points, join_names_with_limit
 
 
 def own_labels(access: ClassAccess) -> Sequence[str]:
@@ -46,7 +46,7 @@ def build_sitting_page(
         closes=rules.closes_at,
         begin_by=SendingWindow(rules).ends_at,
         late=describe_late_beginning(rules.judge_timing(own.sitting.began_at if own.sitting is not None else now)),
-        minutes="" if minutes is None else plural(minutes, "minute"),
+        minutes="" if minutes is None else count_with_noun(minutes, "minute"),
         extra=rules.time_factor > 1.0,
         now=now,
         ends=ends,
@@ -60,7 +60,8 @@ def describe_late_beginning(timing: SendTiming) -> str:
     """A sentence on a test that is begun late; empty for one that is begun in time."""
     if not timing.days_late:
         return ""
-    late = f"La date pour commencer est passée ({plural(timing.days_late, 'jour de retard', 'jours de retard')}) : "
+    days = count_with_noun(timing.days_late, "jour de retard", "jours de retard")
+    late = f"La date pour commencer est passée ({days}) : "
     if not timing.penalty:
         return late + "ce que vous enverrez comptera en entier, marqué en retard."
     lost = min(timing.penalty, MAX_POINTS)
@@ -122,19 +123,23 @@ def release_lines(effects: ReleaseEffects) -> tuple[str, ...]:
     """Return what a release now does to whom, a line each."""
     lines = []
     if effects.shut_out:
-        count = plural(
+        count = count_with_noun(
             len(effects.shut_out),
             "élève n’a pas commencé et ne pourra plus",
             "élèves n’ont pas commencé et ne pourront plus",
         )
-        lines.append(f"{count} : {list_names([student.name for student in effects.shut_out])}.")
+        lines.append(f"{count} : {join_names_with_limit([student.name for student in effects.shut_out])}.")
     if effects.running:
-        count = plural(len(effects.running), "élève compose encore,", "élèves composent encore, chacun")
-        lines.append(f"{count} jusqu’à sa propre fin : {list_names([student.name for student in effects.running])}.")
+        count = count_with_noun(len(effects.running), "élève compose encore,", "élèves composent encore, chacun")
+        lines.append(
+            f"{count} jusqu’à sa propre fin : {join_names_with_limit([student.name for student in effects.running])}."
+        )
     return tuple(lines)
 
 
 def release_version(effects: ReleaseEffects) -> str:
     """Return the version tag of these effects: other students, another tag."""
     touched = {"shut_out": effects.shut_out, "running": effects.running}
-    return version_of({name: " ".join(str(student.id) for student in students) for name, students in touched.items()})
+    return form_version_tag(
+        {name: " ".join(str(student.id) for student in students) for name, students in touched.items()}
+    )

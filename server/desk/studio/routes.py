@@ -28,7 +28,7 @@ from server.studio.import_drafts import ImportRefused
 from server.studio.models import AuthoredExercise
 from server.studio.service import StudioService
 from server.web.dependencies import CurrentReader, PageNumber
-from server.web.form_version import require_same_version
+from server.web.form_version import require_unchanged_values
 from server.web.forms import UNKNOWN_ACTION, Field, FormFields, redirect, redirect_to_login
 from server.web.rendering import render_fragment, render_page
 from server.web.views import find_module
@@ -194,7 +194,7 @@ def save_exercise(
         return redirect(PATH)
     stored = service.read_draft(exercise)
     typed = read_form(fields, stored)
-    require_same_version(fields, account, SUBJECT, stored.texts_by_label, typed.texts_by_label)
+    require_unchanged_values(fields, account, SUBJECT, stored.texts_by_label, typed.texts_by_label)
     context = StudioReader(reader, studio)
     try:
         draft = _with_proposals(action, typed, exercise, fields)

@@ -23,9 +23,9 @@ from server.studio.drafts import CaseDraft, CheckDraft, ExerciseDraft, MistakeDr
 from server.studio.importing import ImportedExercise
 from server.studio.models import AuthoredExercise
 from server.studio.service import StudioService
-from server.text.markup import Names, Source, Text
-from server.web.form_version import version_of
-from server.web.verdicts import verdict_view
+from server.text.markup import MarkdownSource, MarkdownText, ModuleNames
+from server.web.form_version import form_version_tag
+from server.web.verdicts import build_verdict_view
 from server.web.views import Reader
 
 PATH = "/mes-exercices"
@@ -152,7 +152,7 @@ def build_edit_page(
         "extras": _extras(draft),
         "extra_check": _with_rows(CheckDraft(), EXAMPLE_ROWS),
         "mistakes": [*draft.mistakes, MistakeDraft()],
-        "version": version_of(service.read_draft(exercise).texts_by_label),
+        "version": form_version_tag(service.read_draft(exercise).texts_by_label),
         "preview": render_statement(context.reader.course, exercise.module, draft.statement),
         "report": build_report(context, exercise),
         "problem": problem,
@@ -182,7 +182,7 @@ def build_tryout_page(context: StudioReader, exercise: AuthoredExercise) -> dict
         "code": tryout.get("code", content["starter"]),
         "waits": context.studio.is_trial_queued(context.reader.db, exercise, service.TRYOUT_JOB),
         "failed": tryout.get("failed", ""),
-        "verdict": verdict_view(Verdict.from_json(verdict), "", functions=functions) if verdict else None,
+        "verdict": build_verdict_view(Verdict.from_json(verdict), "", functions=functions) if verdict else None,
     }
 
 
@@ -224,7 +224,7 @@ def build_report(context: StudioReader, exercise: AuthoredExercise) -> dict[str,
     is_current = trial.get("digest") == exercise.digest
     view: dict[str, Any] = {
         "path": exercise_path(exercise),
-        "version": version_of(draft.texts_by_label),
+        "version": form_version_tag(draft.texts_by_label),
         "trying": context.studio.is_trial_queued(context.reader.db, exercise),
         "failed": trial.get("failed", ""),
         "stale": bool(trial) and not is_current,
@@ -248,8 +248,8 @@ def render_statement(course: Course, module: str, text: str) -> Markup:
     if len(text) > MAX_STATEMENT or text.count("$") > 2 * MAX_FORMULAS:
         return Markup("<p>{}</p>").format(TOO_LONG)
     served = course.modules.get(module)
-    names = served.names if served is not None else Names
-    return Markup(Text(Source(text, Path("énoncé"), names=names)).html)
+    names = served.names if served is not None else ModuleNames
+    return Markup(MarkdownText(MarkdownSource(text, Path("énoncé"), names=names)).html)
 
 
 studio_service = app_service(StudioService)

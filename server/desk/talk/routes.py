@@ -21,7 +21,7 @@ from server.rights.models import Right
 from server.web.dependencies import CurrentReader, PageNumber
 from server.web.forms import Field, redirect, redirect_to_login
 from server.web.rendering import render_page
-from server.web.threads import Draft
+from server.web.threads import UnsentMessageDraft
 
 router = APIRouter(include_in_schema=False)
 
@@ -79,6 +79,8 @@ def send_note(
     except (Invalid, Conflict, RateLimited) as refused:
         roll_back_then_read(reader.db)
         again = rights.require_right(reader.db, account, Right.comment, class_id)
-        view = views.build_notes_page(reader, again, exercise.id, erreur, lien, Draft(texte, refused.detail))
+        view = views.build_notes_page(
+            reader, again, exercise.id, erreur, lien, UnsentMessageDraft(texte, refused.detail)
+        )
         return render_page(request, "classes/words.html", account, status=int(refused.status), page=view)
     return redirect(f"{class_href(access.school_class)}/mots#dits")

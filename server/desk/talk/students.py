@@ -19,7 +19,7 @@ from server.rights.models import Right
 from server.web.dependencies import CurrentReader, Number, PageNumber
 from server.web.forms import Field, redirect, redirect_to_login
 from server.web.rendering import render_page
-from server.web.threads import NO_DRAFT, Draft
+from server.web.threads import NO_DRAFT, UnsentMessageDraft
 from server.web.views import Reader
 
 router = APIRouter(include_in_schema=False)
@@ -60,7 +60,7 @@ def _render_work(
     right: Right,
     chosen: int | None = None,
     number: int = 1,
-    draft: Draft = NO_DRAFT,
+    draft: UnsentMessageDraft = NO_DRAFT,
     status: int = 200,
 ) -> HTMLResponse:
     class_id, student, module, slug = where
@@ -94,7 +94,7 @@ def comment_on_exercise(
         thread = service.begin_exercise_thread(reader.db, account, student, exercise.id, text, settings)
     except (Invalid, Conflict, RateLimited) as refused:
         roll_back_then_read(reader.db)
-        draft, where = Draft(texte, refused.detail), (class_id, student, module, slug)
+        draft, where = UnsentMessageDraft(texte, refused.detail), (class_id, student, module, slug)
         return _render_work(request, reader, account, where, Right.comment, draft=draft, status=int(refused.status))
     if garder and texte.strip():
         notes.save_phrase(reader.db, account, texte, exercise.id, None)

@@ -12,8 +12,14 @@ from server.course import Course, Exercise, Module
 from server.desk.talk.work_views import find_class_exercise
 from server.desk.views import class_head
 from server.rights.service import ClassAccess
-from server.web.threads import Draft
-from server.web.views import Reader, exercise_href, exercises_in_reading_order, lesson_href, lessons_in_reading_order
+from server.web.threads import UnsentMessageDraft
+from server.web.views import (
+    Reader,
+    exercise_href,
+    exercises_in_reading_order,
+    lesson_href,
+    lessons_in_reading_order,
+)
 
 #: The values of `etat` in the address; the first is the default.
 FILTERS: dict[str, tuple[ThreadState | None, str]] = {
@@ -37,7 +43,12 @@ def build_questions_page(reader: Reader, access: ClassAccess, wanted: str, numbe
 
 
 def build_notes_page(
-    reader: Reader, access: ClassAccess, exercise: str, mistake: str, link: str = "", draft: Draft | None = None
+    reader: Reader,
+    access: ClassAccess,
+    exercise: str,
+    mistake: str,
+    link: str = "",
+    draft: UnsentMessageDraft | None = None,
 ) -> dict[str, Any]:
     """Build the notes sent so far and, for a chosen exercise, the form of the next one. Raise NotFound."""
     class_id, module = access.school_class.id, reader.course.modules.get(access.school_class.module)
@@ -48,7 +59,7 @@ def build_notes_page(
         "chosen": chosen,
         "form": _note_form(reader, access, module, chosen, mistake) if chosen and module else None,
         "link": link,
-        "draft": draft or Draft(),
+        "draft": draft or UnsentMessageDraft(),
         "sent": notes_repository.load_class_notes(reader.db, class_id),
     }
 

@@ -19,9 +19,9 @@ from server.gradebook import student_work
 from server.gradebook.team_work import TeammateAttempt, load_teammate_attempts
 from server.identity.models import Account
 from server.rights.service import ClassAccess
-from server.web.threads import Draft, thread_views, writer_view
+from server.web.threads import UnsentMessageDraft, build_message_form, build_thread_views
 from server.web.views import Reader, exercises_in_reading_order
-from server.web.words import short_moment
+from server.web.words import format_short_time
 
 ATTEMPTS_A_PAGE = 50
 NO_SUCH_EXERCISE = "Cet exercice n’est pas de ceux de la classe."
@@ -48,7 +48,7 @@ class StudentWork:
     def gone(self) -> str:
         """Return since when nothing more of their work is read, in a sentence; empty where it still is."""
         why = LEFT if self.member.status is Status.left else ARCHIVED
-        return "" if self.until is None else GONE.format(why=why, when=short_moment(self.until))
+        return "" if self.until is None else GONE.format(why=why, when=format_short_time(self.until))
 
 
 def find_student_work(reader: Reader, access: ClassAccess, student: UUID) -> StudentWork:
@@ -102,7 +102,7 @@ def build_work_page(
     account: Account,
     chosen: int | None,
     number: int,
-    draft: Draft,
+    draft: UnsentMessageDraft,
 ) -> dict[str, Any]:
     """Build page `number` (from 1) of a student's attempts at an exercise, with the change made by attempt `chosen`.
 
@@ -128,8 +128,8 @@ def build_work_page(
         "number": number,
         "more": skipped + ATTEMPTS_A_PAGE < total,
         "change": _code_change(reader, student, exercise, shown) if shown else None,
-        "threads": thread_views(service.load_exercise_conversations(*work), account),
-        "writer": writer_view(reader.db, account, exercise.id, href, staff=True, diagnosis=diagnosis),
+        "threads": build_thread_views(service.load_exercise_conversations(*work), account),
+        "writer": build_message_form(reader.db, account, exercise.id, href, staff=True, diagnosis=diagnosis),
         "draft": draft,
         "diagnosis": diagnosis,
     }

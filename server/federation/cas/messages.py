@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 from server.federation.errors import FederationRefused
 from server.identity.models import SUBJECT_LENGTH
-from server.text.lines import character_problem
+from server.text.lines import describe_forbidden_character
 
 if TYPE_CHECKING:
     from xml.etree.ElementTree import Element
@@ -64,7 +64,7 @@ def parse_validation_answer(content: bytes) -> CasPerson:
     if outcome.tag != f"{CAS}authenticationSuccess" or len(users) != 1 or len(users[0]):
         raise FederationRefused("malformed", MALFORMED)
     user = (users[0].text or "").strip()
-    if not 0 < len(user) <= SUBJECT_LENGTH or character_problem(user) or "\n" in user or "\t" in user:
+    if not 0 < len(user) <= SUBJECT_LENGTH or describe_forbidden_character(user) or "\n" in user or "\t" in user:
         raise FederationRefused("subject", MALFORMED)
     return CasPerson(user, _read_attributes(outcome.findall(f"{CAS}attributes")))
 

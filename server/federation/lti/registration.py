@@ -13,7 +13,7 @@ from server.federation.errors import FederationRefused
 from server.federation.lti.schemas import MAX_DEPLOYMENTS, MAX_FRAMES, LtiSettings, lti_settings
 from server.federation.models import ADDRESS_LENGTH, ID_LENGTH, IdentityProvider, Protocol
 from server.federation.outgoing import origin_of_url
-from server.text.lines import tidy_line
+from server.text.lines import normalise_line
 
 ADDRESSES = ("authorization_url", "token_url", "keys_url")
 ANCHOR = "keys_url"
@@ -39,7 +39,7 @@ def parse_form(form: Mapping[str, str], *, insecure: bool = False) -> tuple[dict
     deployments = list(dict.fromkeys(form.get("deployments", "").split()))
     if len(deployments) > MAX_DEPLOYMENTS or any(len(name) > ID_LENGTH for name in deployments):
         problems["deployments"] = DEPLOYMENTS
-    audience = tidy_line(form.get("token_audience", ""))
+    audience = normalise_line(form.get("token_audience", ""))
     if len(audience) > ADDRESS_LENGTH:
         problems["token_audience"] = providers.NO_ADDRESS
     if problems:
@@ -76,7 +76,7 @@ def change_platform(db: Session, provider: IdentityProvider, settings: LtiSettin
 
 def accept_deployment(db: Session, provider: IdentityProvider, deployment: str, by: UUID) -> None:
     """Accept the launches of one more deployment. Raises InvalidFields."""
-    settings, name = lti_settings(provider), tidy_line(deployment)
+    settings, name = lti_settings(provider), normalise_line(deployment)
     if not 0 < len(name) <= ID_LENGTH or " " in name or len(settings.deployments) >= MAX_DEPLOYMENTS:
         raise InvalidFields({"deployments": DEPLOYMENTS})
     names = tuple(dict.fromkeys((*settings.deployments, name)))

@@ -16,7 +16,7 @@ from server.federation.models import ID_LENGTH
 from server.federation.remote_keys import RemoteKeyCache
 from server.federation.tokens import MALFORMED, require_audience, verify_token
 from server.identity.models import SUBJECT_LENGTH
-from server.text.lines import character_problem
+from server.text.lines import describe_forbidden_character
 
 #: HMAC is not among them: a public key would be its secret.
 ALGORITHMS = frozenset({"RS256", "PS256", "ES256"})
@@ -121,7 +121,7 @@ def _is_clean_name(value: Any, longest: int) -> bool:
 
 
 def _has_odd_character(value: str) -> bool:
-    return bool(character_problem(value)) or "\n" in value or "\t" in value
+    return bool(describe_forbidden_character(value)) or "\n" in value or "\t" in value
 
 
 def _read_events(claims: Mapping[str, Any]) -> Mapping[str, Any]:

@@ -9,24 +9,32 @@ from functools import cached_property
 from threading import RLock
 from typing import TYPE_CHECKING
 
-from server.text.markup.outline import Cell, Outline, Section, complete_empty_links
-from server.text.markup.text import Fault, LabelTarget, LessonName, Names, Picture, Source, still_of
+from server.text.markup.outline import CodeCell, Section, TextOutline, complete_empty_links
+from server.text.markup.text import (
+    LabelTarget,
+    LinkableLesson,
+    MarkdownSource,
+    MarkupFault,
+    ModuleNames,
+    PictureSize,
+    still_drawing_name,
+)
 
 if TYPE_CHECKING:
     from server.text.markup.render import RenderedHtml
 
 __all__ = [
-    "Cell",
-    "Fault",
+    "CodeCell",
     "Heading",
     "LabelTarget",
-    "LessonName",
-    "Names",
-    "Outline",
-    "Picture",
+    "LinkableLesson",
+    "MarkdownSource",
+    "MarkdownText",
+    "MarkupFault",
+    "ModuleNames",
+    "PictureSize",
     "Section",
-    "Source",
-    "Text",
+    "TextOutline",
 ]  # fmt: skip
 
 log = logging.getLogger(__name__)
@@ -46,17 +54,17 @@ class Heading:
 
 
 @dataclass(frozen=True, eq=False)
-class Text:
+class MarkdownText:
     """A text: read at the first need, and rendered (formulas are slow to draw) when somebody looks at it.
 
     With `inline` it is one paragraph, to stand inside another.
     """
 
-    source: Source
+    source: MarkdownSource
     inline: bool = False
 
     @cached_property
-    def outline(self) -> Outline:
+    def outline(self) -> TextOutline:
         from server.text.markup.reader import (
             read_outline,  # what reads Markdown is loaded for the first text that is read
         )
@@ -65,10 +73,10 @@ class Text:
 
     @cached_property
     def rendered(self) -> RenderedHtml:
-        from server.text.markup.render import render
+        from server.text.markup.render import render_markdown
 
         with _RENDERING:
-            return self.__dict__.get("rendered") or render(self.source, inline=self.inline)
+            return self.__dict__.get("rendered") or render_markdown(self.source, inline=self.inline)
 
     @property
     def is_rendered(self) -> bool:
@@ -84,7 +92,7 @@ class Text:
     def sections(self) -> tuple[Section, ...]:
         """Plain text by heading; needs no formula to be drawn."""
         return tuple(
-            Section(section.id, self._complete(section.title), self._complete(section.text))
+            Section(section.id, self._fill_empty_links(section.title), self._fill_empty_links(section.text))
             for section in self.outline.sections
         )
 
@@ -93,7 +101,7 @@ class Text:
         from server.text.markup.render import render_title
 
         return tuple(
-            Heading(title.level, title.id, render_title(self.source, title), self._complete(title.text))
+            Heading(title.level, title.id, render_title(self.source, title), self._fill_empty_links(title.text))
             for title in self.outline.titles
         )
 
@@ -116,29 +124,29 @@ class Text:
         return tuple(self.outline.exercises)
 
     @property
-    def retrievals(self) -> tuple[str, ...]:
+    def retrieval_questions(self) -> tuple[str, ...]:
         """The retrieval questions that it asks, without its own name."""
         return tuple(self.outline.retrievals)
 
     @property
-    def amounts(self) -> Mapping[tuple[str, str], int]:
+    def content_amounts(self) -> Mapping[tuple[str, str], int]:
         """Amounts of words and of things to look at, run or answer, as in its outline."""
         return self.outline.amounts
 
     @property
-    def stills(self) -> tuple[str, ...]:
+    def still_drawings(self) -> tuple[str, ...]:
         """The drawings that stand for its manipulations where there is no script."""
-        return tuple(still_of(name) for name in self.outline.manipulations)
+        return tuple(still_drawing_name(name) for name in self.outline.manipulations)
 
     @property
-    def cells(self) -> tuple[Cell, ...]:
+    def code_cells(self) -> tuple[CodeCell, ...]:
         return tuple(self.outline.cells)
 
-    def _complete(self, text: str) -> str:
+    def _fill_empty_links(self, text: str) -> str:
         return complete_empty_links(text, self.source.names(), self.source.page)
 
-    def faults(self, *, formulas: bool) -> tuple[Fault, ...]:
+    def find_faults(self, *, formulas: bool) -> tuple[MarkupFault, ...]:
         """What is wrong with it, in the order of the lines; bad TeX only shows when formulas are drawn."""
-        unresolved = self.outline.unresolved(self.source.names(), self.source.page)
+        unresolved = self.outline.find_unresolved_references(self.source.names(), self.source.page)
         faults = {*self.outline.faults, *unresolved, *(self.rendered.faults if formulas else ())}
         return tuple(sorted(faults, key=lambda fault: (fault.line, fault.message)))

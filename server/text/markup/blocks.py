@@ -56,12 +56,12 @@ MEDIA = ("figure", "rejeu", "manipulation", *EMPTY)
 ALL = (*KINDS, *FOLDED, *MEDIA)
 
 
-class BadBlock(Exception):
+class BlockSyntaxError(Exception):
     """A first line that cannot be read; the message says why."""
 
 
 @dataclass(frozen=True)
-class Block:
+class BlockHeader:
     """A block's first line. `label` is its own, or for a folded block the one that it speaks of.
 
     `name` is that of a figure, of a replay, of a manipulation, of a question or of an exercise. `parent` is the label
@@ -77,40 +77,49 @@ class Block:
     path: str = ""
 
     @property
-    def folded(self) -> bool:
+    def is_folded(self) -> bool:
         return self.kind in FOLDED
 
 
-def parse_block_header(info: str, line: int, parent: str) -> Block:
-    """Read what follows the colons. Raises BadBlock."""
+def parse_block_header(info: str, line: int, parent: str) -> BlockHeader:
+    """Read what follows the colons. Raises BlockSyntaxError."""
     kind, _, rest = info.strip().partition(" ")
     if kind not in ALL:
-        raise BadBlock(f"encadré inconnu : « {kind} » (connus : {', '.join(ALL)})")
+        raise BlockSyntaxError(f"encadré inconnu : « {kind} » (connus : {', '.join(ALL)})")
     if kind in MEDIA:
-        return _medium(kind, rest.strip(), line)
+        return _build_medium_block(kind, rest.strip(), line)
     if kind == "plus-tard":
         path, _, title = rest.strip().partition(" ")
         if not LABEL.fullmatch(path) or not title.strip():
-            raise BadBlock("il faut un chemin du module et un titre : « ::: plus-tard lycee Titre »")
-        return Block(kind, "", title.strip(), "", line, parent, path)
+            raise BlockSyntaxError("il faut un chemin du module et un titre : « ::: plus-tard lycee Titre »")
+        return BlockHeader(kind, "", title.strip(), "", line, parent, path)
     label = ""
     if rest.lstrip().startswith("#"):
         label, _, rest = rest.lstrip()[1:].partition(" ")
-        check_label(label)
+        require_valid_label(label)
     title = rest.strip()
     if kind == "repli" and (label or not title):
-        raise BadBlock("un repli a un titre, et pas d’étiquette : « ::: repli Titre »")
-    return Block(kind, label, title, "", line, parent)
+        raise BlockSyntaxError("un repli a un titre, et pas d’étiquette : « ::: repli Titre »")
+    return BlockHeader(kind, label, title, "", line, parent)
 
 
-def _medium(kind: str, name: str, line: int) -> Block:
+def _build_medium_block(kind: str, name: str, line: int) -> BlockHeader:
     if not {"question": QUESTION, "faire": EXERCISE}.get(kind, LABEL).fullmatch(name):
-        raise BadBlock(f"il faut un nom et rien d’autre après « {kind} » (la légende va en dessous) : « {name} »")
-    return Block(kind, "", "", name, line)
+        raise BlockSyntaxError(
+            f"il faut un nom et rien d’autre après « {kind} » (la légende va en dessous) : « {name} »"
+        )
+    return BlockHeader(kind, "", "", name, line)
 
 
-def check_label(label: str) -> None:
+def require_valid_label(label: str) -> None:
     if not LABEL.fullmatch(label):
-        raise BadBlock(f"étiquette mal formée : « #{label} » (minuscules sans accent, chiffres, tirets)")
+        raise BlockSyntaxError(f"étiquette mal formée : « #{label} » (minuscules sans accent, chiffres, tirets)")
     if RESERVED.match(label):
-        raise BadBlock(f"étiquette réservée : « #{label} »")
+        raise BlockSyntaxError(f"étiquette réservée : « #{label} »")
+
+
+def block_kind_and_name(kind: str, display_name: str) -> tuple[BlockKind, str]:
+    """« théorème 1 », « équation (3) », or « exemple » where a block has no number, with the block's kind."""
+    if kind == "equation":
+        return EQUATION, f"{EQUATION.noun}\u00a0{display_name}"
+    return KINDS[kind], display_name or KINDS[kind].noun

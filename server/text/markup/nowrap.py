@@ -18,23 +18,23 @@ BEFORE = re.compile(r"[^\w\s]+\u00a0?$")
 FORMULA = "math_inline"
 
 
-def join_punctuation(parts: Sequence[Token]) -> list[Token]:
+def keep_punctuation_with_formulas(tokens: Sequence[Token]) -> list[Token]:
     """The parts of a paragraph, each formula in one element with the punctuation around it."""
     done: list[Token] = []
-    for index, part in enumerate(parts):
+    for index, part in enumerate(tokens):
         if part.type != FORMULA:
             done.append(part)
             continue
-        before = _cut(BEFORE, done[-1] if done else None)
-        after = _cut(AFTER, parts[index + 1] if index + 1 < len(parts) else None)
+        before = _take_adjacent_punctuation(BEFORE, done[-1] if done else None)
+        after = _take_adjacent_punctuation(AFTER, tokens[index + 1] if index + 1 < len(tokens) else None)
         if before or after:
-            done += [_mark("held_open", 1), *before, part, *after, _mark("held_close", -1)]
+            done += [_nowrap_span_token("held_open", 1), *before, part, *after, _nowrap_span_token("held_close", -1)]
         else:
             done.append(part)
     return done
 
 
-def _cut(pattern: re.Pattern[str], neighbour: Token | None) -> list[Token]:
+def _take_adjacent_punctuation(pattern: re.Pattern[str], neighbour: Token | None) -> list[Token]:
     """What the neighbour has to lend, taken away from it."""
     if neighbour is None or neighbour.type != "text":
         return []
@@ -46,5 +46,5 @@ def _cut(pattern: re.Pattern[str], neighbour: Token | None) -> list[Token]:
     return [lent]
 
 
-def _mark(kind: str, nesting: Literal[-1, 1]) -> Token:
+def _nowrap_span_token(kind: str, nesting: Literal[-1, 1]) -> Token:
     return Token(kind, "span", nesting, attrs={"class": "held"} if nesting == 1 else {})

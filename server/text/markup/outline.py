@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
-from server.text.markup.text import Fault, Names, UnresolvedLink, still_of
+from server.text.markup.text import MarkupFault, ModuleNames, UnresolvedLink, still_drawing_name
 
 if TYPE_CHECKING:
     from markdown_it.token import Token
@@ -30,7 +30,7 @@ class Section:
 
 
 @dataclass(frozen=True)
-class Title:
+class HeadingTitle:
     """A heading of level 2 to 4, as it was read."""
 
     level: int
@@ -40,7 +40,7 @@ class Title:
 
 
 @dataclass(frozen=True)
-class Cell:
+class CodeCell:
     """A runnable piece of Python, named uniquely in its lesson; `line` of the file is its first one."""
 
     name: str
@@ -49,7 +49,7 @@ class Cell:
 
 
 @dataclass(frozen=True)
-class Label:
+class LabelledBlock:
     """A block or an equation that has a label, in the order of the lesson."""
 
     id: str
@@ -69,16 +69,16 @@ class Reference:
 
 
 @dataclass
-class Outline:
+class TextOutline:
     """Lines are lines of the file, as in `faults`.
 
     `amounts` counts words and the things to look at, run or answer, by the path that leaves them for later (empty for
     what all read) and by their kind.
     """
 
-    labels: list[Label] = field(default_factory=list)
+    labels: list[LabelledBlock] = field(default_factory=list)
     anchors: set[str] = field(default_factory=set)
-    titles: list[Title] = field(default_factory=list)
+    titles: list[HeadingTitle] = field(default_factory=list)
     sections: list[Section] = field(default_factory=list)
     figures: list[str] = field(default_factory=list)
     replays: list[str] = field(default_factory=list)
@@ -86,19 +86,19 @@ class Outline:
     exercises: list[str] = field(default_factory=list)
     retrievals: list[str] = field(default_factory=list)
     manipulations: list[str] = field(default_factory=list)
-    cells: list[Cell] = field(default_factory=list)
+    cells: list[CodeCell] = field(default_factory=list)
     references: list[Reference] = field(default_factory=list)
     amounts: Counter[tuple[str, str]] = field(default_factory=Counter)
-    faults: list[Fault] = field(default_factory=list)
+    faults: list[MarkupFault] = field(default_factory=list)
 
-    def unresolved(self, names: Names, lesson: str) -> Iterator[Fault]:
+    def find_unresolved_references(self, names: ModuleNames, lesson: str) -> Iterator[MarkupFault]:
         """Yield a fault for each reference to something that does not exist."""
         for reference in self.references:
             if message := missing_reference_message(reference, names, lesson):
-                yield Fault(reference.line, message)
+                yield MarkupFault(reference.line, message)
 
 
-def missing_reference_message(reference: Reference, names: Names, lesson: str) -> str:
+def missing_reference_message(reference: Reference, names: ModuleNames, lesson: str) -> str:
     """Return the fault message of a reference, or an empty string."""
     target = reference.target
     known = {
@@ -114,27 +114,27 @@ def missing_reference_message(reference: Reference, names: Names, lesson: str) -
         found, unknown = known[reference.what]
         return "" if target in found else unknown.format(target)
     if reference.what == "manipulation":
-        return _missing_manipulation(target, names)
+        return _missing_manipulation_message(target, names)
     try:
-        link = names.link(target, lesson)
+        link = names.resolve_link(target, lesson)
     except UnresolvedLink as error:
         return str(error)
     return f"« {target} » n’a pas de numéro : écrivez le texte du lien" if reference.empty and not link.text else ""
 
 
-def _missing_manipulation(name: str, names: Names) -> str:
+def _missing_manipulation_message(name: str, names: ModuleNames) -> str:
     if name not in names.manipulations:
         return f"manipulation inconnue : « {name} »"
-    still = still_of(name)
+    still = still_drawing_name(name)
     return "" if still in names.pictures else f"manipulation sans figure « {still} », pour qui n’a pas de script"
 
 
-def complete_empty_links(text: str, names: Names, lesson: str) -> str:
+def complete_empty_links(text: str, names: ModuleNames, lesson: str) -> str:
     """Plain text in which the links left empty say where they lead, and blocks their number."""
 
     def told(match: re.Match[str]) -> str:
         try:
-            text = names.link(match[1].lstrip(HEAD), lesson).text
+            text = names.resolve_link(match[1].lstrip(HEAD), lesson).text
         except UnresolvedLink:
             return ""
         return f"{text.capitalize()} :" if match[1].startswith(HEAD) and text else text

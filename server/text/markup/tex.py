@@ -35,13 +35,13 @@ def tex_as_plain_text(tex: str) -> str:
     text = ENVIRONMENT.sub(" ", tex).replace("{,}", ",")
     while FRACTION.search(text):
         text = FRACTION.sub(r" \1/\2", text)
-    text = COMMAND.sub(_command, text)
+    text = COMMAND.sub(_replace_tex_command, text)
     text = re.sub(r"\\[\\,;:!> ]", " ", text)
     text = re.sub(r"[{}&$]|\\(?=[|{}%#_&])", "", text)
     return re.sub(r"(?<=[a-z]) \(", "(", re.sub(r"\s+", " ", text)).strip()
 
 
-def _command(match: re.Match[str]) -> str:
+def _replace_tex_command(match: re.Match[str]) -> str:
     name = match[1]
     if name in SILENT:
         return " " if name in {"quad", "qquad"} else ""

@@ -11,7 +11,7 @@ GLOSSARY = "glossaire"  # a lesson that nobody writes
 
 
 @dataclass(frozen=True)
-class Fault:
+class MarkupFault:
     """Something that would not come out as its author meant. `line` is a line of the file."""
 
     line: int
@@ -33,7 +33,7 @@ class LabelTarget:
     line: int
 
     @property
-    def name(self) -> str:
+    def display_name(self) -> str:
         """« théorème 1 », « (3) »; empty where nothing can be said without a number."""
         if not self.number:
             return ""
@@ -41,7 +41,7 @@ class LabelTarget:
 
 
 @dataclass(frozen=True)
-class LessonName:
+class LinkableLesson:
     """A lesson that can be linked to, and the places in it. `figures` have their numbers."""
 
     title: str
@@ -50,7 +50,7 @@ class LessonName:
 
 
 @dataclass(frozen=True)
-class Picture:
+class PictureSize:
     """A drawing as a page shows it; sizes are in CSS pixels."""
 
     alt: str
@@ -58,13 +58,13 @@ class Picture:
     height: int
 
 
-def still_of(manipulation: str) -> str:
+def still_drawing_name(manipulation: str) -> str:
     """The drawing that stands for a manipulation where there is no script."""
     return f"manipulation-{manipulation}"
 
 
 @dataclass(frozen=True)
-class Link:
+class ResolvedLink:
     """Where a link leads, and what to write where its author wrote nothing."""
 
     href: str
@@ -73,92 +73,98 @@ class Link:
     external: bool = False
 
 
-def no_lesson_title(module: str, slug: str) -> str:
+def no_title_of_other_module(module: str, slug: str) -> str:
     """The title of a page of another module; empty where there is none."""
     return ""
 
 
 @dataclass(frozen=True)
-class Names:
+class ModuleNames:
     """Everything that the texts of a module may speak of, by name."""
 
     module: str = ""
     labels: Mapping[str, LabelTarget] = field(default_factory=dict)
-    pages: Mapping[str, LessonName] = field(default_factory=dict)
+    pages: Mapping[str, LinkableLesson] = field(default_factory=dict)
     exercises: Mapping[str, str] = field(default_factory=dict)
     terms: Mapping[str, str] = field(default_factory=dict)
-    pictures: Mapping[str, Picture] = field(default_factory=dict)
+    pictures: Mapping[str, PictureSize] = field(default_factory=dict)
     replays: Collection[str] = ()
     questions: Collection[str] = ()
     retrievals: Collection[str] = ()
     paths: Mapping[str, str] = field(default_factory=dict)
     manipulations: Collection[str] = ()
     files: Collection[str] = ()
-    elsewhere: Callable[[str, str], str] = no_lesson_title
+    elsewhere: Callable[[str, str], str] = no_title_of_other_module
 
-    def link(self, target: str, lesson: str) -> Link:
+    def resolve_link(self, target: str, lesson: str) -> ResolvedLink:
         """Where `target`, written in `lesson`, leads. Raises Unresolved."""
         scheme, _, rest = target.partition(":")
         if target.startswith("#"):
-            return self._label(target[1:], lesson)
+            return self._resolve_label(target[1:], lesson)
         if scheme == "page":
-            return self._page(*rest.partition("#")[::2])
+            return self._resolve_page(*rest.partition("#")[::2])
         if scheme == "exo":
-            return Link(f"/{self.module}/exercices/{rest}", _lookup(self.exercises, rest, "exercice inconnu"))
+            return ResolvedLink(
+                f"/{self.module}/exercices/{rest}", _lookup_or_raise(self.exercises, rest, "exercice inconnu")
+            )
         if scheme == "terme":
-            word = _lookup(self.terms, rest, "terme inconnu du glossaire")
-            return Link(f"/{self.module}/{GLOSSARY}#t-{rest}", word, term=rest)
+            word = _lookup_or_raise(self.terms, rest, "terme inconnu du glossaire")
+            return ResolvedLink(f"/{self.module}/{GLOSSARY}#t-{rest}", word, term=rest)
         if scheme == "fichier":
             if rest not in self.files:
                 raise UnresolvedLink(f"fichier inconnu : « {rest} »")
-            return Link(f"/{self.module}/fichiers/{rest}.zip", f"{rest}.zip")
+            return ResolvedLink(f"/{self.module}/fichiers/{rest}.zip", f"{rest}.zip")
         if target.startswith("https://"):
-            return Link(target, "", external=True)
+            return ResolvedLink(target, "", external=True)
         raise UnresolvedLink(
             f"lien inconnu : « {target} » (possibles : #étiquette, page:, exo:, terme:, fichier:, https://)"
         )
 
-    def _label(self, label: str, lesson: str) -> Link:
+    def _resolve_label(self, label: str, lesson: str) -> ResolvedLink:
         current, target = self.pages.get(lesson), self.labels.get(label)
         if current is not None and label in current.anchors:
             figure = current.figures.get(label.removeprefix("fig-")) if label.startswith("fig-") else None
-            return Link(f"#{label}", f"figure\u00a0{figure}" if figure else target.name if target else "")
+            return ResolvedLink(
+                f"#{label}", f"figure\u00a0{figure}" if figure else target.display_name if target else ""
+            )
         if target is None:
             raise UnresolvedLink(f"étiquette inconnue : « #{label} »")
-        return Link(f"/{self.module}/lire/{target.page}#{label}", target.name)
+        return ResolvedLink(f"/{self.module}/lire/{target.page}#{label}", target.display_name)
 
-    def _page(self, slug: str, anchor: str) -> Link:
+    def _resolve_page(self, slug: str, anchor: str) -> ResolvedLink:
         module, apart, there = slug.partition("/")
         if apart:
             title = self.elsewhere(module, there)
             if not title or anchor:
                 place = f"#{anchor}" if anchor else ""
                 raise UnresolvedLink(f"page inconnue : « {slug}{place} » (d’un autre module : module/page, sans place)")
-            return Link(f"/{module}/lire/{there}", title)
+            return ResolvedLink(f"/{module}/lire/{there}", title)
         if slug == GLOSSARY:
             if anchor and anchor.removeprefix("t-") not in self.terms:
                 raise UnresolvedLink(f"terme inconnu du glossaire : « {anchor} »")
-            return Link(f"/{self.module}/{GLOSSARY}" + (f"#{anchor}" if anchor else ""), "glossaire")
+            return ResolvedLink(f"/{self.module}/{GLOSSARY}" + (f"#{anchor}" if anchor else ""), "glossaire")
         lesson = self.pages.get(slug)
         if lesson is None:
             raise UnresolvedLink(f"page inconnue : « {slug} »")
         if anchor and anchor not in lesson.anchors:
             raise UnresolvedLink(f"la page « {slug} » n’a pas de « #{anchor} »")
-        return Link(f"/{self.module}/lire/{slug}" + (f"#{anchor}" if anchor else ""), "" if anchor else lesson.title)
+        return ResolvedLink(
+            f"/{self.module}/lire/{slug}" + (f"#{anchor}" if anchor else ""), "" if anchor else lesson.title
+        )
 
 
-def _lookup(names: Mapping[str, str], name: str, otherwise: str) -> str:
+def _lookup_or_raise(names: Mapping[str, str], name: str, error_message: str) -> str:
     if name not in names:
-        raise UnresolvedLink(f"{otherwise} : « {name} »")
+        raise UnresolvedLink(f"{error_message} : « {name} »")
     return names[name]
 
 
-def no_names() -> Names:
-    return Names()
+def no_module_names() -> ModuleNames:
+    return ModuleNames()
 
 
 @dataclass(frozen=True)
-class Source:
+class MarkdownSource:
     """Markdown and where it comes from; `first_line` is the line of its first character in that file.
 
     `page` is the slug of the lesson it is, if it is one: labels, figures, replays and cells only stand in lessons.
@@ -168,4 +174,4 @@ class Source:
     path: Path
     first_line: int = 1
     page: str = ""
-    names: Callable[[], Names] = no_names
+    names: Callable[[], ModuleNames] = no_module_names

@@ -6,7 +6,7 @@ import pytest
 
 from graders.core.contract.outcomes import Outcome
 from server.web.values import ValueView
-from server.web.verdicts import verdict_view
+from server.web.verdicts import build_verdict_view
 from tests.support.quick import the_course
 from tests.support.shipped import CODE
 from tests.support.verdicts import checked
@@ -32,7 +32,7 @@ def test_a_counterexample_is_short(exercise: str) -> None:
     wrong = [mistake.source for mistake in grader.misconceptions]
     wrong += [s.path.read_text(encoding="utf-8-sig") for s in grader.specimens() if s.outcome is Outcome.WRONG_ANSWER]
     for source in wrong[-3:] if exercise in LONGEST else wrong:
-        view = verdict_view(
+        view = build_verdict_view(
             checked(exercise, source, 3).verdict, "", functions=the_course().exercises[exercise].functions
         )
         for check in view.checks:

@@ -22,7 +22,7 @@ def test_a_named_mistake_is_shown_with_all_that_explains_it(exercise: str) -> No
     mistake = grader.misconceptions[0]
     grading = grader.grade(mistake.source.encode(), LOCAL, seed=1, version="0")
     stored = json.loads(json.dumps(grading.verdict.to_json(), allow_nan=False))
-    verdict = verdicts.verdict_view(Verdict.from_json(stored), "/figures")
+    verdict = verdicts.build_verdict_view(Verdict.from_json(stored), "/figures")
     html = jinja_environment().from_string(SHOW).render(verdict=verdict)
     assert verdict.diagnosis is not None
     assert len(verdict.diagnosis.paragraphs) >= 2

@@ -36,13 +36,13 @@ def test_an_outcome_has_all_of_its_words(outcome: Outcome) -> None:
         wording = outcome.wording(kind)
         assert wording.title
         assert wording.sentence.endswith((".", "!"))
-        assert verdicts.outcome_title(outcome.value, kind) == wording.title
+        assert verdicts.outcome_in_words(outcome.value, kind) == wording.title
 
 
 @pytest.mark.parametrize("worst", [Outcome.TIMEOUT, Outcome.RUNTIME_ERROR])
 def test_what_is_said_above_is_true_beside_a_first_check_that_failed_otherwise(worst: Outcome) -> None:
     """The first check that failed stands open below: « cherchez une boucle sans fin » contradicted its wrong value."""
-    view = verdicts.verdict_view(
+    view = verdicts.build_verdict_view(
         make_verdict("l20/x", "v", 1, ended(Outcome.WRONG_ANSWER, worst), None, timings={}), ""
     )
     assert view.title == worst.wording().title
