@@ -128,7 +128,11 @@ class ApplicationServices:
     def submissions(self) -> SubmissionService:
         course = self.course
         return SubmissionService(
-            self.settings, self.queue, lambda: self.stall_watchdog.stalled, course.needed_version, course.reused
+            self.settings,
+            self.queue,
+            lambda: self.stall_watchdog.stalled,
+            course.required_worker_version,
+            course.importable_exercises,
         )
 
     @cached_property

@@ -8,7 +8,7 @@ from pathlib import Path
 
 from graders import courses
 from server.authoring.new import SkeletonRefused
-from server.course.editions import MODULE_SLUG, edition_of, next_edition_slug
+from server.course.editions import MODULE_SLUG, next_edition_slug, parse_edition
 
 IGNORED_FOLDERS = {"__pycache__"}
 
@@ -33,10 +33,10 @@ def copy_to_next_edition(module: str, course: Path) -> list[Path]:
 
 def _next_edition_slug(module: str) -> str:
     """The edition after the last that any course has."""
-    family = edition_of(module).family
+    family = parse_edition(module).family
     there = {path.name for room in courses.room_folders(courses.CURRICULUM) for path in room.iterdir()}
     return next_edition_slug(
-        max((slug for slug in there | {module} if edition_of(slug).family == family), key=edition_of)
+        max((slug for slug in there | {module} if parse_edition(slug).family == family), key=parse_edition)
     )
 
 

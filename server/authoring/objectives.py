@@ -10,7 +10,7 @@ from server.course import Course, Exercise, Module, Problem, toml_file
 from server.course.models import Lesson
 from server.course.objectives import Objective
 from server.course.practice import practised_objectives
-from server.course.toml_places import line_of
+from server.course.toml_places import find_line_of_value
 
 UNKNOWN_EXERCISE = "« exercises » : exercice inconnu « {name} »"
 UNKNOWN_FUNCTION = "« exercises » : « {slug} » n’a pas de fonction « {function} »"
@@ -62,7 +62,7 @@ def _find_module_faults(module: Module) -> Iterator[Problem]:
 
 def _front_matter_line_of_objective(lesson: Lesson, index: int, key: str) -> int:
     text = toml_file.read_text(lesson.text.source.path).partition("\n+++")[0].removeprefix("+++\n")
-    return line_of(text, ("objective", index, key)) + 1
+    return find_line_of_value(text, ("objective", index, key)) + 1
 
 
 def read_exercise_mistakes(exercise: Exercise) -> ExerciseMistakes:
@@ -100,7 +100,7 @@ def _find_uncarried_parts(objectives: Sequence[Objective], slug: str, exercise: 
         return
     silent: set[str] = set()
     for mistake, functions in exercise.mistakes.items():
-        if any(objective.carries(slug, mistake, functions) for objective in objectives):
+        if any(objective.does_misconception_belong(slug, mistake, functions) for objective in objectives):
             continue
         if not functions:
             yield NO_OBJECTIVE_OF_MISTAKE.format(slug=slug, mistake=mistake)

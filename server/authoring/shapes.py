@@ -22,7 +22,7 @@ from server.course.schemas import (
     FamiliesFile,
     FrontMatter,
     ModuleFile,
-    Strict,
+    StrictModel,
     TermEntry,
     Text,
 )
@@ -32,7 +32,7 @@ Edit = Annotated[list[str], Field(min_length=2)]
 MISCONCEPTIONS = "misconceptions.toml"
 
 
-class MisconceptionEntry(Strict):
+class MisconceptionEntry(StrictModel):
     """One `[[misconception]]` of an exercise of code."""
 
     id: Text
@@ -47,7 +47,7 @@ class MisconceptionEntry(Strict):
     after: bool = False
 
 
-class SlipEntry(Strict):
+class SlipEntry(StrictModel):
     """One `[[slip]]`: edits of the model that make a usual slip, whose words are known."""
 
     id: Text
@@ -56,13 +56,13 @@ class SlipEntry(Strict):
     after: bool = False
 
 
-class StyleEntry(Strict):
+class StyleEntry(StrictModel):
     """One `[[style]]`: edits of the model that leave it right."""
 
     edits: list[Edit]
 
 
-class MisconceptionsFile(Strict):
+class MisconceptionsFile(StrictModel):
     """`graders/<module>/<slug>/misconceptions.toml` of an exercise of code."""
 
     misconception: list[MisconceptionEntry] = Field(default_factory=list)
@@ -70,7 +70,7 @@ class MisconceptionsFile(Strict):
     style: list[StyleEntry] = Field(default_factory=list)
 
 
-class MistakeEntry(Strict):
+class MistakeEntry(StrictModel):
     """One `[[misconception]]` of an exercise without code."""
 
     id: Text
@@ -79,13 +79,13 @@ class MistakeEntry(Strict):
     question: Text
 
 
-class MistakesFile(Strict):
+class MistakesFile(StrictModel):
     """`misconceptions.toml` of an exercise without code."""
 
     misconception: list[MistakeEntry] = Field(default_factory=list)
 
 
-class EquivalentEntry(Strict):
+class EquivalentEntry(StrictModel):
     """One `[[equivalent]]`: an alteration of the solution that is still right."""
 
     function: str
@@ -94,13 +94,13 @@ class EquivalentEntry(Strict):
     reason: Text
 
 
-class EquivalentsFile(Strict):
+class EquivalentsFile(StrictModel):
     """`graders/<module>/<slug>/equivalents.toml`."""
 
     equivalent: list[EquivalentEntry] = Field(default_factory=list)
 
 
-class GlossaryFile(Strict):
+class GlossaryFile(StrictModel):
     """`curriculum/<module>/glossaire.toml`."""
 
     terme: list[TermEntry]

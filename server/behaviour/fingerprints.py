@@ -144,7 +144,7 @@ class FingerprintTask:
         exercise = None if request is None else self._course.exercises.get(request.exercise)
         if request is None or exercise is None or exercise.kind != "code" or exercise.version != request.version:
             return None
-        if not self._course.reused(request.exercise):
+        if not self._course.importable_exercises(request.exercise):
             return request
         submission = repository.load_submission_of_grading(db, request.grading_id)
         return replace(
@@ -155,7 +155,7 @@ class FingerprintTask:
 
     def run(self, request: FingerprintRequest) -> Observation:
         exercise = self._course.exercises[request.exercise]
-        library = reuse.build_library(self._course, request.exercise, request.own, request.tested)
+        library = reuse.build_importable_library(self._course, request.exercise, request.own, request.tested)
         behaviour = self._get_cached_observer(request.exercise).observe(
             request.source, self._start(tighten_limits(exercise.policy), library)
         )

@@ -55,7 +55,7 @@ def _mistake_rows_of_student(
             rows.append(
                 (
                     *person_cells(student),
-                    course.title_of(exercise),
+                    course.title_of_exercise(exercise),
                     find_misconception(course, exercise, mistake).diagnosis.title,
                     " ; ".join(objective.short for objective in own),
                     "encore" if episode.attempts is None else "corrigée",

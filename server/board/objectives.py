@@ -92,7 +92,7 @@ class MisconceptionLookup:
         key = exercise, misconception
         if key not in self._functions:
             self._functions[key] = find_misconception(self._course, exercise, misconception).functions
-        return objective.carries(exercise.partition("/")[2], misconception, self._functions[key])
+        return objective.does_misconception_belong(exercise.partition("/")[2], misconception, self._functions[key])
 
     def misconception_title(self, exercise: str, misconception: str) -> str:
         """Return the title of a misconception."""

@@ -22,7 +22,7 @@ from graders.core.alterations.equivalents import EquivalentMark, find_stale_mark
 from graders.core.code.checks import Check
 from graders.core.code.grading import CodeGrader
 from graders.core.contract.malformed import MalformedExerciseError
-from server.cli import CannotRun, parallel
+from server.cli import CommandError, parallel
 from server.client.program.report import format_number
 from server.course import Course, Exercise
 from server.grading.sandbox_grader import SandboxGrader
@@ -74,20 +74,22 @@ class MutantTally:
             trial for trial in self.trials if trial.fate in fates and (trial.alteration.is_course_mistake or not own)
         ]
 
-    def caught(self, *, own: bool = False) -> tuple[int, int]:
+    def count_caught(self, *, own: bool = False) -> tuple[int, int]:
         """Return how many were caught, of how many that are not equivalent."""
         caught = len(self.trials_with(MutantStatus.CAUGHT, MutantStatus.BY_CHANCE, own=own))
         return caught, caught + len(self.trials_with(MutantStatus.SURVIVED, own=own))
 
     @property
-    def passes(self) -> bool:
+    def is_goal_reached(self) -> bool:
         """Whether the goal is reached, without any fault."""
-        reached = all(_share(*self.caught(own=own)) >= goal for own, goal in ((False, GOAL), (True, GOAL_OF_OUR_OWN)))
+        reached = all(
+            _fraction(*self.count_caught(own=own)) >= goal for own, goal in ((False, GOAL), (True, GOAL_OF_OUR_OWN))
+        )
         return reached and not self.faults and not self.trials_with(MutantStatus.MISMARKED, MutantStatus.BROKEN)
 
 
-def _share(some: int, all_: int) -> float:
-    return some / all_ if all_ else 1.0
+def _fraction(part: int, total: int) -> float:
+    return part / total if total else 1.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -100,16 +102,16 @@ class MutationSubject:
     policy: Policy
     marks: Sequence[EquivalentMark]
 
-    def first_failed(self, grader: SandboxGrader, source: str, seed: int) -> str | None:
+    def find_catching_check(self, grader: SandboxGrader, source: str, seed: int) -> str | None:
         """Return the check that catches a program. An exception raised twice in a row is our own failure."""
         for _ in range(TRIES - 1):
             try:
-                return self._first_failed(grader, source, seed)
+                return self._find_catching_check_once(grader, source, seed)
             except Exception:
                 log.exception("an altered %s could not be graded with seed %d", self.exercise.id, seed)
-        return self._first_failed(grader, source, seed)
+        return self._find_catching_check_once(grader, source, seed)
 
-    def _first_failed(self, grader: SandboxGrader, source: str, seed: int) -> str | None:
+    def _find_catching_check_once(self, grader: SandboxGrader, source: str, seed: int) -> str | None:
         programs = grader.program_starter(self.exercise.id, self.policy)
         return self.code.first_failed_check(source.encode(), programs, seed=seed, checks=self.checks)
 
@@ -117,7 +119,7 @@ class MutationSubject:
 def run(course: Course, selected: Sequence[Exercise]) -> int:
     """Try and report; return 1 below the goal or where a mark is wrong. Without `selected`, all exercises of code.
 
-    Raises CannotRun for a selected exercise without code, and for unreadable marks.
+    Raises CommandError for a selected exercise without code, and for unreadable marks.
     """
     subjects = [
         load_subject(exercise) for exercise in selected or course.exercises.values() if selected or _has_code(exercise)
@@ -131,11 +133,11 @@ def run(course: Course, selected: Sequence[Exercise]) -> int:
     tallies = []
     with closing(parallel.run_in_order(course, run_job, jobs, "Altérations")) as trials:
         for subject, own_alterations in zip(subjects, alterations_by_subject, strict=True):
-            tallies.append(tally(subject, list(islice(trials, len(own_alterations)))))
-            for text in report_lines(tallies[-1]):
+            tallies.append(tally_trials(subject, list(islice(trials, len(own_alterations)))))
+            for text in exercise_report_lines(tallies[-1]):
                 print(text, flush=True)
-    print(summary(tallies))
-    return 0 if all(exercise_tally.passes for exercise_tally in tallies) else 1
+    print(summary_line(tallies))
+    return 0 if all(exercise_tally.is_goal_reached for exercise_tally in tallies) else 1
 
 
 def _has_code(exercise: Exercise) -> bool:
@@ -143,20 +145,20 @@ def _has_code(exercise: Exercise) -> bool:
 
 
 def load_subject(exercise: Exercise) -> MutationSubject:
-    """Load an exercise with its marks. Raises CannotRun without code, or where marks are unreadable."""
+    """Load an exercise with its marks. Raises CommandError without code, or where marks are unreadable."""
     code = exercise.grader
     if not isinstance(code, CodeGrader):
-        raise CannotRun(f"l’exercice « {exercise.id} » n’a pas de solution en Python à changer.")
+        raise CommandError(f"l’exercice « {exercise.id} » n’a pas de solution en Python à changer.")
     try:
         return MutationSubject(exercise, code, code.checks, exercise.policy, read_equivalents(code.folder))
     except MalformedExerciseError as error:
-        raise CannotRun(str(error)) from error
+        raise CommandError(str(error)) from error
 
 
 def run_job(grader: SandboxGrader, job: tuple[MutationSubject, Alteration]) -> MutantTrial:
     """Run one job in a worker process, which measures the solution once."""
     subject, alteration = job
-    measured = _measured_or_reason(grader, subject)
+    measured = _measure_or_explain(grader, subject)
     return (
         MutantTrial(alteration, MutantStatus.BROKEN, measured)
         if isinstance(measured, str)
@@ -165,15 +167,15 @@ def run_job(grader: SandboxGrader, job: tuple[MutationSubject, Alteration]) -> M
 
 
 @cache
-def _measured_or_reason(grader: SandboxGrader, subject: MutationSubject) -> MutationSubject | str:
+def _measure_or_explain(grader: SandboxGrader, subject: MutationSubject) -> MutationSubject | str:
     """Return the subject with measured costs, or why they cannot be measured."""
     try:
         return with_measured_costs(grader, subject)
-    except CannotRun as reason:
+    except CommandError as reason:
         return str(reason)
 
 
-def tally(subject: MutationSubject, trials: Sequence[MutantTrial]) -> MutantTally:
+def tally_trials(subject: MutationSubject, trials: Sequence[MutantTrial]) -> MutantTally:
     """Sum up the results of an exercise's alterations, checked against its marks."""
     reasons = {trial.detail for trial in trials}
     if all(trial.fate is MutantStatus.BROKEN for trial in trials) and len(reasons) == 1:
@@ -194,14 +196,14 @@ def _apply_marks(trial: MutantTrial, marks: Sequence[EquivalentMark]) -> MutantT
 def with_measured_costs(grader: SandboxGrader, subject: MutationSubject) -> MutationSubject:
     """Return the subject with its checks ordered by their cost on the solution, and a time limit in proportion.
 
-    Raises CannotRun where the solution itself fails.
+    Raises CommandError where the solution itself fails.
     """
     solution, costs = subject.code.solution, {}
-    subject.first_failed(grader, solution, SEEDS[0])  # warms up what is slow the first time
+    subject.find_catching_check(grader, solution, SEEDS[0])  # warms up what is slow the first time
     for check in subject.checks:
         started = time.monotonic()
-        if replace(subject, checks=(check,)).first_failed(grader, solution, SEEDS[0]) is not None:
-            raise CannotRun(f"la solution elle-même échoue ({check.id}).")
+        if replace(subject, checks=(check,)).find_catching_check(grader, solution, SEEDS[0]) is not None:
+            raise CommandError(f"la solution elle-même échoue ({check.id}).")
         costs[check.id] = time.monotonic() - started
     time_limit = max(MIN_SECONDS, SLOWDOWN_LIMIT * sum(costs.values()))
     policy = replace(subject.policy, cpu_seconds=min(subject.policy.cpu_seconds, time_limit))
@@ -213,7 +215,7 @@ def try_alteration(grader: SandboxGrader, subject: MutationSubject, alteration: 
     started, fate, detail = time.monotonic(), MutantStatus.SURVIVED, ""
     try:
         for seed in SEEDS:
-            failed = subject.first_failed(grader, alteration.altered, seed)
+            failed = subject.find_catching_check(grader, alteration.altered, seed)
             if failed is not None:
                 fate, detail = (MutantStatus.CAUGHT if seed == SEEDS[0] else MutantStatus.BY_CHANCE), failed
                 break
@@ -222,15 +224,16 @@ def try_alteration(grader: SandboxGrader, subject: MutationSubject, alteration: 
     return MutantTrial(alteration, fate, detail, time.monotonic() - started)
 
 
-def report_lines(tally: MutantTally) -> Iterator[str]:
+def exercise_report_lines(tally: MutantTally) -> Iterator[str]:
     """Yield one line for an exercise, then the diff of each notable alteration."""
     survived, equivalent = tally.trials_with(MutantStatus.SURVIVED), tally.trials_with(MutantStatus.EQUIVALENT)
-    caught, of = tally.caught()
+    caught, of = tally.count_caught()
     seconds = sum(trial.seconds for trial in tally.trials)
-    shares = f"{percent(caught, of)} ; du cours : {percent(*tally.caught(own=True))}"
+    of_course = format_percent_rounded_down(*tally.count_caught(own=True))
+    shares = f"{format_percent_rounded_down(caught, of)} ; du cours : {of_course}"
     yield (
-        f"{'✓' if tally.passes else '✗'} {tally.exercise:<24} altérations : {len(tally.trials)}, tuées : {caught}, "
-        f"survivantes : {len(survived)}, équivalentes : {len(equivalent)} — {shares} — {seconds:.0f} s"
+        f"{'✓' if tally.is_goal_reached else '✗'} {tally.exercise:<24} altérations : {len(tally.trials)}, "
+        f"tuées : {caught}, survivantes : {len(survived)}, équivalentes : {len(equivalent)} — {shares} — {seconds:.0f} s"
     )
     for fault in tally.faults:
         yield f"  ✗ {fault}"
@@ -245,16 +248,16 @@ def report_lines(tally: MutantTally) -> Iterator[str]:
         yield from (f"    {line}" for line in alteration.diff())
 
 
-def percent(some: int, all_: int) -> str:
+def format_percent_rounded_down(part: int, total: int) -> str:
     """« 97,5 % (39/40) »; rounded down, so that the goal never seems reached before it is."""
-    tenths = some * 1000 // all_ if all_ else 1000
-    return f"{format_number(tenths / 10)} % ({some}/{all_})"
+    tenths = part * 1000 // total if total else 1000
+    return f"{format_number(tenths / 10)} % ({part}/{total})"
 
 
-def summary(tallies: Sequence[MutantTally]) -> str:
+def summary_line(tallies: Sequence[MutantTally]) -> str:
     """Return the line for programs: totals of all exercises; `under` counts exercises below the goal."""
-    caught, of = (sum(exercise_tally.caught()[k] for exercise_tally in tallies) for k in (0, 1))
-    own, of_own = (sum(exercise_tally.caught(own=True)[k] for exercise_tally in tallies) for k in (0, 1))
+    caught, of = (sum(exercise_tally.count_caught()[k] for exercise_tally in tallies) for k in (0, 1))
+    own, of_own = (sum(exercise_tally.count_caught(own=True)[k] for exercise_tally in tallies) for k in (0, 1))
     equivalent = sum(len(exercise_tally.trials_with(MutantStatus.EQUIVALENT)) for exercise_tally in tallies)
-    under = sum(not exercise_tally.passes for exercise_tally in tallies)
+    under = sum(not exercise_tally.is_goal_reached for exercise_tally in tallies)
     return f"caught={caught}/{of} own={own}/{of_own} equivalent={equivalent} under={under}/{len(tallies)}"

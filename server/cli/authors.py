@@ -5,10 +5,10 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Protocol
 
-from server.cli.options import parse_bounded
+from server.cli.options import parse_bounded_integer
 
 
-class Commands(Protocol):
+class SubcommandsAction(Protocol):
     """What `ArgumentParser.add_subparsers` returns; its class has no public name."""
 
     @property
@@ -21,34 +21,34 @@ KINDS = ("module", "page", "exercise", "declared", "choice", "numbers", "order",
 EDITION = "edition"
 
 
-def add_author_commands(commands: Commands) -> None:
+def add_author_commands(commands: SubcommandsAction) -> None:
     help_text = "écrit le squelette d’un module, d’une page, d’un exercice ou d’une animation, qui marche tel quel"
-    _new(commands.add_parser("new", help=help_text, description=f"{help_text.capitalize()}."))
+    _add_new_options(commands.add_parser("new", help=help_text, description=f"{help_text.capitalize()}."))
     help_text = "écrit les schémas des fichiers TOML d’un cours, pour que l’éditeur en complète les clés"
-    _schema(commands.add_parser("schema", help=help_text, description=f"{help_text.capitalize()}."))
+    _add_schema_options(commands.add_parser("schema", help=help_text, description=f"{help_text.capitalize()}."))
     help_text = "montre ce que des classes ratent de la même façon, et qu’aucune erreur connue ne nomme"
-    _study(commands.add_parser("study", help=help_text, description=f"{help_text.capitalize()}."))
+    _add_study_options(commands.add_parser("study", help=help_text, description=f"{help_text.capitalize()}."))
     help_text = "montre un cours pendant qu’on l’écrit, sur cette machine seulement"
-    _preview(commands.add_parser("preview", help=help_text, description=f"{help_text.capitalize()}."))
+    _add_preview_options(commands.add_parser("preview", help=help_text, description=f"{help_text.capitalize()}."))
 
 
-def _schema(parser: argparse.ArgumentParser) -> None:
+def _add_schema_options(parser: argparse.ArgumentParser) -> None:
     help_text = "dossier du cours (par défaut : celui où l’on est)"
     parser.add_argument("--course", dest="into", type=Path, default=Path(), metavar="DIR", help=help_text)
 
 
-def _study(parser: argparse.ArgumentParser) -> None:
+def _add_study_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("exercise", metavar="EXERCISE", help="exercice de code, comme l20/poses")
     help_text = "fait de ce groupe une erreur à nommer, dans le dossier du correcteur"
     parser.add_argument("--write", metavar="GROUP", help=help_text)
     help_text = "combien de groupes, du plus fréquent au plus rare (par défaut : %(default)s)"
-    parser.add_argument("--most", type=_most, default=10, metavar="N", help=help_text)
+    parser.add_argument("--most", type=_parse_max_count, default=10, metavar="N", help=help_text)
     parser.add_argument("--data", type=Path, metavar="DIR", help="dossier des données du service")
     add_course_option(parser)
 
 
-def _most(text: str) -> int:
-    return max(1, parse_bounded(text, 1000, "le nombre de groupes"))
+def _parse_max_count(text: str) -> int:
+    return max(1, parse_bounded_integer(text, 1000, "le nombre de groupes"))
 
 
 def add_course_option(parser: argparse.ArgumentParser) -> None:
@@ -56,18 +56,18 @@ def add_course_option(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--course", type=Path, metavar="DIR", help=help_text)
 
 
-def _preview(parser: argparse.ArgumentParser) -> None:
+def _add_preview_options(parser: argparse.ArgumentParser) -> None:
     help_text = "module, comme l19, ou dossier d’un cours (par défaut : le premier de BALISE_COURSES, ou celui d’ici)"
     parser.add_argument("what", nargs="?", metavar="MODULE|DIR", help=help_text)
     help_text = "port, 0 pour un port libre (par défaut : %(default)s)"
-    parser.add_argument("--port", type=_port, default=8010, help=help_text)
+    parser.add_argument("--port", type=_parse_port, default=8010, help=help_text)
 
 
-def _port(text: str) -> int:
-    return parse_bounded(text, 65535, "le port")
+def _parse_port(text: str) -> int:
+    return parse_bounded_integer(text, 65535, "le port")
 
 
-def _new(parser: argparse.ArgumentParser) -> None:
+def _add_new_options(parser: argparse.ArgumentParser) -> None:
     help_text = (
         "module, page, exercise (de code), choice (questionnaire), numbers (calcul), order (démonstration), replay, "
         "ou edition : un module recopié, que l’on changera sans toucher à celui des classes"

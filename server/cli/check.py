@@ -28,11 +28,11 @@ from graders.courses import COURSES, CURRICULUM, GRADERS
 from graders.discovery import discover
 from server.authoring import families, objectives, shapes
 from server.cells import faults as cells
-from server.cli import CannotRun, alterations, check_cache, fairness, parallel
+from server.cli import CommandError, alterations, check_cache, fairness, parallel
 from server.cli.check_cache import CheckCache
 from server.cli.exercise_faults import EXERCISE_FAULTS
 from server.cli.local import find_exercise, load_unrendered_course, local_grader
-from server.cli.sandboxes import require_safe_sandbox, start_probing
+from server.cli.sandboxes import require_safe_sandbox, start_probing_walls
 from server.course import Course, Exercise, Module, Problem, load_course, retrievals
 from server.course.closure import ImportGraph
 from server.course.models import SEED_BITS
@@ -50,7 +50,7 @@ ENDLESS_SECONDS = 0.5
 
 
 @dataclass(frozen=True)
-class Case:
+class KnownCase:
     """A submission that is known; `judge` says what is wrong with its judgement, or nothing.
 
     `write` gives it for a seed, and it is judged on `rounds` seeds. One that is `endless` is stopped sooner than the
@@ -65,7 +65,7 @@ class Case:
 
 
 @dataclass(frozen=True)
-class Examination:
+class CaseExamination:
     """One line of the table; `fault` is empty when all is well."""
 
     exercise: str
@@ -74,21 +74,21 @@ class Examination:
     seed: int
 
 
-Told = Examination | Sequence[Problem]
+Told = CaseExamination | Sequence[Problem]
 Job = Callable[[SandboxGrader], Told]
 
 
 def run(arguments: Namespace) -> int:
     logging.basicConfig(level=logging.WARNING, stream=sys.stderr)
     if arguments.fairness is not None:
-        return _fairness(arguments)
+        return _run_fairness(arguments)
     if arguments.mutants:
-        return _mutants(arguments)
+        return _run_mutants(arguments)
     return _check_courses(arguments)
 
 
 @dataclass(frozen=True)
-class Part:
+class CachedCheckPart:
     """A unit of the cache: `jobs` run unless all inputs behind `inputs_digest` are unchanged."""
 
     name: str
@@ -99,21 +99,24 @@ class Part:
 def _check_courses(arguments: Namespace) -> int:
     started = time.monotonic()
     cache = check_cache.open_cache(fresh=arguments.fresh, requested=arguments.remember)
-    probing = None if cache else start_probing(slow=False)  # with a cache, most often nothing is left to run
-    course, faults = _read(cache, arguments.course)
-    modules, exercises = _select(course, arguments.exercises)
+    probing = None if cache else start_probing_walls(slow=False)  # with a cache, most often nothing is left to run
+    course, faults = _load_course_and_count_faults(cache, arguments.course)
+    modules, exercises = _select_modules_and_exercises(course, arguments.exercises)
     imports = ImportGraph(*COURSES.folders, memory=cache.imports)
-    parts = [*map(_texts, repeat(course), modules), *(_part(exercise, imports) for exercise in exercises)]
-    left = [part for part in parts if not _is_unchanged(cache, part)]
+    parts = [
+        *map(_module_check_part, repeat(course), modules),
+        *(_exercise_check_part(exercise, imports) for exercise in exercises),
+    ]
+    left = [part for part in parts if not _is_unchanged_since_success(cache, part)]
     if left:
-        require_safe_sandbox(probing or start_probing(slow=False))
-    faults += _tried(cache, course, left)
-    cache.write()
-    print(_summary(len(exercises), faults, time.monotonic() - started))
+        require_safe_sandbox(probing or start_probing_walls(slow=False))
+    faults += _run_parts_and_count_faults(cache, course, left)
+    cache.write_file()
+    print(_summary_line(len(exercises), faults, time.monotonic() - started))
     return 1 if faults else 0
 
 
-def _read(cache: CheckCache, folder: Path | None) -> tuple[Course, int]:
+def _load_course_and_count_faults(cache: CheckCache, folder: Path | None) -> tuple[Course, int]:
     """Load all courses, or the one in a folder; return it and the number of faults of its texts.
 
     Texts are rendered only if they have changed since they were in order.
@@ -123,13 +126,13 @@ def _read(cache: CheckCache, folder: Path | None) -> tuple[Course, int]:
         (TEXTS if folder is None else f"{TEXTS} {folder.resolve()}"),
         check_cache.texts_digest(folders),
     )
-    render = cache.unchanged_since(name, inputs_digest) is None
+    render = cache.last_passed_day_if_unchanged(name, inputs_digest) is None
     if folder is None:
         course = load_course(render=render, memory=cache.imports)
     else:
         discovery = discover(rooms=[folder.resolve() / GRADERS])
         course = load_course(folder.resolve() / CURRICULUM, discovery=discovery, render=render, memory=cache.imports)
-    asked = (fault for module in course.modules.values() for fault in retrievals.find_faults(module))
+    asked = (fault for module in course.modules.values() for fault in retrievals.find_question_faults(module))
     found = (
         *course.problems,
         *shapes.find_catalogue_faults(course),
@@ -139,11 +142,11 @@ def _read(cache: CheckCache, folder: Path | None) -> tuple[Course, int]:
     )
     faults = sum(map(_print_fault, found))
     if not faults:
-        cache.record(name, inputs_digest)
+        cache.record_passed(name, inputs_digest)
     return course, faults
 
 
-def _select(course: Course, names: Sequence[str]) -> tuple[Sequence[Module], Sequence[Exercise]]:
+def _select_modules_and_exercises(course: Course, names: Sequence[str]) -> tuple[Sequence[Module], Sequence[Exercise]]:
     """Return the modules and exercises of these names, or all of them."""
     modules = [course.modules[name] for name in names or course.modules if name in course.modules]
     selected = {exercise.id: exercise for module in modules for exercise in module.exercises}
@@ -151,93 +154,93 @@ def _select(course: Course, names: Sequence[str]) -> tuple[Sequence[Module], Seq
     return modules, list(selected.values())
 
 
-def _texts(course: Course, module: Module) -> Part:
+def _module_check_part(course: Course, module: Module) -> CachedCheckPart:
     alone = replace(course, modules=MappingProxyType({module.slug: module}))
-    return Part(
+    return CachedCheckPart(
         module.slug,
         check_cache.module_digest(module),
-        [partial(check_part, alone) for check_part in (_figures, _cells, _replays)],
+        [partial(check_part, alone) for check_part in (_find_drawing_faults, _find_failing_cells, _find_replay_faults)],
     )
 
 
-def _part(exercise: Exercise, imports: ImportGraph) -> Part:
-    return Part(
+def _exercise_check_part(exercise: Exercise, imports: ImportGraph) -> CachedCheckPart:
+    return CachedCheckPart(
         exercise.id,
         check_cache.exercise_digest(exercise, imports),
         [
-            *(partial(_examination, exercise, case) for case in list_cases(exercise)),
+            *(partial(_examine_with_fresh_seed, exercise, case) for case in list_cases(exercise)),
             *(partial(faults, exercise) for faults in EXERCISE_FAULTS),
         ],
     )
 
 
-def _is_unchanged(cache: CheckCache, part: Part) -> bool:
+def _is_unchanged_since_success(cache: CheckCache, part: CachedCheckPart) -> bool:
     """Whether it was in order, and is unchanged; says so."""
-    day = cache.unchanged_since(part.name, part.inputs_digest)
+    day = cache.last_passed_day_if_unchanged(part.name, part.inputs_digest)
     if day is not None:
         print(f"✓ {part.name:<24} inchangé depuis le {day}", flush=True)
     return day is not None
 
 
-def _tried(cache: CheckCache, course: Course, parts: Sequence[Part]) -> int:
+def _run_parts_and_count_faults(cache: CheckCache, course: Course, parts: Sequence[CachedCheckPart]) -> int:
     """Tries all that is left, and keeps what is in order; how many faults there are."""
     if not parts:
         return 0
     jobs = [(part, job) for part in parts for job in part.jobs]
     faults = Counter[str]()
-    results = parallel.run_in_order(course, _do, [job for _, job in jobs], "Vérification", _subject)
+    results = parallel.run_in_order(course, _run_job, [job for _, job in jobs], "Vérification", _exercise_of_job)
     for (part, _), told in zip(jobs, results, strict=True):
-        faults[part.name] += _print_fault(told) if isinstance(told, Examination) else sum(map(_print_fault, told))
+        faults[part.name] += _print_fault(told) if isinstance(told, CaseExamination) else sum(map(_print_fault, told))
     for part in parts:
         if not faults[part.name]:
-            cache.record(part.name, part.inputs_digest)
+            cache.record_passed(part.name, part.inputs_digest)
     return faults.total()
 
 
-def _do(grader: SandboxGrader, job: Job) -> Told:
+def _run_job(grader: SandboxGrader, job: Job) -> Told:
     return job(grader)
 
 
-def _subject(job: Job) -> object:
+def _exercise_of_job(job: Job) -> object:
     """An exercise's jobs go together: what it computes once, one process computes."""
     assert isinstance(job, partial)
-    return job.args[0].id if job.func in (_examination, *EXERCISE_FAULTS) else id(job)
+    return job.args[0].id if job.func in (_examine_with_fresh_seed, *EXERCISE_FAULTS) else id(job)
 
 
-def _figures(course: Course, _: SandboxGrader) -> Sequence[Problem]:
+def _find_drawing_faults(course: Course, _: SandboxGrader) -> Sequence[Problem]:
     return [*lessons.find_drawing_faults(course)]
 
 
-def _cells(course: Course, _: SandboxGrader) -> Sequence[Problem]:
+def _find_failing_cells(course: Course, _: SandboxGrader) -> Sequence[Problem]:
     return [*cells.find_failing_cells(course)]
 
 
-def _replays(course: Course, _: SandboxGrader) -> Sequence[Problem]:
+def _find_replay_faults(course: Course, _: SandboxGrader) -> Sequence[Problem]:
     return [*replays.find_replay_faults(course)]
 
 
-def _examination(exercise: Exercise, case: Case, grader: SandboxGrader) -> Examination:
+def _examine_with_fresh_seed(exercise: Exercise, case: KnownCase, grader: SandboxGrader) -> CaseExamination:
     """With a fresh seed."""
-    return examine(grader, exercise, case, secrets.randbits(SEED_BITS))
+    return examine_case(grader, exercise, case, secrets.randbits(SEED_BITS))
 
 
-def _fairness(arguments: Namespace) -> int:
+def _run_fairness(arguments: Namespace) -> int:
     if not arguments.fairness.is_dir():
-        raise CannotRun(f"« {arguments.fairness} » n’est pas un dossier.")
-    probing, course = start_probing(slow=False), load_unrendered_course()
+        raise CommandError(f"« {arguments.fairness} » n’est pas un dossier.")
+    probing, course = start_probing_walls(slow=False), load_unrendered_course()
     with local_grader(course, probing) as grader:
         only = {find_exercise(course, name).id for name in arguments.exercises}
-        return fairness.run(course, grader, arguments.fairness, arguments.seeds, only)
+        return fairness.run_fairness_check(course, grader, arguments.fairness, arguments.seeds, only)
 
 
-def _mutants(arguments: Namespace) -> int:
-    probing, course = start_probing(slow=False), load_unrendered_course()
+def _run_mutants(arguments: Namespace) -> int:
+    probing, course = start_probing_walls(slow=False), load_unrendered_course()
     selected = [find_exercise(course, name) for name in arguments.exercises]
     require_safe_sandbox(probing)
     return alterations.run(course, selected)
 
 
-def _print_fault(result: Examination | Problem) -> bool:
+def _print_fault(result: CaseExamination | Problem) -> bool:
     """Print a result; return whether it is a fault."""
     if isinstance(result, Problem):
         print(f"✗ {result}", flush=True)
@@ -248,46 +251,52 @@ def _print_fault(result: Examination | Problem) -> bool:
     return bool(result.fault)
 
 
-def _summary(exercises: int, faults: int, seconds: float) -> str:
+def _summary_line(exercises: int, faults: int, seconds: float) -> str:
     if faults:
         return f"{faults} problème{'s' if faults > 1 else ''}."
     return f"Tout est en ordre ({exercises} exercice{'s' if exercises > 1 else ''}, {seconds:.0f} s)."
 
 
-def list_cases(exercise: Exercise) -> Iterator[Case]:
+def list_cases(exercise: Exercise) -> Iterator[KnownCase]:
     """Yield every known submission of an exercise, with its expected judgement."""
     reference, *others = (
-        Case(known.subject, known.source_for_seed, judge_of(known), known.rounds, known.outcome is Outcome.TIMEOUT)
+        KnownCase(
+            known.subject,
+            known.source_for_seed,
+            build_judge_of_known_submission(known),
+            known.rounds,
+            known.outcome is Outcome.TIMEOUT,
+        )
         for known in exercise.grader.known_submissions()
     )
     yield reference
-    yield Case("fichier de départ", lambda _: exercise.starter.encode(), not_full_marks)
+    yield KnownCase("fichier de départ", lambda _: exercise.starter.encode(), why_not_full_marks)
     yield from others
 
 
-def judge_of(known: KnownSubmission) -> Judge:
+def build_judge_of_known_submission(known: KnownSubmission) -> Judge:
     """Return a judge of a known submission: it compares marks or outcome first, then the misconception."""
-    marks = not_full_marks if known.outcome is None else expecting_outcome(known.outcome)
+    marks = why_not_full_marks if known.outcome is None else judge_expecting_outcome(known.outcome)
     if known.diagnosis is None:
         return marks
-    name = expecting_misconception(known.diagnosis)
+    name = judge_expecting_misconception(known.diagnosis)
     return lambda judgement: marks(judgement) or name(judgement)
 
 
-def examine(grader: SandboxGrader, exercise: Exercise, case: Case, seed: int) -> Examination:
+def examine_case(grader: SandboxGrader, exercise: Exercise, case: KnownCase, seed: int) -> CaseExamination:
     """Examine a case on `seed`, and on the following seeds for its other rounds."""
     policy = exercise.policy
     if case.endless:
         policy = replace(policy, cpu_seconds=min(policy.cpu_seconds, ENDLESS_SECONDS))
     for trial_seed in range(seed, seed + case.rounds):
         judgement = grader.grade(exercise.id, case.write(trial_seed), trial_seed, policy=policy)
-        fault = case.judge(judgement) or unwatchable_films(exercise.id, judgement)
+        fault = case.judge(judgement) or unreplayable_films(exercise.id, judgement)
         if fault:
-            return Examination(exercise.id, case.subject, fault, trial_seed)
-    return Examination(exercise.id, case.subject, "", seed)
+            return CaseExamination(exercise.id, case.subject, fault, trial_seed)
+    return CaseExamination(exercise.id, case.subject, "", seed)
 
 
-def unwatchable_films(exercise: str, judgement: Judgement) -> str:
+def unreplayable_films(exercise: str, judgement: Judgement) -> str:
     """The films of which no replay can be made."""
     from graders.scene.films import wire
 
@@ -299,25 +308,25 @@ def unwatchable_films(exercise: str, judgement: Judgement) -> str:
     return ""
 
 
-def not_full_marks(judgement: Judgement) -> str:
+def why_not_full_marks(judgement: Judgement) -> str:
     verdict = judgement.verdict
     if not verdict.outcome.counts:
         return "la correction a échoué"
     return "obtient tous les points" if verdict.outcome is Outcome.OK else ""
 
 
-def expecting_misconception(misconception: str) -> Judge:
+def judge_expecting_misconception(misconception: str) -> Judge:
     """Rejected, and named by its own id."""
 
     def judge(judgement: Judgement) -> str:
         diagnosis = judgement.verdict.diagnosis
         got = diagnosis.id if diagnosis else "aucun"
-        return not_full_marks(judgement) or ("" if got == misconception else f"diagnostic obtenu : {got}")
+        return why_not_full_marks(judgement) or ("" if got == misconception else f"diagnostic obtenu : {got}")
 
     return judge
 
 
-def expecting_outcome(expected: Outcome) -> Judge:
+def judge_expecting_outcome(expected: Outcome) -> Judge:
     def judge(judgement: Judgement) -> str:
         got = judgement.verdict.outcome
         if got is expected:

@@ -53,28 +53,28 @@ class CheckCache:
 
     def __init__(self, path: Path | None) -> None:
         self._path = path
-        self._entries = _read(path)
+        self._entries = _read_cache_file(path)
         self.imports = StartCache(path.with_name(IMPORTS) if path else None)
 
     def __bool__(self) -> bool:
         return bool(self._entries)
 
-    def unchanged_since(self, name: str, inputs_digest: str) -> str | None:
+    def last_passed_day_if_unchanged(self, name: str, inputs_digest: str) -> str | None:
         """Return the day on which this part passed, if its inputs have not changed since."""
         day, stored_digest = self._entries.get(name, ("", ""))
         return day if stored_digest == inputs_digest else None
 
-    def record(self, name: str, inputs_digest: str) -> None:
+    def record_passed(self, name: str, inputs_digest: str) -> None:
         self._entries.pop(name, None)
         self._entries[name] = (date.today().isoformat(), inputs_digest)
 
-    def write(self) -> None:
+    def write_file(self) -> None:
         if self._path is None:
             return
         try:
             self._path.parent.mkdir(parents=True, exist_ok=True)
             write_atomically(self._path, json.dumps(dict([*self._entries.items()][-MAX_ENTRIES:]), indent=0))
-            self.imports.save("", {})
+            self.imports.save_used_entries("", {})
         except OSError:
             log.warning("what was found in order is not remembered in %s", self._path, exc_info=True)
 
@@ -85,7 +85,7 @@ def open_cache(*, fresh: bool, requested: bool) -> CheckCache:
     return CheckCache(None if disabled else default_cache_dir() / FILE)
 
 
-def _read(path: Path | None) -> dict[str, tuple[str, str]]:
+def _read_cache_file(path: Path | None) -> dict[str, tuple[str, str]]:
     if path is None or not path.is_file():
         return {}
     try:
@@ -116,13 +116,13 @@ def texts_digest(course_folders: Sequence[Path]) -> str:
 
 def module_digest(module: Module) -> str:
     """Digest the inputs of a module's figures and cells: its folder, and the code that they may call."""
-    return digest_files([(module.slug, module.folder), *_code(COURSES.folders)], environment_digest())
+    return digest_files([(module.slug, module.folder), *_checker_code_files(COURSES.folders)], environment_digest())
 
 
 def exercise_digest(exercise: Exercise, imports: ImportGraph) -> str:
     """Digest the inputs of an exercise's gradings and replays, and the programs that it is tried on."""
     folder = exercise.statement.source.path.parent
-    replays = sorted(imports.closure(f"graders.{exercise.module}.{exercise.slug}.replays").items())
+    replays = sorted(imports.imported_files(f"graders.{exercise.module}.{exercise.slug}.replays").items())
     own = [
         ("exercise", folder),
         *(("graders", course_folder / "graders" / exercise.id) for course_folder in COURSES.folders),
@@ -132,5 +132,5 @@ def exercise_digest(exercise: Exercise, imports: ImportGraph) -> str:
     )
 
 
-def _code(course_folders: Sequence[Path]) -> list[tuple[str, Path]]:
+def _checker_code_files(course_folders: Sequence[Path]) -> list[tuple[str, Path]]:
     return [(name, course_folder / name) for course_folder in course_folders for name in ("graders", "reference")]

@@ -12,54 +12,56 @@ from pydantic_core import ErrorDetails
 from server.base import traces
 from server.base.settings import SECRETS_DIR, Settings, misspelt_variables, variable_name
 from server.base.validation import french_reason
-from server.cli import CannotRun
+from server.cli import CommandError
 
 
 def read_settings(**values: Any) -> Settings:
     """The environment's settings; `values` that are not None replace them."""
-    faults = [_unknown(name, meant) for name, meant in misspelt_variables(os.environ)]
+    faults = [_unknown_variable_message(name, meant) for name, meant in misspelt_variables(os.environ)]
     try:
         given = {name: value for name, value in values.items() if value is not None}
-        settings = Settings(**{"_secrets_dir": _secrets(), **given})
-        faults += _impossible(settings)
+        settings = Settings(**{"_secrets_dir": _secrets_folder(), **given})
+        faults += _find_impossible_settings(settings)
     except ValidationError as error:
-        faults += map(_refused, error.errors())
+        faults += map(_refused_value_message, error.errors())
     if faults:
-        raise CannotRun("réglages refusés :" + "".join(f"\n  {fault}" for fault in faults))
+        raise CommandError("réglages refusés :" + "".join(f"\n  {fault}" for fault in faults))
     return settings
 
 
-def _secrets() -> Path | None:
-    """Where secrets are that no environment is to hold. Raises CannotRun."""
+def _secrets_folder() -> Path | None:
+    """Where secrets are that no environment is to hold. Raises CommandError."""
     folder = os.environ.get("BALISE_SECRETS_DIR")
     if not folder:
         return None
     try:
         names = [path.name for path in Path(folder).iterdir()]
     except OSError as error:
-        raise CannotRun(f"{SECRETS_DIR} : le dossier « {folder} » ne se lit pas : {error.strerror}.") from error
-    faults = [f"{folder}/{fault}" for fault in (_unknown(*found) for found in misspelt_variables(names))]
+        raise CommandError(f"{SECRETS_DIR} : le dossier « {folder} » ne se lit pas : {error.strerror}.") from error
+    faults = [
+        f"{folder}/{fault}" for fault in (_unknown_variable_message(*found) for found in misspelt_variables(names))
+    ]
     if faults:
-        raise CannotRun("réglages refusés :" + "".join(f"\n  {fault}" for fault in faults))
+        raise CommandError("réglages refusés :" + "".join(f"\n  {fault}" for fault in faults))
     return Path(folder)
 
 
-def start_traces(process: str) -> None:
+def start_tracing_or_fail(process: str) -> None:
     try:
         traces.start_tracing(process)
     except traces.CannotTrace as reason_why:
-        raise CannotRun(f"{reason_why}.") from reason_why
+        raise CommandError(f"{reason_why}.") from reason_why
 
 
-def _unknown(name: str, meant: str | None) -> str:
+def _unknown_variable_message(name: str, meant: str | None) -> str:
     return f"{name} : ce réglage n’existe pas" + (f" ; vouliez-vous dire {meant} ?" if meant else "")
 
 
-def _refused(error: ErrorDetails) -> str:
+def _refused_value_message(error: ErrorDetails) -> str:
     return f"{variable_name(str(error['loc'][0]))} : {french_reason(error)} (valeur donnée : « {error['input']} »)"
 
 
-def _impossible(settings: Settings) -> Iterator[str]:
+def _find_impossible_settings(settings: Settings) -> Iterator[str]:
     if settings.on_postgres and find_spec("psycopg") is None:
         name = variable_name("database_url")
         yield f"{name} : PostgreSQL demande un paquet de plus, que pip install 'balise[postgresql]' installe"

@@ -10,7 +10,7 @@ from sqlalchemy import make_url
 from sqlalchemy.exc import DBAPIError, OperationalError, SQLAlchemyError
 
 from server.base.settings import Settings
-from server.cli import CannotRun
+from server.cli import CommandError
 from server.database import Database, is_storage_full
 from server.database.migrate import OlderSchema, WrongSchema, require_current
 
@@ -21,11 +21,11 @@ SCHEMA_PAUSE = 1.0  # seconds
 
 @contextmanager
 def open_database(settings: Settings, *, patience: float = 0.0, await_schema: bool = False) -> Iterator[Database]:
-    """Raises CannotRun, then and later, for whatever is wrong with the database; it has so many seconds to answer.
+    """Raises CommandError, then and later, for whatever is wrong with the database; it has so many seconds to answer.
 
     With `await_schema`, wait until `balise serve` has upgraded an older database.
     """
-    require_database(settings)
+    require_database_file(settings)
     with explaining_database_errors(), closing(Database(settings.url)) as database:
         database.wait_until_available(patience)
         if await_schema:
@@ -48,11 +48,11 @@ def _wait_for_schema(database: Database) -> None:
         sleep(SCHEMA_PAUSE)
 
 
-def require_database(settings: Settings) -> None:
+def require_database_file(settings: Settings) -> None:
     """An SQLite file that does not exist would be made, empty, by looking into it."""
     url = make_url(settings.url)
     if url.get_backend_name() == "sqlite" and not Path(url.database or "").is_file():
-        raise CannotRun(f"il n’y a pas de base de données dans {url.database} (autre dossier : --data).")
+        raise CommandError(f"il n’y a pas de base de données dans {url.database} (autre dossier : --data).")
 
 
 def database_problem(error: SQLAlchemyError) -> str:
@@ -69,6 +69,6 @@ def explaining_database_errors() -> Iterator[None]:
     try:
         yield
     except WrongSchema as wrong:
-        raise CannotRun(str(wrong)) from wrong
+        raise CommandError(str(wrong)) from wrong
     except SQLAlchemyError as error:
-        raise CannotRun(database_problem(error)) from error
+        raise CommandError(database_problem(error)) from error

@@ -11,7 +11,7 @@ from fastapi import FastAPI
 
 from server.base.app_services import get_service
 from server.base.settings import Settings
-from server.cli import CannotRun
+from server.cli import CommandError
 from server.cli.configuration import read_settings
 from server.cli.local import local_grader
 from server.cli.sandboxes import Probing
@@ -25,16 +25,16 @@ from server.submissions.service import SubmissionService
 
 
 def run(arguments: Namespace) -> int:
-    with _folder(arguments.data) as folder:
+    with _open_data_folder(arguments.data) as folder:
         settings = read_settings(data_dir=folder)
         loaded: list[DemoClass] = []
         lessons: list[SimulatedLessonThread] = []
 
         def prepare(settings: Settings, course: Course, probing: Probing) -> None:
-            loaded.append(_loaded(settings, course, probing, arguments.seed, arguments.students))
+            loaded.append(_create_demo_class(settings, course, probing, arguments.seed, arguments.students))
 
         def announce(app: FastAPI, address: str) -> None:
-            _announce(loaded[0], address)
+            _print_addresses_and_passwords(loaded[0], address)
             lesson = SimulatedLessonThread(
                 get_service(app, Database), get_service(app, Course), get_service(app, SubmissionService), loaded[0]
             )
@@ -49,7 +49,7 @@ def run(arguments: Namespace) -> int:
 
 
 @contextmanager
-def _folder(asked: Path | None) -> Iterator[Path]:
+def _open_data_folder(asked: Path | None) -> Iterator[Path]:
     if asked is not None:
         yield asked
         return
@@ -57,14 +57,14 @@ def _folder(asked: Path | None) -> Iterator[Path]:
         yield Path(folder)
 
 
-def _loaded(settings: Settings, course: Course, probing: Probing, seed: int, students: int) -> DemoClass:
+def _create_demo_class(settings: Settings, course: Course, probing: Probing, seed: int, students: int) -> DemoClass:
     if not course.modules:
-        raise CannotRun("ce cours n’a pas de module.")
+        raise CommandError("ce cours n’a pas de module.")
     database = Database(settings.url)
     try:
         with database.read() as db:
             if identity.count_accounts(db):
-                raise CannotRun(
+                raise CommandError(
                     "cette base de données sert déjà : la démonstration ne s’ajoute pas à de vrais comptes."
                 )
         print("Une classe fictive s’écrit (quelques dizaines de secondes)…", file=sys.stderr, flush=True)
@@ -77,17 +77,17 @@ def _loaded(settings: Settings, course: Course, probing: Probing, seed: int, stu
                 settings,
                 seed=seed,
                 students=students,
-                report_progress=_tell,
+                report_progress=_print_progress,
             )
     finally:
         database.close()
 
 
-def _tell(done: int, total: int) -> None:
+def _print_progress(done: int, total: int) -> None:
     print(f"  {done} essais corrigés sur {total}", file=sys.stderr, flush=True)
 
 
-def _announce(loaded: DemoClass, address: str) -> None:
+def _print_addresses_and_passwords(loaded: DemoClass, address: str) -> None:
     (teacher, password), (student, other) = loaded.logins.items()
     print(f"\nBalise est prête : {address}/classes/{loaded.class_id}")
     print(f"  Enseignante : identifiant {teacher}, mot de passe {password}")

@@ -2,7 +2,7 @@
 
 from argparse import Namespace
 
-from server.cli import CannotRun
+from server.cli import CommandError
 from server.cli.configuration import read_settings
 from server.sandbox import WallStatus, probe, safe_to_serve
 
@@ -11,10 +11,10 @@ UNSAFE = 1
 
 
 def run(arguments: Namespace) -> int:
-    return _cluster() if arguments.cluster else _walls()
+    return _report_cluster() if arguments.cluster else _report_walls()
 
 
-def _walls() -> int:
+def _report_walls() -> int:
     reports = probe()
     for report in reports:
         need = "indispensable" if report.required else "souhaitable"
@@ -28,13 +28,15 @@ def _walls() -> int:
     return UNSAFE
 
 
-def _cluster() -> int:
+def _report_cluster() -> int:
     settings = read_settings()
     try:
         from server.grading.job_lanes import JOB_LANES
         from server.health.cluster_check import FindingLevel, check_cluster
     except ModuleNotFoundError as error:
-        raise CannotRun(f"il y faut un paquet de plus, que pip install 'balise[nats]' installe ({error}).") from error
+        raise CommandError(
+            f"il y faut un paquet de plus, que pip install 'balise[nats]' installe ({error})."
+        ) from error
 
     marks = {FindingLevel.good: "✓", FindingLevel.doubtful: "!", FindingLevel.bad: "✗"}
     worst = FindingLevel.good

@@ -20,7 +20,7 @@ from server.course.models import SEED_BITS
 from server.grading.sandbox_grader import SandboxGrader
 
 
-def unfinished_mistakes(exercise: Exercise, _: SandboxGrader) -> Sequence[Problem]:
+def find_unfinished_mistakes(exercise: Exercise, _: SandboxGrader) -> Sequence[Problem]:
     """Return the misconceptions that gradings leave out since running them takes too much, each with its call."""
     if not isinstance(exercise.grader, CodeGrader):
         return []
@@ -41,7 +41,7 @@ def broken_promises(exercise: Exercise, _: SandboxGrader) -> Sequence[Problem]:
     return [Problem(module, None, broken) for broken in find_broken_promises(exercise.grader)]
 
 
-def solution_faults(exercise: Exercise, grader: SandboxGrader) -> Sequence[Problem]:
+def find_solution_faults(exercise: Exercise, grader: SandboxGrader) -> Sequence[Problem]:
     """Return why the solution of a declared exercise does not answer as its author says."""
     if not isinstance(exercise.grader, DeclaredGrader):
         return []
@@ -65,4 +65,4 @@ def hunt_faults(exercise: Exercise, _: SandboxGrader) -> Sequence[Problem]:
     return [Problem(grader.folder / MISCONCEPTIONS, line, message) for line, message in found]
 
 
-EXERCISE_FAULTS = (unfinished_mistakes, broken_promises, solution_faults, hunt_faults)
+EXERCISE_FAULTS = (find_unfinished_mistakes, broken_promises, find_solution_faults, hunt_faults)

@@ -6,7 +6,7 @@ import tokenize
 from pathlib import Path
 from typing import Any
 
-from server.cli import CannotRun
+from server.cli import CommandError
 
 #: How the name of a file of answers ends: everything else is code.
 ANSWERS = ".json"
@@ -17,7 +17,7 @@ def read_source(name: str) -> bytes:
     try:
         return sys.stdin.buffer.read() if name == "-" else Path(name).read_bytes()
     except OSError as error:
-        raise CannotRun(f"impossible de lire « {name} » : {_reason(error)}.") from error
+        raise CommandError(f"impossible de lire « {name} » : {_os_error_in_words(error)}.") from error
 
 
 def read_text(name: str) -> str:
@@ -27,7 +27,7 @@ def read_text(name: str) -> str:
         encoding, _ = tokenize.detect_encoding(io.BytesIO(source).readline)
         return source.decode(encoding)
     except (SyntaxError, UnicodeDecodeError, LookupError) as error:
-        raise CannotRun(f"« {name} » n’est pas un texte lisible : {error}.") from error
+        raise CommandError(f"« {name} » n’est pas un texte lisible : {error}.") from error
 
 
 def read_answers(name: str) -> dict[str, Any]:
@@ -38,10 +38,10 @@ def read_answers(name: str) -> dict[str, Any]:
     try:
         return read(read_source(name))
     except UnreadableAnswersError as error:
-        raise CannotRun(f"« {name} » : {error}") from error
+        raise CommandError(f"« {name} » : {error}") from error
 
 
-def _reason(error: OSError) -> str:
+def _os_error_in_words(error: OSError) -> str:
     reasons = {
         FileNotFoundError: "ce fichier n’existe pas",
         PermissionError: "l’accès est refusé",

@@ -7,9 +7,9 @@ import logging
 import sys
 from argparse import Namespace
 
-from server.cli import CannotRun, loading, wall_cache
+from server.cli import CommandError, imports_without_garbage_collection, wall_cache
 from server.cli.files import ANSWERS, read_source
-from server.cli.sandboxes import sandbox_starting_early, start_probing
+from server.cli.sandboxes import sandbox_starting_early, start_probing_walls
 
 
 def run(arguments: Namespace) -> int:
@@ -19,7 +19,7 @@ def run(arguments: Namespace) -> int:
 
         return print_questions(arguments)
     if arguments.file is None:
-        raise CannotRun("il manque le fichier à corriger.")
+        raise CommandError("il manque le fichier à corriger.")
     source = read_source(arguments.file)
     if arguments.file.endswith(ANSWERS):
         from server.cli.grade_run import grade_answers
@@ -28,7 +28,7 @@ def run(arguments: Namespace) -> int:
         if status is not None:
             return status
     with sandbox_starting_early(arguments.exercise, source) as sandbox:
-        probing = None if wall_cache.recently_verified() else start_probing(slow=False)
-        with loading(arguments):
+        probing = None if wall_cache.are_walls_recently_verified() else start_probing_walls(slow=False)
+        with imports_without_garbage_collection(arguments):
             from server.cli.grade_run import grade_code
         return grade_code(arguments, source, sandbox, probing)

@@ -9,9 +9,9 @@ from pathlib import Path
 
 from graders.core.contract.bounds import limit_size
 from graders.core.contract.findings import Judgement
-from server.cli import CannotRun, report, wall_cache
+from server.cli import CommandError, report, wall_cache
 from server.cli.files import read_source
-from server.cli.local import find_exercise, load_exercise, local_grader
+from server.cli.local import find_exercise, load_course_of_exercise, local_grader
 from server.cli.sandboxes import Probing, require_safe_sandbox
 from server.course import Course, Exercise
 from server.course.models import SEED_BITS
@@ -25,56 +25,56 @@ SEARCH_SECONDS = 4.0
 
 def grade_answers(arguments: Namespace, source: bytes) -> int | None:
     """The exit status. Answers run nowhere; None: the exercise asks for code."""
-    course = load_exercise(arguments.exercise)
+    course = load_course_of_exercise(arguments.exercise)
     if find_exercise(course, arguments.exercise).kind == "code":
         return None
     with local_grader(course, None) as grader:
-        return _report(arguments, grader.grade(arguments.exercise, source, _seed(arguments)))
+        return _print_verdict(arguments, grader.grade(arguments.exercise, source, _choose_seed(arguments)))
 
 
 def grade_code(arguments: Namespace, source: bytes, sandbox: Future[Sandbox], probing: Probing | None) -> int:
     """The exit status. `probing`: of walls that have not been tried yet; None: they stand."""
-    course = load_exercise(arguments.exercise)
-    own = _own(course, find_exercise(course, arguments.exercise), arguments.reuse)
+    course = load_course_of_exercise(arguments.exercise)
+    own = _read_reused_files(course, find_exercise(course, arguments.exercise), arguments.reuse)
     if probing is not None:
         require_safe_sandbox(probing)
-        wall_cache.save()
+        wall_cache.save_verified_walls()
     grader = SandboxGrader(course, sandbox.result())
-    judgement = grader.grade(arguments.exercise, source, _seed(arguments), own=own)
+    judgement = grader.grade(arguments.exercise, source, _choose_seed(arguments), own=own)
     diagnosis = grader.locate_mistakes(arguments.exercise, source, judgement.verdict, own=own, seconds=SEARCH_SECONDS)
-    return _report(arguments, replace(judgement, verdict=replace(judgement.verdict, diagnosis=diagnosis)))
+    return _print_verdict(arguments, replace(judgement, verdict=replace(judgement.verdict, diagnosis=diagnosis)))
 
 
 def print_questions(arguments: Namespace) -> int:
-    """Writes the questions of an exercise without code. Raises CannotRun where it asks for code."""
-    exercise = find_exercise(load_exercise(arguments.exercise), arguments.exercise)
+    """Writes the questions of an exercise without code. Raises CommandError where it asks for code."""
+    exercise = find_exercise(load_course_of_exercise(arguments.exercise), arguments.exercise)
     if exercise.answers is None:
-        raise CannotRun(f"l’exercice « {exercise.id} » demande du code : il n’a pas de questions.")
+        raise CommandError(f"l’exercice « {exercise.id} » demande du code : il n’a pas de questions.")
     from server.cli import questions
 
-    seed = _seed(arguments)
+    seed = _choose_seed(arguments)
     print(questions.render_questions(exercise.id, exercise.answers.paper(seed), seed))
     return report.FULL_MARKS
 
 
-def _seed(arguments: Namespace) -> int:
+def _choose_seed(arguments: Namespace) -> int:
     return secrets.randbits(SEED_BITS) if arguments.seed is None else arguments.seed
 
 
-def _report(arguments: Namespace, judgement: Judgement) -> int:
+def _print_verdict(arguments: Namespace, judgement: Judgement) -> int:
     verdict = limit_size(judgement).verdict
     plain = json.dumps(verdict.to_json(), ensure_ascii=False, allow_nan=False) if arguments.json else ""
-    print(plain or report.render(verdict))
-    return report.exit_status(verdict)
+    print(plain or report.render_verdict(verdict))
+    return report.exit_status_of_verdict(verdict)
 
 
-def _own(course: Course, exercise: Exercise, folder: Path | None) -> Own:
-    """The files of a folder that are named after what the exercise reuses. Raises CannotRun where there is none."""
+def _read_reused_files(course: Course, exercise: Exercise, folder: Path | None) -> Own:
+    """The files of a folder that are named after what the exercise reuses. Raises CommandError where there is none."""
     if folder is None:
         return NOTHING_OWN
-    positions = {reused.id: folder / f"{reused.slug}.py" for reused in course.reused(exercise.id)}
+    positions = {reused.id: folder / f"{reused.slug}.py" for reused in course.importable_exercises(exercise.id)}
     own = {name: read_source(str(place)) for name, place in positions.items() if place.is_file()}
     if not own:
         wanted = ", ".join(place.name for place in positions.values()) or "aucun : cet exercice ne réutilise rien"
-        raise CannotRun(f"« {folder} » ne contient aucun fichier à réutiliser ({wanted}).")
+        raise CommandError(f"« {folder} » ne contient aucun fichier à réutiliser ({wanted}).")
     return own

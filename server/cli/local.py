@@ -6,7 +6,7 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from server.base.files import default_cache_dir
-from server.cli import CannotRun
+from server.cli import CommandError
 from server.cli.sandboxes import Probing, require_safe_sandbox
 from server.course import Course, Exercise, load_course
 from server.course.start_cache import StartCache
@@ -21,15 +21,15 @@ def load_unrendered_course() -> Course:
     return load_course(render=False)
 
 
-def load_exercise(exercise_id: str) -> Course:
+def load_course_of_exercise(exercise_id: str) -> Course:
     """The course with this exercise alone and those that it reuses; all of it where there is no such exercise."""
-    memory = StartCache(_remembered())
+    memory = StartCache(_start_cache_path())
     course = load_course(render=False, only=exercise_id, memory=memory)
-    memory.save("", {})
+    memory.save_used_entries("", {})
     return course if exercise_id in course.exercises else load_unrendered_course()
 
 
-def _remembered() -> Path | None:
+def _start_cache_path() -> Path | None:
     """Where this user may write, if there is such a place."""
     folder = default_cache_dir()
     try:
@@ -42,11 +42,11 @@ def _remembered() -> Path | None:
 def find_exercise(course: Course, exercise_id: str) -> Exercise:
     exercise = course.exercises.get(exercise_id)
     if exercise is None:
-        raise CannotRun(f"l’exercice « {exercise_id} » n’existe pas. {_known(course)}")
+        raise CommandError(f"l’exercice « {exercise_id} » n’existe pas. {_list_exercise_names(course)}")
     return exercise
 
 
-def _known(course: Course) -> str:
+def _list_exercise_names(course: Course) -> str:
     broken = "".join(f"\n  {problem}" for problem in course.problems)
     return "Exercices : " + ", ".join(course.exercises) + "." + broken
 

@@ -14,38 +14,38 @@ from server.audit.models import AuditAction
 from server.backup.archive import BackupError
 from server.backup.move import copy_rows_into_empty_database
 from server.base.settings import Settings
-from server.cli import CannotRun
+from server.cli import CommandError
 from server.cli.admin import journal
 from server.cli.configuration import read_settings
-from server.cli.data_lock import exclusive_data_folder
-from server.cli.database import explaining_database_errors, require_database
+from server.cli.data_lock import lock_data_folder
+from server.cli.database import explaining_database_errors, require_database_file
 from server.database import Database
 from server.tables import metadata
 from server.web.words import count_with_noun
 
 
 def run(arguments: Namespace) -> int:
-    old, new = _settings_of(arguments.source), _settings_of(arguments.target)
+    old, new = _settings_of_database(arguments.source), _settings_of_database(arguments.target)
     if old.url == new.url:
-        raise CannotRun("la base de départ et celle d’arrivée sont la même.")
-    require_database(old)
+        raise CommandError("la base de départ et celle d’arrivée sont la même.")
+    require_database_file(old)
 
     def progress(table: str, rows: int) -> None:
         print(f"  {table} : {count_with_noun(rows, 'ligne')}", file=sys.stderr, flush=True)
 
     try:
         with (
-            _stopped(old),
-            _stopped(new),
+            _lock_while_service_stopped(old),
+            _lock_while_service_stopped(new),
             explaining_database_errors(),
             closing(Database(old.url)) as source,
             closing(Database(new.url)) as target,
         ):
             moved = copy_rows_into_empty_database(source, target, metadata.sorted_tables, progress)
             rows = sum(table.rows for table in moved.values())
-            journal.record_now(target, AuditAction.database_moved, after={"rows": rows})
+            journal.record_action_in_own_transaction(target, AuditAction.database_moved, after={"rows": rows})
     except BackupError as error:
-        raise CannotRun(str(error)) from error
+        raise CommandError(str(error)) from error
     if arguments.json:
         print(json.dumps({"rows": rows, "tables": {name: table.rows for name, table in moved.items()}}))
     else:
@@ -54,21 +54,21 @@ def run(arguments: Namespace) -> int:
     return 0
 
 
-def _settings_of(name: str) -> Settings:
+def _settings_of_database(name: str) -> Settings:
     """Return the settings of a database named by its address, or by a data folder."""
     if "://" not in name:
         return Settings(data_dir=Path(name), database_url=None, nats_url="")
     try:
         make_url(name)
     except ArgumentError as error:
-        raise CannotRun(f"« {name} » n’est ni une adresse de base de données, ni un dossier.") from error
+        raise CommandError(f"« {name} » n’est ni une adresse de base de données, ni un dossier.") from error
     return read_settings(database_url=name)
 
 
 @contextmanager
-def _stopped(settings: Settings) -> Iterator[None]:
-    """Hold the lock of the data folder of a SQLite file. Raises CannotRun where a service has it."""
+def _lock_while_service_stopped(settings: Settings) -> Iterator[None]:
+    """Hold the lock of the data folder of a SQLite file. Raises CommandError where a service has it."""
     url = make_url(settings.url)
     folder = Path(url.database or "").parent if url.get_backend_name() == "sqlite" else None
-    with nullcontext() if folder is None else exclusive_data_folder(settings.model_copy(update={"data_dir": folder})):
+    with nullcontext() if folder is None else lock_data_folder(settings.model_copy(update={"data_dir": folder})):
         yield

@@ -16,8 +16,8 @@ from dataclasses import dataclass
 from multiprocessing.util import Finalize
 from typing import Any, TypeVar
 
-from server.cli import CannotRun
-from server.cli.progress import Progress
+from server.cli import CommandError
+from server.cli.progress import ProgressLine
 from server.course import Course
 from server.grading.sandbox_grader import SandboxGrader
 from server.sandbox import Sandbox
@@ -49,22 +49,22 @@ class _JobScheduler:
         self._ends = multiprocessing.Array("i", list(map(len, groups)), lock=False)
         self._own_group: int | None = None
 
-    def next(self) -> int:
+    def take_next_job_index(self) -> int:
         """Return the index of a job not yet assigned; called once for each job."""
         with self._started_groups.get_lock():
-            if self._count_left(self._own_group) == 0 and self._started_groups.value < len(self._groups):
+            if self._count_jobs_left(self._own_group) == 0 and self._started_groups.value < len(self._groups):
                 self._own_group = self._started_groups.value
                 self._started_groups.value += 1
-            if self._own_group is not None and self._count_left(self._own_group):
+            if self._own_group is not None and self._count_jobs_left(self._own_group):
                 position: int = self._next_positions[self._own_group]
                 self._next_positions[self._own_group] += 1
                 return self._groups[self._own_group][position]
-            longest = max(range(len(self._groups)), key=self._count_left)
+            longest = max(range(len(self._groups)), key=self._count_jobs_left)
             self._ends[longest] -= 1
             last: int = self._ends[longest]
             return self._groups[longest][last]
 
-    def _count_left(self, group: int | None) -> int:
+    def _count_jobs_left(self, group: int | None) -> int:
         return 0 if group is None else int(self._ends[group]) - int(self._next_positions[group])
 
 
@@ -87,21 +87,21 @@ def run_in_order(
     """Yield the result of `work` for each job in order, computed on all cores, with a progress line.
 
     Results must be picklable. Jobs of equal `group_key` run in one process, as far as that keeps no core idle. An
-    exception of a job is raised here; CannotRun where a process was killed.
+    exception of a job is raised here; CommandError where a process was killed.
     """
     _ProcessContext.course, _ProcessContext.work, _ProcessContext.jobs = course, work, jobs
     _ProcessContext.scheduler = _JobScheduler(_group_jobs(jobs, group_key))
     pool = ProcessPoolExecutor(usable_cores(), multiprocessing.get_context("fork"), _init_process)
-    with Progress(label, len(jobs)) as progress:
+    with ProgressLine(label, len(jobs)) as progress:
         try:
             futures = [pool.submit(_run_next_job) for _ in jobs]
             for future in futures:
                 future.add_done_callback(lambda _: progress.advance())
             for result in _in_job_order(future.result() for future in as_completed(futures)):
-                with progress.aside():
+                with progress.cleared_for_print():
                     yield result
         except BrokenProcessPool as error:
-            raise CannotRun("un processus de correction a été tué ; la mémoire manque peut-être.") from error
+            raise CommandError("un processus de correction a été tué ; la mémoire manque peut-être.") from error
         finally:
             pool.shutdown(cancel_futures=True)
 
@@ -141,7 +141,7 @@ def _init_process() -> None:
 
 
 def _run_next_job() -> _JobResult:
-    index = _ProcessContext.scheduler.next()
+    index = _ProcessContext.scheduler.take_next_job_index()
     try:
         return _JobResult(index, _ProcessContext.work(_ProcessContext.grader, _ProcessContext.jobs[index]))
     except Exception as error:  # raised by the caller, in its turn

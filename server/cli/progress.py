@@ -11,7 +11,7 @@ from typing import Self, TextIO
 _CLEAR = "\r\x1b[K"
 
 
-class Progress:
+class ProgressLine:
     """`advance` as work gets done, from any thread; nothing is written where nobody looks on. Closed, it is gone."""
 
     def __init__(self, what: str, total: int, stream: TextIO | None = None) -> None:
@@ -21,7 +21,7 @@ class Progress:
         self._lock = Lock()
 
     def __enter__(self) -> Self:
-        self._write(self._line())
+        self._write(self._format_line())
         return self
 
     def __exit__(self, *_: object) -> None:
@@ -32,19 +32,19 @@ class Progress:
     def advance(self) -> None:
         with self._lock:
             self._done += 1
-            self._write(self._line())
+            self._write(self._format_line())
 
     @contextmanager
-    def aside(self) -> Iterator[None]:
+    def cleared_for_print(self) -> Iterator[None]:
         """The line is gone as long as the block lasts, for something else to be printed there."""
         with self._lock:
             self._write("")
             try:
                 yield
             finally:
-                self._write(self._line())
+                self._write(self._format_line())
 
-    def _line(self) -> str:
+    def _format_line(self) -> str:
         return f"{self._what} : {self._done}/{self._total}"
 
     def _write(self, line: str) -> None:

@@ -1,7 +1,7 @@
 """The questions of an exercise answered without code, for the terminal."""
 
 from graders.core.answers import Paper
-from server.cli.report import paragraph
+from server.cli.report import wrap_paragraph
 from server.client.program.report import format_number
 
 EXAMPLES = {"number": '"0,1"', "one": '"a"', "several": '["a", "b"]', "order": '["b", "a"]'}
@@ -17,14 +17,14 @@ def render_questions(exercise: str, paper: Paper, seed: int) -> str:
         lines += [
             "",
             f"{question.id}{unit} : {question.title} ({format_number(question.points)} points)",
-            *paragraph(question.text, indent=2),
+            *wrap_paragraph(question.text, indent=2),
         ]
         if question.form in FORMS:
-            lines += list(paragraph(FORMS[question.form], indent=2))
+            lines += list(wrap_paragraph(FORMS[question.form], indent=2))
         for piece in question.pieces:
-            lines += list(paragraph(f"{piece.id}) {piece.text}", indent=4))
-    return "\n".join([*lines, "", f"Réponses attendues en JSON : {{{_example(paper)}}}"])
+            lines += list(wrap_paragraph(f"{piece.id}) {piece.text}", indent=4))
+    return "\n".join([*lines, "", f"Réponses attendues en JSON : {{{_answers_example(paper)}}}"])
 
 
-def _example(paper: Paper) -> str:
+def _answers_example(paper: Paper) -> str:
     return ", ".join(f'"{question.id}": {EXAMPLES[question.form]}' for question in paper.questions)

@@ -7,7 +7,7 @@ from typing import Any
 
 import httpx
 
-from server.cli import CannotRun, stored_tokens
+from server.cli import CommandError, stored_tokens
 
 Json = dict[str, Any]
 TIMEOUT = httpx.Timeout(10, read=60)
@@ -22,22 +22,22 @@ NO_TOKEN = (
 def resolve_server(option: str | None) -> str:
     """Return the server's address: the option's, or that of the last `balise login`."""
     if option is None:
-        servers = list(stored_tokens.read())
+        servers = list(stored_tokens.load_tokens_by_server())
         if not servers:
-            raise CannotRun(NO_SERVER)
+            raise CommandError(NO_SERVER)
         return servers[-1]
     if not option.startswith(("http://", "https://")):
-        raise CannotRun(f"l’adresse du serveur doit commencer par http:// ou https:// : « {option} ».")
+        raise CommandError(f"l’adresse du serveur doit commencer par http:// ou https:// : « {option} ».")
     return option.rstrip("/")
 
 
 def resolve_token(option: str | None, server: str) -> str:
     """Return the option's token, the environment's, or the one stored for this server."""
-    token = option or os.environ.get("BALISE_TOKEN", "").strip() or stored_tokens.read().get(server)
+    token = option or os.environ.get("BALISE_TOKEN", "").strip() or stored_tokens.load_tokens_by_server().get(server)
     if not token:
-        raise CannotRun(NO_TOKEN.format(server=server))
+        raise CommandError(NO_TOKEN.format(server=server))
     if not token.isascii() or not token.isprintable():
-        raise CannotRun("le jeton porte un caractère qui n’en fait pas partie ; recopiez-le depuis votre compte.")
+        raise CommandError("le jeton porte un caractère qui n’en fait pas partie ; recopiez-le depuis votre compte.")
     return token
 
 
@@ -45,30 +45,30 @@ def make_client(server: str, token: str) -> httpx.Client:
     return httpx.Client(base_url=server, headers={"Authorization": f"Bearer {token}"}, timeout=TIMEOUT)
 
 
-def ask(client: httpx.Client, method: str, url: str, **options: Any) -> Json:
+def request_json(client: httpx.Client, method: str, url: str, **options: Any) -> Json:
     answer = client.request(method, url, **options)
-    require_success(answer)
-    return json_object(answer.text)
+    raise_for_error_status(answer)
+    return parse_json_object(answer.text)
 
 
-def json_object(text: str) -> Json:
+def parse_json_object(text: str) -> Json:
     try:
         content = json.loads(text)
     except ValueError as error:
-        raise CannotRun(NO_BALISE) from error
+        raise CommandError(NO_BALISE) from error
     if not isinstance(content, dict):
-        raise CannotRun(NO_BALISE)
+        raise CommandError(NO_BALISE)
     return content
 
 
-def require_success(answer: httpx.Response) -> None:
-    if answer.is_success:
+def raise_for_error_status(response: httpx.Response) -> None:
+    if response.is_success:
         return
-    if answer.headers.get("content-type") != "application/problem+json":
-        raise CannotRun(f"le serveur répond {answer.status_code}, sans explication.")
-    problem = json_object(answer.text)
+    if response.headers.get("content-type") != "application/problem+json":
+        raise CommandError(f"le serveur répond {response.status_code}, sans explication.")
+    problem = parse_json_object(response.text)
     locations = "".join(f"\n  {error.get('pointer', '')} : {error['detail']}" for error in problem.get("errors") or ())
-    raise CannotRun(f"le serveur refuse ({answer.status_code}) : {problem['detail']}{locations}")
+    raise CommandError(f"le serveur refuse ({response.status_code}) : {problem['detail']}{locations}")
 
 
 def explain_error(error: Exception, server: str) -> str:

@@ -10,11 +10,11 @@ from server.audit.models import AuditAction
 from server.backup import service
 from server.backup.archive import BackupError, BackupManifest
 from server.base.settings import Settings
-from server.cli import CannotRun
+from server.cli import CommandError
 from server.cli.admin import journal
-from server.cli.backup import show
+from server.cli.backup import print_backup
 from server.cli.configuration import read_settings
-from server.cli.data_lock import exclusive_data_folder
+from server.cli.data_lock import lock_data_folder
 from server.database import Database, utc_now
 from server.database.migrate import WrongSchema, require_current
 from server.tables import metadata
@@ -24,28 +24,32 @@ def run(arguments: Namespace) -> int:
     settings = read_settings(data_dir=arguments.data)
     try:
         if arguments.check:
-            show(service.verify_backup(settings, arguments.file), arguments.file, arguments.json, "Sauvegarde intacte")
+            print_backup(
+                service.verify_backup(settings, arguments.file), arguments.file, arguments.json, "Sauvegarde intacte"
+            )
             return 0
-        with exclusive_data_folder(settings):
+        with lock_data_folder(settings):
             manifest, kept = service.restore_backup(
                 settings, arguments.file, metadata.sorted_tables, replace=arguments.replace, now=utc_now()
             )
-            _record(settings, manifest)
+            _record_restoration(settings, manifest)
     except (BackupError, WrongSchema) as error:
-        raise CannotRun(str(error)) from error
+        raise CommandError(str(error)) from error
     except SQLAlchemyError as error:
-        raise CannotRun(f"la base de données ne convient pas : {error}") from error
-    show(manifest, arguments.file, arguments.json, f"Restauré tel que le {manifest.made_at}")
+        raise CommandError(f"la base de données ne convient pas : {error}") from error
+    print_backup(manifest, arguments.file, arguments.json, f"Restauré tel que le {manifest.made_at}")
     if kept is not None:
         print(f"Ce qui s’y trouvait est gardé dans {kept}.", file=sys.stderr)
     return 0
 
 
-def _record(settings: Settings, manifest: BackupManifest) -> None:
+def _record_restoration(settings: Settings, manifest: BackupManifest) -> None:
     """Record the restoration in the restored audit log, unless that is of an older schema, which `serve` upgrades."""
     with closing(Database(settings.url)) as database:
         try:
             require_current(database.engine)
         except WrongSchema:
             return
-        journal.record_now(database, AuditAction.backup_restored, after={"made_at": manifest.made_at})
+        journal.record_action_in_own_transaction(
+            database, AuditAction.backup_restored, after={"made_at": manifest.made_at}
+        )

@@ -6,14 +6,14 @@ from contextlib import contextmanager, suppress
 
 from graders.core.contract.kits import find_kits
 from graders.courses import CURRICULUM, room_folders
-from server.cli import CannotRun
+from server.cli import CommandError
 from server.sandbox import Sandbox, SandboxFault, WallReport, WallStatus, probe, safe_to_serve
 from server.sandbox.install import import_set_of
 
 Probing = Future[list[WallReport]]
 
 
-def start_probing(*, slow: bool = True) -> Probing:
+def start_probing_walls(*, slow: bool = True) -> Probing:
     """Probes the sandbox's walls in a thread (it takes seconds, mostly waiting) while other things are read.
 
     A command that runs one file of its user leaves out the `slow` assaults, which wait for a time limit.
@@ -25,7 +25,7 @@ def start_probing(*, slow: bool = True) -> Probing:
 
 
 def require_safe_sandbox(probing: Probing) -> list[WallReport]:
-    """Waits for the probe; raises CannotRun, with the walls that are missing, where it is not safe to run."""
+    """Waits for the probe; raises CommandError, with the walls that are missing, where it is not safe to run."""
     reports = probing.result()
     if not safe_to_serve(reports):
         missing = "".join(
@@ -33,7 +33,7 @@ def require_safe_sandbox(probing: Probing) -> list[WallReport]:
             for report in reports
             if report.required and report.status != WallStatus.STANDING
         )
-        raise CannotRun(f"le bac à sable n’est pas sûr sur cette machine (voir « balise doctor ») :{missing}")
+        raise CommandError(f"le bac à sable n’est pas sûr sur cette machine (voir « balise doctor ») :{missing}")
     return reports
 
 
@@ -42,7 +42,7 @@ def sandbox_starting_early(exercise_id: str, source: bytes) -> Iterator[Future[S
     """A sandbox for a program of an exercise, the template of which comes up while other things are read."""
 
     def start() -> Sandbox:
-        sandbox = Sandbox(_kits(exercise_id.partition("/")[0]))
+        sandbox = Sandbox(_read_kits_of_module(exercise_id.partition("/")[0]))
         with suppress(SandboxFault):  # told when the program meets it
             sandbox.warm(import_set_of(source))
         return sandbox
@@ -55,7 +55,7 @@ def sandbox_starting_early(exercise_id: str, source: bytes) -> Iterator[Future[S
             coming.result().close()
 
 
-def _kits(slug: str) -> dict[str, dict[str, str]]:
+def _read_kits_of_module(slug: str) -> dict[str, dict[str, str]]:
     """The kits of a module, by name and place; none where there is no such module, which is told when it is read."""
     modules = (
         module for room in room_folders(CURRICULUM) if room.is_dir() for module in room.iterdir() if module.is_dir()

@@ -24,11 +24,11 @@ from server.base import http_protocol, logs, traces
 from server.base.app_services import get_service
 from server.base.concurrency import Gate
 from server.base.settings import Settings
-from server.cli import CannotRun
-from server.cli.configuration import read_settings, start_traces
-from server.cli.data_lock import exclusive_data_folder
+from server.cli import CommandError
+from server.cli.configuration import read_settings, start_tracing_or_fail
+from server.cli.data_lock import lock_data_folder
 from server.cli.database import database_problem
-from server.cli.sandboxes import Probing, require_safe_sandbox, start_probing
+from server.cli.sandboxes import Probing, require_safe_sandbox, start_probing_walls
 from server.course import Course, load_course
 from server.course.start_cache import CACHE_FILE, StartCache
 from server.database import STARTUP_TIMEOUT, Database, is_unavailable, utc_now
@@ -59,7 +59,7 @@ def run(arguments: Namespace) -> int:
     settings = read_settings(data_dir=arguments.data, trusted_proxy=arguments.trusted_proxy)
 
     def announce(app: FastAPI, address: str) -> None:
-        _announce(settings, get_service(app, Course), address)
+        _print_address(settings, get_service(app, Course), address)
 
     return serve(settings, arguments.host, arguments.port, announce)
 
@@ -68,33 +68,33 @@ def serve(settings: Settings, host: str, port: int, announce: Announce, prepare:
     """The service, until it is told to stop. `prepare` comes before it, on a migrated database; `announce` once it
     answers, with its address."""
     logs.configure_logging("", settings.log_format)
-    start_traces("web")
+    start_tracing_or_fail("web")
     _allow_many_connections()
     sys.setswitchinterval(SWITCH_SECONDS)
-    with _listening(host, port) as listener, exclusive_data_folder(settings):
+    with _open_listening_socket(host, port) as listener, lock_data_folder(settings):
         for number in (signal.SIGTERM, signal.SIGINT):
-            signal.signal(number, _leave)
-        probing = start_probing()
-        with _without_collections():
-            _migrate(settings)
+            signal.signal(number, _raise_system_exit)
+        probing = start_probing_walls()
+        with _freeze_and_disable_garbage_collection():
+            _migrate_database(settings)
             course = load_course(render=False, check=True, memory=StartCache(settings.data_dir / CACHE_FILE))
         if probing.done():
             require_safe_sandbox(probing)
         if prepare is not None:
             prepare(settings, course, probing)
         walls = Gate()
-        with _without_collections():
+        with _freeze_and_disable_garbage_collection():
             app = create_app(settings, course=course, walls=walls)
 
         def ready() -> None:
-            announce(app, _address(listener))
+            announce(app, _format_address(listener))
             if settings.warm_up:
-                Thread(target=_prepare, args=(course,), name="read-ahead", daemon=True).start()
+                Thread(target=_preload_in_background, args=(course,), name="read-ahead", daemon=True).start()
             if settings.warm_figures:
                 get_service(app, FigureService).pictures.start_process_in_background()
 
         try:
-            _serve(app, settings, listener, ready, probing, walls)
+            _serve_while_probing(app, settings, listener, ready, probing, walls)
         finally:
             traces.stop_tracing()
     return 0
@@ -108,13 +108,13 @@ def _allow_many_connections() -> None:
         resource.setrlimit(resource.RLIMIT_NOFILE, (wanted, most))
 
 
-def _prepare(course: Course) -> None:
+def _preload_in_background(course: Course) -> None:
     preload_course(course)
     gc.freeze()
 
 
 @contextmanager
-def _without_collections() -> Iterator[None]:
+def _freeze_and_disable_garbage_collection() -> Iterator[None]:
     """What is loaded stays: looking through it for what does not, again and again, would take a sixth of the time; and
     later, it would keep waiting whoever asks for something."""
     gc.disable()
@@ -125,12 +125,12 @@ def _without_collections() -> Iterator[None]:
         gc.enable()
 
 
-def _leave(_signal: int, _frame: FrameType | None) -> None:
+def _raise_system_exit(_signal: int, _frame: FrameType | None) -> None:
     """Being asked to stop is no failure. (While it serves, uvicorn catches the signal, and raises it again after.)"""
     raise SystemExit(0)
 
 
-class Server(uvicorn.Server):
+class AnnouncingServer(uvicorn.Server):
     """uvicorn, which says when it is ready, as soon as it is told to stop, and when it begins to."""
 
     def __init__(
@@ -143,7 +143,7 @@ class Server(uvicorn.Server):
         self._told()
         super().handle_exit(sig, frame)
 
-    def leave(self) -> None:
+    def request_stop(self) -> None:
         """From any thread."""
         self._told()
         self.should_exit = True
@@ -160,12 +160,12 @@ class Server(uvicorn.Server):
         await super().shutdown(sockets)
 
 
-def configuration(app: FastAPI, settings: Settings) -> uvicorn.Config:
+def build_uvicorn_config(app: FastAPI, settings: Settings) -> uvicorn.Config:
     """What a visitor's headers say of the address that they come from is believed from trusted proxies alone."""
     return http_protocol.uvicorn_config(app, grace=GRACE, proxies=list(settings.trusted_proxies))
 
 
-def _serve(
+def _serve_while_probing(
     app: FastAPI,
     settings: Settings,
     listener: socket.socket,
@@ -175,23 +175,26 @@ def _serve(
 ) -> None:
     """Pages are served while the walls are tried; where they do not stand, it ends before any student's code ran."""
     end_streams = get_service(app, JobEvents).close  # open, they would keep it from ending
-    server = Server(
-        configuration(app, settings), ready, get_service(app, WorkerSupervisor).stop_restarting_workers, end_streams
+    server = AnnouncingServer(
+        build_uvicorn_config(app, settings),
+        ready,
+        get_service(app, WorkerSupervisor).stop_restarting_workers,
+        end_streams,
     )
-    open_once_tried(probing, walls, get_service(app, PrometheusMetrics), server.leave)
+    open_walls_once_probed(probing, walls, get_service(app, PrometheusMetrics), server.request_stop)
     server.run([listener])
     if not server.started:
-        raise CannotRun("le service n’a pas pu démarrer (voir les messages ci-dessus).")
+        raise CommandError("le service n’a pas pu démarrer (voir les messages ci-dessus).")
     if probing.done():
         require_safe_sandbox(probing)
 
 
-def open_once_tried(probing: Probing, walls: Gate, metrics: PrometheusMetrics, leave: Callable[[], None]) -> None:
+def open_walls_once_probed(probing: Probing, walls: Gate, metrics: PrometheusMetrics, stop: Callable[[], None]) -> None:
     """Lets students' code run once the walls are known to stand; has the service end where they do not."""
 
     def tried(done: Probing) -> None:
         if done.exception() is not None or not safe_to_serve(done.result()):
-            leave()
+            stop()
             return
         metrics.set_wall_states({wall.name: wall.status is WallStatus.STANDING for wall in done.result()})
         walls.open()
@@ -200,7 +203,7 @@ def open_once_tried(probing: Probing, walls: Gate, metrics: PrometheusMetrics, l
 
 
 @contextmanager
-def _listening(host: str, port: int) -> Iterator[socket.socket]:
+def _open_listening_socket(host: str, port: int) -> Iterator[socket.socket]:
     """The listening socket; a port that is taken or an address that is not ours is told in words."""
     try:
         addresses = socket.getaddrinfo(host, port, type=socket.SOCK_STREAM, flags=socket.AI_PASSIVE)
@@ -210,12 +213,12 @@ def _listening(host: str, port: int) -> Iterator[socket.socket]:
         listener.bind(address)
         listener.listen(BACKLOG)
     except OSError as error:
-        raise CannotRun(_refused(error, host, port)) from error
+        raise CommandError(_cannot_listen_message(error, host, port)) from error
     with listener:
         yield listener
 
 
-def _refused(error: OSError, host: str, port: int) -> str:
+def _cannot_listen_message(error: OSError, host: str, port: int) -> str:
     if error.errno == errno.EADDRINUSE:
         return f"le port {port} est déjà pris : choisissez-en un autre avec --port (0 : un port libre)."
     if error.errno == errno.EACCES:
@@ -223,28 +226,28 @@ def _refused(error: OSError, host: str, port: int) -> str:
     return f"impossible d’écouter sur {host}:{port} : {error.strerror}."
 
 
-def _migrate(settings: Settings) -> None:
+def _migrate_database(settings: Settings) -> None:
     database = Database(settings.url)
     try:
         database.wait_until_available(STARTUP_TIMEOUT)
         back_up_before_upgrade(settings, database, TABLE_NAMES, utc_now())
         upgrade(database.engine)
     except (WrongSchema, BackupError) as error:
-        raise CannotRun(str(error)) from error
+        raise CommandError(str(error)) from error
     except SQLAlchemyError as error:
-        raise CannotRun(database_problem(error)) from error
+        raise CommandError(database_problem(error)) from error
     finally:
         database.close()
 
 
-def _address(listener: socket.socket) -> str:
+def _format_address(listener: socket.socket) -> str:
     host, port = listener.getsockname()[:2]
     if host in {"0.0.0.0", "::"}:
         host = "localhost"
     return f"http://[{host}]:{port}" if ":" in host else f"http://{host}:{port}"
 
 
-def _announce(settings: Settings, course: Course, address: str) -> None:
+def _print_address(settings: Settings, course: Course, address: str) -> None:
     for problem in course.problems:
         print(f"À corriger dans le cours — {problem}")
     address += settings.root_path

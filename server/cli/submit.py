@@ -12,16 +12,16 @@ from uuid import uuid4
 import httpx
 
 from graders.core.contract.verdict import MalformedVerdictError, Verdict
-from server.cli import CannotRun, report
+from server.cli import CommandError, report
 from server.cli.files import ANSWERS, read_answers, read_text
 from server.cli.remote import (
     NO_BALISE,
     Json,
-    ask,
     explain_error,
-    json_object,
     make_client,
-    require_success,
+    parse_json_object,
+    raise_for_error_status,
+    request_json,
     resolve_server,
     resolve_token,
 )
@@ -39,47 +39,47 @@ def run(arguments: Namespace) -> int:
     server = resolve_server(arguments.server)
     try:
         with make_client(server, resolve_token(arguments.token, server)) as client:
-            verdict = _verdict(client, {"exercise": arguments.exercise, **body})
+            verdict = _wait_for_verdict(client, {"exercise": arguments.exercise, **body})
     except (httpx.HTTPError, httpx.InvalidURL) as error:
-        raise CannotRun(explain_error(error, server)) from error
+        raise CommandError(explain_error(error, server)) from error
     if isinstance(verdict, str):
         print(verdict or "Reçu ; résultat après la publication par l’enseignant.")
         return report.NOT_FULL if verdict else report.FULL_MARKS
-    print(report.render(verdict))
-    return report.exit_status(verdict)
+    print(report.render_verdict(verdict))
+    return report.exit_status_of_verdict(verdict)
 
 
-def _verdict(client: httpx.Client, submission: Json) -> Verdict | str:
+def _wait_for_verdict(client: httpx.Client, submission: Json) -> Verdict | str:
     """Return the verdict; where a test holds it back, why the file does not run, or an empty text."""
-    stored = _sent(client, submission)
+    stored = _send_once(client, submission)
     if stored.get("status") == "done":
         print("déjà envoyé : voici son verdict.", file=sys.stderr)
     url = stored.get("url")
     if not isinstance(url, str):
-        raise CannotRun(NO_BALISE)
+        raise CommandError(NO_BALISE)
     url = url.removeprefix(client.base_url.path.rstrip("/"))  # which the client puts before it
     for pause in (0.0, *PAUSES):
         time.sleep(pause)
-        with suppress(httpx.TransportError, _AwayError):
+        with suppress(httpx.TransportError, _ServiceUnavailableError):
             held = bool(stored.get("held"))
-            for current in _events(client, url):
+            for current in _iterate_server_sent_events(client, url):
                 held = bool(current.get("held"))
                 if held and current.get("load_error"):
                     return str(current.get("notice"))
                 if current.get("status") == "done":
-                    return _read(current.get("verdict"))
+                    return _parse_verdict(current.get("verdict"))
                 if not held:
-                    _tell(current)
+                    _print_status(current)
             if held:
                 return ""
-    raise CannotRun(f"le serveur n’a pas donné de verdict ; il se trouvera à l’adresse {url}.")
+    raise CommandError(f"le serveur n’a pas donné de verdict ; il se trouvera à l’adresse {url}.")
 
 
-class _AwayError(Exception):
+class _ServiceUnavailableError(Exception):
     """The service says so itself, and to come back."""
 
 
-def _sent(client: httpx.Client, submission: Json) -> Json:
+def _send_once(client: httpx.Client, submission: Json) -> Json:
     """Store the submission once: it is sent again under the same idempotency key where no answer came."""
     headers = {**JSON, "Idempotency-Key": uuid4().hex}
     options: dict[str, Any] = {"params": {"reuse": True}, "content": json.dumps(submission), "headers": headers}
@@ -91,34 +91,36 @@ def _sent(client: httpx.Client, submission: Json) -> Json:
         except httpx.TransportError:
             answer = None
         if answer is not None and answer.status_code != AWAY:
-            require_success(answer)
-            return json_object(answer.text)
+            raise_for_error_status(answer)
+            return parse_json_object(answer.text)
         print("l’échange a été coupé, nouvel essai…", file=sys.stderr)
         time.sleep(pause)
-    return ask(client, "POST", SUBMISSIONS, **options)
+    return request_json(client, "POST", SUBMISSIONS, **options)
 
 
-def _read(verdict: Any) -> Verdict:
+def _parse_verdict(verdict: Any) -> Verdict:
     try:
         return Verdict.from_json(verdict)
     except MalformedVerdictError as error:
         place = f" (à « {error.place} »)" if error.place else ""
-        raise CannotRun(f"ce que le serveur répond n’est pas un verdict que ce programme sait lire{place}.") from error
+        raise CommandError(
+            f"ce que le serveur répond n’est pas un verdict que ce programme sait lire{place}."
+        ) from error
 
 
-def _events(client: httpx.Client, url: str) -> Iterator[Json]:
+def _iterate_server_sent_events(client: httpx.Client, url: str) -> Iterator[Json]:
     """The data of each server-sent event."""
     with client.stream("GET", f"{url}/events") as answer:
         if answer.status_code == AWAY:
-            raise _AwayError
+            raise _ServiceUnavailableError
         if not answer.is_success:
             answer.read()
-        require_success(answer)
+        raise_for_error_status(answer)
         for line in answer.iter_lines():
             if line.startswith("data:"):
-                yield json_object(line.removeprefix("data:"))
+                yield parse_json_object(line.removeprefix("data:"))
 
 
-def _tell(current: Json) -> None:
+def _print_status(current: Json) -> None:
     place = f"en attente, place {current['position']}" if current.get("position") else "correction en cours"
     print(current.get("notice") or f"{place}…", file=sys.stderr)

@@ -44,16 +44,16 @@ KERNEL_FILES = (
 STATUS_PREFIXES = ("Uid", "Gid", "Groups", "Cap", "NoNewPrivs", "Seccomp")
 
 
-def path() -> Path:
+def wall_cache_path() -> Path:
     return default_cache_dir() / NAME
 
 
 def environment_digest() -> str:
     """Return a digest of everything the walls depend on."""
-    return hashlib.sha256("\0".join(_environment()).encode()).hexdigest()
+    return hashlib.sha256("\0".join(_describe_environment()).encode()).hexdigest()
 
 
-def _environment() -> Iterator[str]:
+def _describe_environment() -> Iterator[str]:
     yield digest_files([("sandbox", SANDBOX)])
     installed = installation()
     yield from (sys.version, installed.python, *installed.sites, *installed.packages, *installed.sets)
@@ -70,14 +70,14 @@ def _read_or_errno(name: str) -> str:
         return str(error.errno)
 
 
-def recently_verified() -> bool:
+def are_walls_recently_verified() -> bool:
     """Whether the walls were proven recently in this very environment."""
     try:
-        if not _only_writable_by_us(path().parent.stat()):
+        if not _is_only_writable_by_us(wall_cache_path().parent.stat()):
             return False
-        with open(os.open(path(), os.O_RDONLY | os.O_NOFOLLOW | os.O_NONBLOCK), encoding="utf-8") as file:
+        with open(os.open(wall_cache_path(), os.O_RDONLY | os.O_NOFOLLOW | os.O_NONBLOCK), encoding="utf-8") as file:
             file_status = os.fstat(file.fileno())
-            if not (stat.S_ISREG(file_status.st_mode) and _only_writable_by_us(file_status)):
+            if not (stat.S_ISREG(file_status.st_mode) and _is_only_writable_by_us(file_status)):
                 return False
             record = json.load(file)
         return 0 <= time.time() - float(record["at"]) < MAX_AGE_SECONDS and bool(
@@ -87,14 +87,14 @@ def recently_verified() -> bool:
         return False
 
 
-def _only_writable_by_us(file_status: os.stat_result) -> bool:
+def _is_only_writable_by_us(file_status: os.stat_result) -> bool:
     return file_status.st_uid == os.geteuid() and not stat.S_IMODE(file_status.st_mode) & (stat.S_IWGRP | stat.S_IWOTH)
 
 
-def save() -> None:
+def save_verified_walls() -> None:
     """Store that the walls stand; if it cannot be stored, they are tested again next time."""
     try:
-        path().parent.mkdir(mode=0o700, parents=True, exist_ok=True)
-        write_atomically(path(), json.dumps({"at": time.time(), "ground": environment_digest()}), OWNER_ONLY)
+        wall_cache_path().parent.mkdir(mode=0o700, parents=True, exist_ok=True)
+        write_atomically(wall_cache_path(), json.dumps({"at": time.time(), "ground": environment_digest()}), OWNER_ONLY)
     except OSError:
         return

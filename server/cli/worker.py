@@ -8,10 +8,10 @@ from argparse import Namespace
 from sqlalchemy import make_url
 
 from server.base import logs, traces
-from server.cli import CannotRun
-from server.cli.configuration import read_settings, start_traces
+from server.cli import CommandError
+from server.cli.configuration import read_settings, start_tracing_or_fail
 from server.cli.database import open_database
-from server.cli.sandboxes import require_safe_sandbox, start_probing
+from server.cli.sandboxes import require_safe_sandbox, start_probing_walls
 from server.database import STARTUP_TIMEOUT
 from server.grading.worker_process import run_worker, stop_on_signals
 from server.health.event_counter import TemplateRenewalCounter
@@ -28,10 +28,10 @@ ALONE = (
 def run(_arguments: Namespace) -> int:
     settings = read_settings()
     if settings.database_url is None:
-        raise CannotRun("indiquez la base de données du serveur dans BALISE_DATABASE_URL.")
-    require_safe_sandbox(start_probing())
+        raise CommandError("indiquez la base de données du serveur dans BALISE_DATABASE_URL.")
+    require_safe_sandbox(start_probing_walls())
     logs.configure_logging(f"worker[{os.getpid()}]", settings.log_format, logging.INFO)
-    start_traces(f"worker[{os.getpid()}]")
+    start_tracing_or_fail(f"worker[{os.getpid()}]")
     stop_on_signals(interrupt=True)
     try:
         with open_database(settings, patience=STARTUP_TIMEOUT, await_schema=True) as database:

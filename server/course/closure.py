@@ -25,9 +25,9 @@ class ImportGraph:
 
     def __init__(self, *roots: Path, memory: StartCache | None = None) -> None:
         self._roots, self._memory = roots, memory or StartCache()
-        self._module = cache(self._read)
+        self._module = cache(self._locate_and_read_imports)
 
-    def closure(self, module: str) -> dict[str, Path]:
+    def imported_files(self, module: str) -> dict[str, Path]:
         """The files behind the import of a module, by the names of the modules; packages on the way are among them."""
         files: dict[str, Path] = {}
         left = {module}
@@ -39,12 +39,12 @@ class ImportGraph:
                 left |= imported - files.keys()
         return files
 
-    def _read(self, module: str) -> tuple[Path | None, frozenset[str]]:
+    def _locate_and_read_imports(self, module: str) -> tuple[Path | None, frozenset[str]]:
         for base in (root.joinpath(*module.split(".")) for root in self._roots):
             for path, package in ((base / "__init__.py", module), (base.with_suffix(".py"), module.rpartition(".")[0])):
                 if path.is_file():
                     content = path.read_bytes()
-                    found = self._memory.imports_of(content, package, partial(_imported_modules, content, package))
+                    found = self._memory.cached_imports(content, package, partial(_imported_modules, content, package))
                     return path, frozenset(name for asked in (package, *found) for name in _with_parent_packages(asked))
         return None, frozenset()
 
@@ -70,33 +70,33 @@ def _parse_imports(content: bytes, package: str) -> Iterator[str]:
         tree = parse_source(content)
     except (SyntaxError, ValueError):  # discovery has told of it
         return
-    for node in _statements(tree.body):
+    for node in _iterate_nested_statements(tree.body):
         if isinstance(node, ast.Import):
             yield from (alias.name for alias in node.names)
         elif isinstance(node, ast.ImportFrom):
-            source = _source_module(node, package)
+            source = _absolute_module_name(node, package)
             yield source
             yield from (f"{source}.{alias.name}" for alias in node.names)
 
 
-def _source_module(node: ast.ImportFrom, package: str) -> str:
+def _absolute_module_name(node: ast.ImportFrom, package: str) -> str:
     if not node.level:
         return node.module or ""
     above = package.rsplit(".", node.level - 1)[0]
     return f"{above}.{node.module}" if node.module else above
 
 
-def _statements(body: list[ast.stmt]) -> Iterator[ast.stmt]:
+def _iterate_nested_statements(body: list[ast.stmt]) -> Iterator[ast.stmt]:
     """Statements, and those inside them: an import is a statement, so that no expression need be looked at."""
     for node in body:
         yield node
-        for field in ("orelse", "finalbody") if _is_for_types(node) else ("body", "orelse", "finalbody"):
-            yield from _statements(getattr(node, field, []))
+        for field in ("orelse", "finalbody") if _is_type_checking_block(node) else ("body", "orelse", "finalbody"):
+            yield from _iterate_nested_statements(getattr(node, field, []))
         for part in (*getattr(node, "handlers", ()), *getattr(node, "cases", ())):
-            yield from _statements(part.body)
+            yield from _iterate_nested_statements(part.body)
 
 
-def _is_for_types(node: ast.stmt) -> bool:
+def _is_type_checking_block(node: ast.stmt) -> bool:
     """Whether it is `if TYPE_CHECKING:`."""
     test = node.test if isinstance(node, ast.If) else None
     return "TYPE_CHECKING" in (getattr(test, "id", None), getattr(test, "attr", None))

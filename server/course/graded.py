@@ -22,7 +22,7 @@ from server.course.code import parse_python
 from server.course.models import CourseFault, Problem
 from server.course.schemas import ExerciseFile
 from server.course.start_cache import ExerciseFacts
-from server.course.version import exercise_version, grader_folder
+from server.course.version import compute_exercise_version, grader_folder
 from server.text.markup import ModuleNames
 from server.text.markup.text import no_module_names
 
@@ -36,7 +36,7 @@ NO_ANSWERS = "{}\n"
 STARTER, SOLUTION = "starter.py", "solution.py"
 
 
-def exercise_name(path: Path) -> str:
+def exercise_id_of_folder(path: Path) -> str:
     """The exercise of a folder of the course: "l20/poses"."""
     return f"{path.parents[1].name}/{path.name}"
 
@@ -58,7 +58,7 @@ class ExerciseSources:
 
     def definition(self, path: Path) -> Definition | None:
         """What the grader's folder of an exercise defines, where it has one."""
-        name = exercise_name(path)
+        name = exercise_id_of_folder(path)
         if self.discovery is not None:
             return self.discovery.definitions.get(name)
         if not self.graders(path).is_dir():
@@ -81,17 +81,17 @@ class GradedExercise(NamedTuple):
     found: ExerciseFacts
 
 
-def read_graded(sources: ExerciseSources, path: Path, card: ExerciseFile) -> GradedExercise:
+def read_graded_exercise(sources: ExerciseSources, path: Path, card: ExerciseFile) -> GradedExercise:
     """Raises CourseFault, where it is not known that it is sound."""
-    name = exercise_name(path)
+    name = exercise_id_of_folder(path)
     known = sources.known.get(name)
     make = cache(partial(_load_grader, sources, path, card))
     starter, solution = (NO_ANSWERS, "") if known is None else _read_starter_and_solution(sources, path, card)
     if known is None:
         grader = make()
         if isinstance(grader, CodeGrader | DeclaredGrader):
-            starter = read_python(path / STARTER)
-            solution = _check_compiles(grader.solution, sources.graders(path) / SOLUTION)
+            starter = read_python_that_compiles(path / STARTER)
+            solution = _require_compilable(grader.solution, sources.graders(path) / SOLUTION)
         known = _exercise_facts(sources, path, card, grader)
     sources.found[name] = known
     return GradedExercise(starter, solution, make, known)
@@ -105,16 +105,16 @@ def _read_starter_and_solution(sources: ExerciseSources, path: Path, card: Exerc
 
 
 def _exercise_facts(sources: ExerciseSources, path: Path, card: ExerciseFile, grader: Grader) -> ExerciseFacts:
-    kit = _kit_name(path, grader) if isinstance(grader, CodeGrader) else ""
+    kit = _find_kit_name(path, grader) if isinstance(grader, CodeGrader) else ""
     kit = SCENARIOS if isinstance(grader, DeclaredGrader) else kit
     ticked = _choice_question_ids(grader) if card.kind == "answers" else ()
-    promises = _promises(grader) if isinstance(grader, CodeGrader) else {}
+    promises = _promises_by_function(grader) if isinstance(grader, CodeGrader) else {}
     return ExerciseFacts(
-        exercise_version(sources.imports, sources.code, path, card, grader, kit), kit, ticked, promises
+        compute_exercise_version(sources.imports, sources.code, path, card, grader, kit), kit, ticked, promises
     )
 
 
-def _promises(grader: CodeGrader) -> dict[str, tuple[tuple[str, str], ...]]:
+def _promises_by_function(grader: CodeGrader) -> dict[str, tuple[tuple[str, str], ...]]:
     """Return what the contracts of the functions promise, in French."""
     return {
         contract.function: tuple((line.label, line.text) for line in contract.promise_lines())
@@ -137,9 +137,9 @@ def _load_grader(sources: ExerciseSources, path: Path, card: ExerciseFile) -> Gr
 def _load_code_grader(sources: ExerciseSources, path: Path, card: ExerciseFile) -> CodeGrader | DeclaredGrader:
     definition = sources.definition(path)
     if definition is None:
-        raise CourseFault(_missing_grader(sources, path))
+        raise CourseFault(_missing_grader_problem(sources, path))
     if not isinstance(definition, CodeDefinition | DeclaredDefinition):
-        raise CourseFault(_wrong_kind(path, card))
+        raise CourseFault(_wrong_kind_problem(path, card))
     if not card.functions:
         raise CourseFault(Problem(path / "exercise.toml", 1, "champ manquant : « functions »"))
     _check_functions_match(path / "exercise.toml", card, definition.judged_functions)
@@ -149,7 +149,7 @@ def _load_code_grader(sources: ExerciseSources, path: Path, card: ExerciseFile) 
         raise CourseFault(Problem(error.path, error.line, error.message)) from error
 
 
-def _kit_name(path: Path, grader: CodeGrader) -> str:
+def _find_kit_name(path: Path, grader: CodeGrader) -> str:
     kit = grader.kit(stream(0, "kit")).module
     if kit not in find_available_kits(path.parents[1]):
         raise CourseFault(Problem(grader.folder / MODULE_FILE, None, f"trousse inconnue : « {kit} »"))
@@ -161,21 +161,21 @@ def _load_answers_grader(sources: ExerciseSources, path: Path, card: ExerciseFil
 
     definition = sources.definition(path)
     if isinstance(definition, CodeDefinition | DeclaredDefinition):
-        raise CourseFault(_wrong_kind(path, card))
+        raise CourseFault(_wrong_kind_problem(path, card))
     if card.functions:
         raise CourseFault(Problem(path / "exercise.toml", None, "un exercice sans code ne demande aucune fonction"))
     sheet = questions.read_questions(path / questions.FILE)
     if sheet.needs_grader and definition is None:
-        raise CourseFault(_missing_grader(sources, path))
-    return sheet.bind(exercise_name(path), definition)
+        raise CourseFault(_missing_grader_problem(sources, path))
+    return sheet.build_grader(exercise_id_of_folder(path), definition)
 
 
-def _wrong_kind(path: Path, card: ExerciseFile) -> Problem:
+def _wrong_kind_problem(path: Path, card: ExerciseFile) -> Problem:
     message = f'kind = "{card.kind}", mais le correcteur est celui d’un exercice de l’autre sorte'
     return Problem(path / "exercise.toml", None, message)
 
 
-def _missing_grader(sources: ExerciseSources, path: Path) -> Problem:
+def _missing_grader_problem(sources: ExerciseSources, path: Path) -> Problem:
     folder = sources.graders(path)
     told = sources.discovery.problems if sources.discovery is not None else ()
     cause = next((problem for problem in told if problem.path.is_relative_to(folder)), None)
@@ -190,11 +190,11 @@ def _check_functions_match(path: Path, card: ExerciseFile, judged: frozenset[str
         raise CourseFault(Problem(path, None, f"fonction {where} : « {name} »"))
 
 
-def read_python(path: Path) -> str:
+def read_python_that_compiles(path: Path) -> str:
     """The text of a Python file. Raises CourseFault where it does not compile."""
-    return _check_compiles(toml_file.read_text(path), path)
+    return _require_compilable(toml_file.read_text(path), path)
 
 
-def _check_compiles(source: str, path: Path) -> str:
+def _require_compilable(source: str, path: Path) -> str:
     parse_python(source, path)
     return source

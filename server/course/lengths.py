@@ -27,8 +27,8 @@ MINUTES_PER_HOUR = 60
 SHORT_STEP, LONG_STEP = 5, 10
 
 
-def reading_minutes(lesson: Lesson, left: Collection[str] = ()) -> float:
-    """Return the minutes that a page takes, without the parts that the paths of the names `left` leave for later.
+def estimate_reading_minutes(lesson: Lesson, left_paths: Collection[str] = ()) -> float:
+    """Return the minutes that a page takes, without the parts that the paths of the names `left_paths` leave for later.
 
     Of a paper, the time that its authors give for it.
     """
@@ -36,14 +36,14 @@ def reading_minutes(lesson: Lesson, left: Collection[str] = ()) -> float:
         return lesson.minutes
     words, others = 0, 0.0
     for (path, what), amount in lesson.text.content_amounts.items():
-        if path not in left:
+        if path not in left_paths:
             words += amount if what == "words" else 0
             others += MINUTES_OF.get(what, 0.0) * amount
     return words / WORDS_A_MINUTE + others
 
 
 @lru_cache(maxsize=1024)
-def estimate_minutes(exercise: Exercise) -> int:
+def estimate_exercise_minutes(exercise: Exercise) -> int:
     """Estimate how long an exercise takes, to five minutes, from its length: of its solution, or of its questions.
 
     A rule of thumb, for one who has read the lesson: `MINUTES_OF_FORM` a question; 10 minutes and one more a line of
@@ -57,7 +57,7 @@ def estimate_minutes(exercise: Exercise) -> int:
     return max(5, 5 * round(minutes * (1 + exercise.stars / 2) / 5))
 
 
-def length_in_words(minutes: float) -> str:
+def duration_in_words(minutes: float) -> str:
     """Return « 45 min », « 2 h », « 1 h 30 » for a number of minutes, rounded; nothing for less than one."""
     if minutes < 1:
         return ""

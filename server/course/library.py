@@ -27,7 +27,7 @@ FENCE = "+++"
 
 
 @dataclass(eq=False)
-class ModuleLibrary:
+class ModuleTexts:
     """What a module's folder has to read. Texts are read at the first need, all of them for the first name.
 
     Once the exercises are known, `exercises` (slug to title) and `questions` (`exercise/question`, where one ticks
@@ -42,26 +42,26 @@ class ModuleLibrary:
     paths: Mapping[str, str] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
-        self.lessons = tuple(self._lessons())
-        self.glossary = glossary.read_glossary(self.folder / glossary.FILE, self.names, self.problems)
+        self.lessons = tuple(self._read_lessons())
+        self.glossary = glossary.read_glossary(self.folder / glossary.FILE, self.linkable_names, self.problems)
         self.files = {path.stem: path for path in sorted((self.folder / "fichiers").glob("[!_.]*.py"))}
         self.replays = {path.stem.replace("_", "-") for path in (self.folder / "rejeux").glob("[!_.]*.py")}
-        self.retrievals = retrievals.list_names(self.folder, self.problems)
+        self.retrievals = retrievals.list_question_files(self.folder, self.problems)
         self.manipulations = {path.parent.name for path in self.folder.glob("manipulations/[!_.]*/scene.py")}
 
-    def names(self) -> ModuleNames:
-        return self._names
+    def linkable_names(self) -> ModuleNames:
+        return self._collect_names
 
     @cached_property
-    def _names(self) -> ModuleNames:
-        labels = {label.id: label.target for label in self.labels if label.first}
+    def _collect_names(self) -> ModuleNames:
+        labels = {label.id: label.target for label in self.placed_labels if label.first}
         return ModuleNames(
             module=self.folder.name,
             labels=labels,
             pages={lesson.slug: _lesson_name(lesson) for lesson in self.lessons},
             exercises=self.exercises,
             terms={term.id: term.word for term in self.glossary.values()},
-            pictures={drawing.name: _picture(drawing) for drawing in self.drawings.values()},
+            pictures={drawing.name: _picture_of_drawing(drawing) for drawing in self.drawings.values()},
             replays=self.replays,
             questions=self.questions,
             retrievals=self.retrievals,
@@ -72,16 +72,16 @@ class ModuleLibrary:
         )
 
     @cached_property
-    def labels(self) -> tuple[PlacedLabel, ...]:
+    def placed_labels(self) -> tuple[PlacedLabel, ...]:
         return tuple(_numbered_labels(self.lessons))
 
-    def _lessons(self) -> list[Lesson]:
+    def _read_lessons(self) -> list[Lesson]:
         lessons: dict[str, Lesson] = {}
         for path in sorted(self.folder.glob("*/*.md")):
             if path.parent.name in NO_PAGES or path.name.startswith((".", "_")):
                 continue
             try:
-                lesson = self._lesson(path)
+                lesson = self._read_lesson(path)
                 if lesson.slug in lessons:
                     raise CourseFault(Problem(path, None, f"une autre page se nomme déjà « {lesson.slug} »"))
                 lessons[lesson.slug] = lesson
@@ -89,7 +89,7 @@ class ModuleLibrary:
                 self.problems.append(fault.problem)
         return sorted(lessons.values(), key=lambda lesson: (lesson.kind.numbered, lesson.order, lesson.slug))
 
-    def _lesson(self, path: Path) -> Lesson:
+    def _read_lesson(self, path: Path) -> Lesson:
         kind = BY_FOLDER.get(path.parent.name)
         if kind is None:
             raise CourseFault(Problem(path, None, f"dossier de pages inconnu (connus : {', '.join(BY_FOLDER)})"))
@@ -107,21 +107,24 @@ class ModuleLibrary:
             summary=card.summary,
             objectives=tuple(card.objectives) + tuple(entry.text for entry in card.objective),
             skills=tuple(build_objective(entry, path.stem) for entry in card.objective),
-            text=MarkdownText(MarkdownSource(body, path, line, page=path.stem, names=self.names)),
+            text=MarkdownText(MarkdownSource(body, path, line, page=path.stem, names=self.linkable_names)),
             solution=card.solution,
         )
 
-    def check(self, *, formulas: bool) -> Iterator[Problem]:
+    def find_text_problems(self, *, formulas: bool) -> Iterator[Problem]:
         """Everything that is wrong in the texts, but not so wrong that they cannot be served."""
         for lesson in self.lessons:
-            yield from text_problems(lesson.text, formulas=formulas)
-        for again in self.labels:
+            yield from find_problems_in_text(lesson.text, formulas=formulas)
+        for again in self.placed_labels:
             if not again.first:
-                message = f"étiquette déjà prise par la page « {self.names().labels[again.id].page} » : « #{again.id} »"
+                page = self.linkable_names().labels[again.id].page
+                message = f"étiquette déjà prise par la page « {page} » : « #{again.id} »"
                 yield Problem(again.path, again.target.line, message)
         for term in self.glossary.values():
-            yield from text_problems(term.definition, formulas=formulas)
-        yield from glossary.find_lost_terms(self.folder / glossary.FILE, self.glossary, self.names().pages)
+            yield from find_problems_in_text(term.definition, formulas=formulas)
+        yield from glossary.find_terms_of_unknown_lessons(
+            self.folder / glossary.FILE, self.glossary, self.linkable_names().pages
+        )
 
 
 @dataclass(frozen=True)
@@ -149,7 +152,7 @@ def _numbered_labels(lessons: tuple[Lesson, ...]) -> Iterator[PlacedLabel]:
             yield PlacedLabel(label.id, target, text.source.path, first)
 
 
-def text_problems(text: MarkdownText, *, formulas: bool) -> Iterator[Problem]:
+def find_problems_in_text(text: MarkdownText, *, formulas: bool) -> Iterator[Problem]:
     for fault in text.find_faults(formulas=formulas):
         yield Problem(text.source.path, fault.line, fault.message)
 
@@ -160,7 +163,7 @@ def _lesson_name(lesson: Lesson) -> LinkableLesson:
     return LinkableLesson(lesson.title, frozenset(outline.anchors), figures)
 
 
-def _picture(drawing: Drawing) -> PictureSize:
+def _picture_of_drawing(drawing: Drawing) -> PictureSize:
     width, height = drawing.size
     return PictureSize(drawing.alt, round(width * PIXELS), round(height * PIXELS))
 

@@ -10,7 +10,7 @@ from types import MappingProxyType
 from typing import TYPE_CHECKING, Literal, cast
 
 from graders.core.contract.kits import scenario_kit
-from server.course.editions import edition_of, latest_editions
+from server.course.editions import latest_editions, parse_edition
 from server.course.exercises import ExerciseTable
 from server.course.families import NO_FILING, FamilyFiling, MisconceptionFamily
 from server.course.functions import FunctionSpec
@@ -268,7 +268,7 @@ class Module:
     @property
     def label(self) -> str:
         """Its number, and its edition where it is not the first."""
-        return self.number + edition_of(self.slug).words
+        return self.number + parse_edition(self.slug).edition_in_words
 
 
 @dataclass(frozen=True, eq=False)
@@ -293,21 +293,21 @@ class Course:
 
     def editions(self, slug: str) -> list[Module]:
         """All of a module's that are served, the first one first."""
-        family = edition_of(slug).family
-        same = (module for module in self.modules.values() if edition_of(module.slug).family == family)
-        return sorted(same, key=lambda module: edition_of(module.slug))
+        family = parse_edition(slug).family
+        same = (module for module in self.modules.values() if parse_edition(module.slug).family == family)
+        return sorted(same, key=lambda module: parse_edition(module.slug))
 
-    def newer(self, slug: str) -> Module | None:
+    def newer_edition(self, slug: str) -> Module | None:
         """The last edition of a module, where that comes after this one."""
         last = next(reversed(self.editions(slug)), None)
-        return last if last and edition_of(last.slug) > edition_of(slug) else None
+        return last if last and parse_edition(last.slug) > parse_edition(slug) else None
 
-    def title_of(self, exercise: str) -> str:
+    def title_of_exercise(self, exercise: str) -> str:
         """Return the title of an exercise by its id, or the id of one that has left the course."""
         served = self.exercises.get(exercise)
         return exercise if served is None else served.title
 
-    def title_at(self, path: str) -> str:
+    def title_at_address(self, path: str) -> str:
         """Return the title of the lesson or exercise at an address, empty where nothing is there any more."""
         slug, _, rest = path.strip("/").partition("/")
         kind, _, name = rest.partition("/")
@@ -317,16 +317,16 @@ class Course:
             pages = module.exercises if kind == "exercices" else module.lessons
         return next((page.title for page in pages if page.slug == name), "")
 
-    def version_of(self, exercise: str) -> str:
+    def version_of_exercise(self, exercise: str) -> str:
         """The version of an exercise by its id, which may have left the course."""
         served = self.exercises.get(exercise)
         return UNKNOWN_VERSION if served is None else served.version
 
-    def needed_version(self, exercise: str) -> str | None:
+    def required_worker_version(self, exercise: str) -> str | None:
         """The version that a worker must have of an exercise; None of an authored one, read at each grading."""
-        return self.version_of(exercise) if self.exercises.is_packaged(exercise) else None
+        return self.version_of_exercise(exercise) if self.exercises.is_packaged(exercise) else None
 
-    def reused(self, exercise: str) -> Sequence[Exercise]:
+    def importable_exercises(self, exercise: str) -> Sequence[Exercise]:
         """The exercises whose functions the programs of an exercise may import."""
         served = self.exercises.get(exercise)
         return [self.exercises[f"{served.module}/{slug}"] for slug in served.reuses] if served else []

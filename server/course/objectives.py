@@ -23,7 +23,7 @@ class Objective:
     exercises: Mapping[str, frozenset[str]]
     mistakes: Mapping[str, frozenset[str]]
 
-    def carries(self, slug: str, misconception: str, functions: Collection[str]) -> bool:
+    def does_misconception_belong(self, slug: str, misconception: str, functions: Collection[str]) -> bool:
         """Whether a misconception of an exercise, in these functions, belongs to the objective."""
         if slug in self.mistakes:
             return misconception in self.mistakes[slug]

@@ -22,7 +22,7 @@ QUESTION_NAME = re.compile(r"[a-z0-9]+(?:_[a-z0-9]+)*")
 CHECKED_DRAWS = 40
 
 
-def list_names(folder: Path, problems: list[Problem]) -> Mapping[str, Path]:
+def list_question_files(folder: Path, problems: list[Problem]) -> Mapping[str, Path]:
     """Return the files of a module's questions by the questions' names, `lesson/question`. A fault is noted."""
     names: dict[str, Path] = {}
     for path in sorted((folder / FOLDER).glob("[!_.]*.py")):
@@ -41,22 +41,22 @@ def draw_question(module: Module, name: str, seed: int) -> RetrievalQuestion:
     """Return a question with the numbers of a seed. Raises KeyError for a name that is not in `module.retrievals`."""
     from graders.core.answers.retrieval import draw_question
 
-    return draw_question(_function(module.retrievals[name], name), seed)
+    return draw_question(_load_draw_function(module.retrievals[name], name), seed)
 
 
-def _function(path: Path, name: str) -> DrawQuestion:
+def _load_draw_function(path: Path, name: str) -> DrawQuestion:
     function: DrawQuestion = getattr(import_file(path), name.partition("/")[2])
     return function
 
 
-def find_faults(module: Module) -> Iterator[Problem]:
+def find_question_faults(module: Module) -> Iterator[Problem]:
     """Yield a problem for each question that cannot be drawn, or whose answers are confused, with its line."""
     from graders.core.answers.retrieval import draw_question, find_question_fault
 
     pages = {lesson.slug for lesson in module.lessons}
     for name, path in module.retrievals.items():
         try:
-            function = _function(path, name)
+            function = _load_draw_function(path, name)
             line = function.__code__.co_firstlineno
             found = (find_question_fault(draw_question(function, seed)) for seed in range(CHECKED_DRAWS))
             fault = next(filter(None, found), "")

@@ -15,7 +15,7 @@ from types import MappingProxyType
 from server.base.files import digest_files
 from server.course import toml_file
 from server.course.models import Course, CourseFault, Exercise, Problem
-from server.course.toml_places import line_of
+from server.course.toml_places import find_line_of_value
 from server.sandbox.values import LibraryFile
 
 #: The files of one student, by exercise ("l20/poses").
@@ -23,7 +23,7 @@ Own = Mapping[str, bytes]
 NOTHING_OWN: Own = MappingProxyType({})
 
 
-def names_with_reused(curricula: Sequence[Path], exercise: str) -> frozenset[str]:
+def exercise_ids_with_reused(curricula: Sequence[Path], exercise: str) -> frozenset[str]:
     """The names of an exercise and of those that it reuses, as their files say."""
     module, _, slug = exercise.partition("/")
     found, waiting = set[str](), [slug]
@@ -31,12 +31,12 @@ def names_with_reused(curricula: Sequence[Path], exercise: str) -> frozenset[str
         name = waiting.pop()
         paths = [room / module / "exercices" / name / "exercise.toml" for room in curricula]
         if name not in found:
-            waiting += [exercise_id for path in paths if path.is_file() for exercise_id in _declared_reuses(path)]
+            waiting += [exercise_id for path in paths if path.is_file() for exercise_id in _read_declared_reuses(path)]
         found.add(name)
     return frozenset(f"{module}/{name}" for name in found)
 
 
-def _declared_reuses(path: Path) -> list[str]:
+def _read_declared_reuses(path: Path) -> list[str]:
     """What an exercise says that it reuses; nothing where that cannot be read, which its own reading tells."""
     try:
         names = toml_file.parse_toml_values(toml_file.read_text(path), path).get("reuses", [])
@@ -45,7 +45,7 @@ def _declared_reuses(path: Path) -> list[str]:
     return [name for name in names if isinstance(name, str)] if isinstance(names, list) else []
 
 
-def with_all_reused(folder: Path, exercises: Sequence[Exercise], problems: list[Problem]) -> list[Exercise]:
+def add_transitive_reuses(folder: Path, exercises: Sequence[Exercise], problems: list[Problem]) -> list[Exercise]:
     """The exercises, each with all that it reuses, what these reuse in their turn included.
 
     Its version then changes with their solutions. Where what an exercise reuses cannot be, it is left out, and said.
@@ -53,26 +53,26 @@ def with_all_reused(folder: Path, exercises: Sequence[Exercise], problems: list[
     named = {exercise.slug: exercise for exercise in exercises}
     made = []
     for exercise in exercises:
-        reuses, faults = _closure(exercise, named)
-        problems += [_problem(folder, exercise, fault) for fault in faults]
+        reuses, faults = _transitive_reuses(exercise, named)
+        problems += [_reuse_problem(folder, exercise, fault) for fault in faults]
         made.append(
-            _with_reused(exercise, [named[slug] for slug in reuses])
+            _set_reused_exercises(exercise, [named[slug] for slug in reuses])
             if reuses and not faults
-            else _without_reused(exercise)
+            else _clear_reused_exercises(exercise)
         )
     return made
 
 
-def _with_reused(exercise: Exercise, reused: Sequence[Exercise]) -> Exercise:
+def _set_reused_exercises(exercise: Exercise, reused: Sequence[Exercise]) -> Exercise:
     head = "\0".join([exercise.version, *(f"{source.slug}\0{source.solution}" for source in reused)])
     return replace(exercise, reuses=tuple(source.slug for source in reused), version=digest_files([], head.encode()))
 
 
-def _without_reused(exercise: Exercise) -> Exercise:
+def _clear_reused_exercises(exercise: Exercise) -> Exercise:
     return replace(exercise, reuses=())
 
 
-def _closure(exercise: Exercise, named: Mapping[str, Exercise]) -> tuple[list[str], list[str]]:
+def _transitive_reuses(exercise: Exercise, named: Mapping[str, Exercise]) -> tuple[list[str], list[str]]:
     """Return the transitive closure of an exercise's reuses, nearest first, and its faults."""
     found: list[str] = []
     waiting = list(exercise.reuses)
@@ -91,19 +91,19 @@ def _closure(exercise: Exercise, named: Mapping[str, Exercise]) -> tuple[list[st
     return found, [f"« reuses » : la fonction « {name} » viendrait de deux exercices" for name in twice]
 
 
-def _problem(folder: Path, exercise: Exercise, message: str) -> Problem:
+def _reuse_problem(folder: Path, exercise: Exercise, message: str) -> Problem:
     path = folder / exercise.slug / "exercise.toml"
-    return Problem(path, line_of(toml_file.read_text(path), ("reuses",)), message)
+    return Problem(path, find_line_of_value(toml_file.read_text(path), ("reuses",)), message)
 
 
-def build_library(
+def build_importable_library(
     course: Course, exercise: str, own: Own = NOTHING_OWN, tested: Collection[str] = ()
 ) -> tuple[LibraryFile, ...]:
     """What the programs of an exercise may import: of each that it reuses one's own file, or else the course's.
 
     All files of the course go along, as they import from one another, offered or not (`offers_course_functions`).
     """
-    return tuple(_library_files(course.exercises[exercise], course.reused(exercise), own, tested))
+    return tuple(_library_files(course.exercises[exercise], course.importable_exercises(exercise), own, tested))
 
 
 def offers_course_functions(exercise: Exercise, reused: Exercise, tested: Collection[str]) -> bool:

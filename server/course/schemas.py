@@ -13,21 +13,21 @@ from server.sandbox.policy import LIMIT_SPECS, LimitSpec, Policy
 Text = Annotated[str, Field(min_length=1)]
 
 
-def _plain(text: str) -> str:
+def _require_plain_text(text: str) -> str:
     if "$" in text or "`" in text:
         raise PydanticCustomError("plain_text", "neither formula nor code here")
     return text
 
 
 #: Shown as it stands, outside of any Markdown.
-PlainText = Annotated[Text, AfterValidator(_plain)]
+PlainText = Annotated[Text, AfterValidator(_require_plain_text)]
 
 
-class Strict(BaseModel):
+class StrictModel(BaseModel):
     model_config = ConfigDict(strict=True, extra="forbid", frozen=True)
 
 
-class PathEntry(Strict):
+class PathEntry(StrictModel):
     """A way through a module for some of its readers: `page` is the slug of the lesson that says it, with its label.
 
     `exercises` are the slugs of its exercises, in its order; by `name`, lessons say what it leaves for later.
@@ -40,7 +40,7 @@ class PathEntry(Strict):
     exercises: list[Text] = []
 
 
-class ModuleFile(Strict):
+class ModuleFile(StrictModel):
     """`curriculum/<module>/module.toml`. `references` are Markdown of one line."""
 
     title: Text
@@ -57,7 +57,7 @@ class ModuleFile(Strict):
     order: int | None = None
 
 
-class FunctionEntry(Strict):
+class FunctionEntry(StrictModel):
     """One function to write. `signature` may carry a default or a keyword such as `class`.
 
     `example` is a call of it, in plain values, that a student may begin from.
@@ -71,27 +71,29 @@ class FunctionEntry(Strict):
     example: str = ""
 
 
-class Overrides(Strict):
+class LimitOverrides(StrictModel):
     """Of `server.sandbox.Policy`, field by field, each within the bounds of its row."""
 
-    def policy(self) -> Policy:
+    def build_policy(self) -> Policy:
         """The general policy, and what is overridden here."""
-        return replace(Policy(), **self.overrides())
+        return replace(Policy(), **self.overridden_fields())
 
-    def overrides(self) -> dict[str, Any]:
+    def overridden_fields(self) -> dict[str, Any]:
         return self.model_dump(exclude_none=True)
 
 
-def _overridable(name: str, row: LimitSpec) -> Any:
+def _overridable_field(name: str, row: LimitSpec) -> Any:
     bounded: Any = Annotated[type(getattr(Policy(), name)), Field(ge=row.minimum, le=row.maximum)]
     return (bounded | None, None)
 
 
 if TYPE_CHECKING:
-    PolicyEntry = Overrides
+    PolicyEntry = LimitOverrides
 else:
     PolicyEntry = create_model(
-        "PolicyEntry", __base__=Overrides, **{name: _overridable(name, row) for name, row in LIMIT_SPECS.items()}
+        "PolicyEntry",
+        __base__=LimitOverrides,
+        **{name: _overridable_field(name, row) for name, row in LIMIT_SPECS.items()},
     )
 
 
@@ -99,7 +101,7 @@ else:
 HuntRule = Literal["never", "solved", "always"]
 
 
-class ExerciseFile(Strict):
+class ExerciseFile(StrictModel):
     """`curriculum/<module>/exercices/<slug>/exercise.toml`."""
 
     title: Text
@@ -115,7 +117,7 @@ class ExerciseFile(Strict):
     hunts: HuntRule = "solved"
 
 
-class ObjectiveEntry(Strict):
+class ObjectiveEntry(StrictModel):
     """One `[[objective]]` of a lesson: an infinitive, its exercises (`slug` or `slug:function`) and mistakes."""
 
     id: Annotated[str, Field(pattern=r"^[a-z0-9]+(-[a-z0-9]+)*$")]
@@ -125,7 +127,7 @@ class ObjectiveEntry(Strict):
     mistakes: list[Annotated[str, Field(pattern=r"^[a-z0-9_]+/\w+$")]] = []
 
 
-class FrontMatter(Strict):
+class FrontMatter(StrictModel):
     """Between the `+++` lines of a lesson. `solution`: what it tells is held back from a class until it is opened.
 
     Its objectives are plain texts, or tables with the exercises that practise them.
@@ -141,7 +143,7 @@ class FrontMatter(Strict):
     solution: bool = False
 
 
-class FamilyEntry(Strict):
+class FamilyEntry(StrictModel):
     """One `[[family]]` of misconceptions; `slips` are usual slips, which any exercise may meet."""
 
     id: Annotated[str, Field(pattern=r"^[a-z0-9]+(_[a-z0-9]+)*$")]
@@ -150,20 +152,20 @@ class FamilyEntry(Strict):
     slips: list[Text] = []
 
 
-class FamiliesFile(Strict):
+class FamiliesFile(StrictModel):
     """`curriculum/families.toml`."""
 
     family: list[FamilyEntry]
 
 
-class ExerciseFamiliesFile(Strict):
+class ExerciseFamiliesFile(StrictModel):
     """`families.toml` of an exercise: its misconceptions by family, or by the reason of having none."""
 
     families: dict[str, list[Text]] = {}
     apart: dict[str, list[Text]] = {}
 
 
-class TermEntry(Strict):
+class TermEntry(StrictModel):
     """One `[[terme]]` of `glossaire.toml`. `definition` is Markdown of one paragraph."""
 
     id: Text
@@ -172,7 +174,7 @@ class TermEntry(Strict):
     page: Text
 
 
-class Glossary(Strict):
+class GlossaryFile(StrictModel):
     """The whole file; each entry is then read by itself, so that one that is wrong leaves the others."""
 
     terme: list[dict[str, object]]

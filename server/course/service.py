@@ -14,13 +14,13 @@ from graders import courses
 from graders.core.contract.kits import find_kits
 from server.course import drawings, filing, reuse, toml_file
 from server.course.closure import ImportGraph
-from server.course.editions import MODULE_SLUG, module_number
-from server.course.graded import ExerciseSources, exercise_name, read_graded, read_python
-from server.course.library import ModuleLibrary, text_problems
+from server.course.editions import MODULE_SLUG, module_number_of_slug
+from server.course.graded import ExerciseSources, exercise_id_of_folder, read_graded_exercise, read_python_that_compiles
+from server.course.library import ModuleTexts, find_problems_in_text
 from server.course.models import Course, CourseFault, Exercise, FunctionSpec, Module, Problem, ReadingPath
 from server.course.schemas import ExerciseFile, ModuleFile
 from server.course.start_cache import NO_FACTS, StartCache, digest_sources
-from server.course.toml_places import line_of
+from server.course.toml_places import find_line_of_value
 from server.course.version import grader_folder
 from server.text.markup import MarkdownSource, MarkdownText, ModuleNames
 
@@ -70,7 +70,7 @@ def load_course(
     known = memory.exercise_facts(source) if source else NO_FACTS
     if source and memory.is_known_sound(source):
         look = TextChecking.no
-    wanted = reuse.names_with_reused(curricula, only) if only else None
+    wanted = reuse.exercise_ids_with_reused(curricula, only) if only else None
     if discovery is None and not known:
         from graders.discovery import discover
 
@@ -82,11 +82,11 @@ def load_course(
         problems, lambda path: _load_module(sources, path, problems, look, wanted), _module_folders(curricula, only)
     )
     modules.sort(key=lambda module: (module.order, module.slug))
-    problems.extend(_graders_without_exercise(sources))
-    problems.extend(_duplicate_kits(modules))
+    problems.extend(_find_graders_without_exercise(sources))
+    problems.extend(_find_duplicate_kits(modules))
     families = filing.read_families(curricula, problems)
     if checked:
-        memory.save("" if problems else source, {} if problems else sources.found)
+        memory.save_used_entries("" if problems else source, {} if problems else sources.found)
     return Course(MappingProxyType({module.slug: module for module in modules}), tuple(problems), families)
 
 
@@ -110,7 +110,7 @@ def _module_folders(curricula: Iterable[Path], only: str) -> list[Path]:
 def _exercise_folders(module: Path, wanted: Collection[str] | None) -> list[Path]:
     folder = module / "exercices"
     found = sorted(path for path in folder.iterdir() if path.is_dir()) if folder.is_dir() else []
-    return [path for path in found if wanted is None or exercise_name(path) in wanted]
+    return [path for path in found if wanted is None or exercise_id_of_folder(path) in wanted]
 
 
 def _load_module(
@@ -120,15 +120,16 @@ def _load_module(
         raise CourseFault(Problem(path, None, MALFORMED_MODULE_NAME))
     card = toml_file.read_toml(path / "module.toml", ModuleFile)
     kits = {
-        name: {place: read_python(file) for place, file in files.items()} for name, files in find_kits(path).items()
+        name: {place: read_python_that_compiles(file) for place, file in files.items()}
+        for name, files in find_kits(path).items()
     }
-    library = ModuleLibrary(path, drawings.read_drawings(path / "figures", problems), problems)
+    library = ModuleTexts(path, drawings.read_drawings(path / "figures", problems), problems)
     library.paths = {way.name: way.title for way in card.paths if way.name}
-    sources = replace(sources, names=library.names)
+    sources = replace(sources, names=library.linkable_names)
     exercises = _build_all(
         problems, lambda folder: _load_exercise(sources, path, folder), _exercise_folders(path, wanted)
     )
-    exercises = reuse.with_all_reused(path / "exercices", exercises, problems)
+    exercises = reuse.add_transitive_reuses(path / "exercices", exercises, problems)
     exercises.sort(key=lambda exercise: (exercise.stars, exercise.order, exercise.slug))
     library.exercises.update({exercise.slug: exercise.title for exercise in exercises})
     library.questions.update(
@@ -136,12 +137,13 @@ def _load_module(
     )
     if look is not TextChecking.no:
         exercises = [
-            exercise for exercise in exercises if not _add_problems(problems, _exercise_faults(exercise, look))
+            exercise for exercise in exercises if not _add_problems(problems, _find_exercise_faults(exercise, look))
         ]
-        _add_problems(problems, library.check(formulas=look is TextChecking.drawn))
-        _add_problems(problems, _unknown_lessons(path, exercises, library))
+        _add_problems(problems, library.find_text_problems(formulas=look is TextChecking.drawn))
+        _add_problems(problems, _find_unknown_lessons(path, exercises, library))
         _add_problems(
-            problems, _module_file_problems(path / "module.toml", card, library, formulas=look is TextChecking.drawn)
+            problems,
+            _find_module_file_problems(path / "module.toml", card, library, formulas=look is TextChecking.drawn),
         )
     return Module(
         slug=path.name,
@@ -155,7 +157,7 @@ def _load_module(
         references=tuple(card.references),
         previous=card.previous,
         next=card.next,
-        order=module_number(path.name) if card.order is None else card.order,
+        order=module_number_of_slug(path.name) if card.order is None else card.order,
         kits=MappingProxyType(kits),
         exercises=tuple(exercises),
         lessons=library.lessons,
@@ -166,7 +168,7 @@ def _load_module(
             ReadingPath(way.title, way.summary, way.page, tuple(way.exercises), way.name) for way in card.paths
         ),
         retrievals=MappingProxyType(dict(library.retrievals)),
-        names=library.names,
+        names=library.linkable_names,
         folder=path,
     )
 
@@ -178,43 +180,45 @@ def _add_problems(problems: list[Problem], new: Iterable[Problem]) -> bool:
     return len(problems) > before
 
 
-def _exercise_faults(exercise: Exercise, look: TextChecking) -> Iterator[Problem]:
+def _find_exercise_faults(exercise: Exercise, look: TextChecking) -> Iterator[Problem]:
     for text in (exercise.statement, *exercise.hint_texts):
-        yield from text_problems(text, formulas=look is TextChecking.drawn)
+        yield from find_problems_in_text(text, formulas=look is TextChecking.drawn)
     if exercise.answers is not None:
         from server.course import questions
 
         path = exercise.statement.source.path.with_name(questions.FILE)
-        yield from questions.question_text_problems(
+        yield from questions.find_question_text_problems(
             path, exercise.answers, exercise.names, formulas=look is TextChecking.drawn
         )
 
 
-def _unknown_lessons(module: Path, exercises: list[Exercise], library: ModuleLibrary) -> Iterator[Problem]:
+def _find_unknown_lessons(module: Path, exercises: list[Exercise], library: ModuleTexts) -> Iterator[Problem]:
     """Exercises that are said to follow a lesson that does not exist."""
     lessons = {lesson.slug for lesson in library.lessons}
     for exercise in exercises:
         if exercise.seance and exercise.seance not in lessons:
             path = module / "exercices" / exercise.slug / "exercise.toml"
-            line = line_of(toml_file.read_text(path), ("seance",))
+            line = find_line_of_value(toml_file.read_text(path), ("seance",))
             yield Problem(path, line, f"« seance » : page inconnue « {exercise.seance} »")
 
 
-def _module_file_problems(path: Path, card: ModuleFile, library: ModuleLibrary, *, formulas: bool) -> Iterator[Problem]:
+def _find_module_file_problems(
+    path: Path, card: ModuleFile, library: ModuleTexts, *, formulas: bool
+) -> Iterator[Problem]:
     """Its paths and its references, each of which may lead somewhere."""
     source = toml_file.read_text(path)
     for number, course_path in enumerate(card.paths):
-        if library.names().pages.get(course_path.page.partition("#")[0]) is None:
+        if library.linkable_names().pages.get(course_path.page.partition("#")[0]) is None:
             message = f"« page » : page inconnue « {course_path.page} »"
-            yield Problem(path, line_of(source, ("paths", number, "page")), message)
+            yield Problem(path, find_line_of_value(source, ("paths", number, "page")), message)
         for place, slug in enumerate(course_path.exercises):
             if not (path.parent / "exercices" / slug).is_dir():
-                line = line_of(source, ("paths", number, "exercises", place))
+                line = find_line_of_value(source, ("paths", number, "exercises", place))
                 yield Problem(path, line, f"« exercises » : exercice inconnu « {slug} »")
     for number, reference in enumerate(card.references):
-        line = line_of(source, ("references", number))
-        yield from text_problems(
-            MarkdownText(MarkdownSource(reference, path, line or 1, names=library.names)), formulas=formulas
+        line = find_line_of_value(source, ("references", number))
+        yield from find_problems_in_text(
+            MarkdownText(MarkdownSource(reference, path, line or 1, names=library.linkable_names)), formulas=formulas
         )
 
 
@@ -222,7 +226,7 @@ def _load_exercise(sources: ExerciseSources, module: Path, path: Path) -> Exerci
     if not EXERCISE_SLUG.fullmatch(path.name):
         raise CourseFault(Problem(path, None, "nom d’exercice : minuscules, chiffres et « _ »"))
     card = toml_file.read_toml(path / "exercise.toml", ExerciseFile)
-    graded = read_graded(sources, path, card)
+    graded = read_graded_exercise(sources, path, card)
     return Exercise(
         module=module.name,
         slug=path.name,
@@ -255,9 +259,9 @@ def _load_exercise(sources: ExerciseSources, module: Path, path: Path) -> Exerci
         kit=graded.found.kit,
         kind=card.kind,
         seance=card.seance,
-        policy=card.limits.policy(),
+        policy=card.limits.build_policy(),
         reuses=tuple(card.reuses),
-        filing=filing.read_filing(path),
+        filing=filing.read_exercise_families(path),
         hunts=card.hunts,
     )
 
@@ -270,19 +274,19 @@ def _read_hints(path: Path, names: Callable[[], ModuleNames]) -> tuple[MarkdownT
         raise CourseFault(Problem(path, line, "il faut trois parties : « ## Indice 1 », « 2 » puis « 3 »"))
     ends = [*(title.start() for title in titles[1:]), len(text)]
     first, second, third = (
-        _hint_text(path, text, title.end(), end, names) for title, end in zip(titles, ends, strict=True)
+        _slice_hint_text(path, text, title.end(), end, names) for title, end in zip(titles, ends, strict=True)
     )
     return first, second, third
 
 
-def _hint_text(path: Path, text: str, start: int, end: int, names: Callable[[], ModuleNames]) -> MarkdownText:
+def _slice_hint_text(path: Path, text: str, start: int, end: int, names: Callable[[], ModuleNames]) -> MarkdownText:
     line = text[:start].count("\n") + 1
     if not text[start:end].strip():
         raise CourseFault(Problem(path, line, "indice vide"))
     return MarkdownText(MarkdownSource(text[start:end], path, line, names=names))
 
 
-def _graders_without_exercise(sources: ExerciseSources) -> Iterator[Problem]:
+def _find_graders_without_exercise(sources: ExerciseSources) -> Iterator[Problem]:
     """Graders without an exercise: a renamed folder must not silently vanish from the course."""
     for name in sorted(sources.discovery.definitions if sources.discovery is not None else ()):
         module, slug = name.split("/")
@@ -292,7 +296,7 @@ def _graders_without_exercise(sources: ExerciseSources) -> Iterator[Problem]:
             )
 
 
-def _duplicate_kits(modules: list[Module]) -> Iterator[Problem]:
+def _find_duplicate_kits(modules: list[Module]) -> Iterator[Problem]:
     """Kits that two modules call the same: programs would find one for the other."""
     homes: dict[str, Path] = {}
     for module in modules:

@@ -46,13 +46,13 @@ class StartCache:
 
     def __init__(self, path: Path | None = None) -> None:
         self._path = path
-        stored = _read(path)
+        stored = _read_cache_file(path)
         self._sound_digest: str = stored["sound"]
         self._facts: Mapping[str, ExerciseFacts] = stored["found"]
         self._imports: dict[str, list[str]] = stored["imports"]
         self._used: dict[str, list[str]] = {}
 
-    def imports_of(self, content: bytes, package: str, read: Callable[[], Iterable[str]]) -> Sequence[str]:
+    def cached_imports(self, content: bytes, package: str, read: Callable[[], Iterable[str]]) -> Sequence[str]:
         """Return the imports of a file by its content and package; call `read` on a miss."""
         key = hashlib.sha256(f"{_reader_version()}\0{package}\0".encode() + content).hexdigest()
         found = self._imports.get(key)
@@ -71,7 +71,7 @@ class StartCache:
         """Return the cached facts of each exercise if the sources are unchanged and sound."""
         return self._facts if self.is_known_sound(source_digest) else NO_FACTS
 
-    def save(self, sound: str, found: Mapping[str, ExerciseFacts]) -> None:
+    def save_used_entries(self, sound: str, found: Mapping[str, ExerciseFacts]) -> None:
         """Write the used entries, the digest of the sound sources (empty: none), and the facts of the exercises."""
         if self._path is None or (sound == self._sound_digest and found == self._facts and self._used == self._imports):
             return
@@ -96,7 +96,7 @@ def _reader_version() -> str:
     return f"1 {sys.version}"
 
 
-def _read(path: Path | None) -> dict[str, Any]:
+def _read_cache_file(path: Path | None) -> dict[str, Any]:
     nothing: dict[str, Any] = {"sound": "", "found": {}, "imports": {}}
     if path is None or not path.is_file():
         return nothing

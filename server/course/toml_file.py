@@ -12,7 +12,7 @@ from pydantic_core import ErrorDetails
 
 from server.base.validation import french_reason
 from server.course.models import CourseFault, Problem
-from server.course.toml_places import Location, line_of
+from server.course.toml_places import Location, find_line_of_value
 
 M = TypeVar("M", bound=BaseModel)
 
@@ -50,7 +50,7 @@ def validate_values(values: object, text: str, path: Path, model: type[M], at: L
         return model.model_validate(values)
     except ValidationError as error:
         first = error.errors()[0]
-        line = line_of(text, (*at, *first["loc"])) + first_line - 1
+        line = find_line_of_value(text, (*at, *first["loc"])) + first_line - 1
         raise CourseFault(Problem(path, line, describe_validation_error(first))) from error
 
 

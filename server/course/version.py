@@ -28,22 +28,22 @@ NOT_DATA = {".py", ".md"}
 EQUIVALENTS = "equivalents.toml"
 
 
-def exercise_version(
+def compute_exercise_version(
     imports: ImportGraph, code: Sequence[Path], folder: Path, card: ExerciseFile, grader: object, kit: str
 ) -> str:
     """See the head of this file. `folder` is the exercise's, in the course; `code` are the folders that hold graders;
     `kit` is the name of what its programs find."""
-    return digest_files(grading_files(imports, code, folder, card, grader, kit), _graded_fields(card))
+    return digest_files(iterate_grading_files(imports, code, folder, card, grader, kit), _serialize_graded_fields(card))
 
 
-def grading_files(
+def iterate_grading_files(
     imports: ImportGraph, code: Sequence[Path], folder: Path, card: ExerciseFile, grader: object, kit: str
 ) -> Iterator[tuple[str, Path]]:
     """The files that decide of a verdict, each with a name that tells no place on this machine."""
     module = folder.parents[1].name
     graders = grader_folder(code, module, folder.name)
-    described = imports.closure(f"graders.{module}.{folder.name}.{GRADER}")
-    yield from sorted((described | imports.closure(type(grader).__module__)).items())
+    described = imports.imported_files(f"graders.{module}.{folder.name}.{GRADER}")
+    yield from sorted((described | imports.imported_files(type(grader).__module__)).items())
     yield from (named for named in walk_files(GRADER, graders) if _affects_verdict(named[1].relative_to(graders)))
     if card.kind == "code":
         yield from _kit_files(find_available_kits(folder.parents[1])[kit])
@@ -62,9 +62,9 @@ def _kit_files(files: Files) -> Iterator[tuple[str, Path]]:
     yield from ((f"kit/{place}" if len(files) > 1 else "kit", path) for place, path in files.items())
 
 
-def _graded_fields(card: ExerciseFile) -> bytes:
+def _serialize_graded_fields(card: ExerciseFile) -> bytes:
     functions = [(function.name, function.signature) for function in card.functions]
-    return json.dumps([card.kind, functions, card.limits.overrides()], sort_keys=True).encode()
+    return json.dumps([card.kind, functions, card.limits.overridden_fields()], sort_keys=True).encode()
 
 
 def _affects_verdict(relative: Path) -> bool:

@@ -29,7 +29,7 @@ from server.classes.slips import PasswordSlip
 from server.comments import repository as comments
 from server.comments.service import load_unread_threads
 from server.course import Course
-from server.course.editions import edition_of
+from server.course.editions import parse_edition
 from server.database import utc_now
 from server.desk.guide.chapters import chapter_href
 from server.desk.schemas import ClassHead, JoinCodeView
@@ -111,8 +111,8 @@ def build_classes_page(db: Session, course: Course, account: Account | None, mod
 def _propose_module(course: Course, taught: Sequence[SchoolClass]) -> str:
     """Return the slug of the module to propose for a new class: that of most of the classes taught, archived or not
     (its last edition), else the one with the most exercises."""
-    latest = {edition_of(module.slug).family: module for module in course.latest}
-    families = Counter(edition_of(school_class.module).family for school_class in taught)
+    latest = {parse_edition(module.slug).family: module for module in course.latest}
+    families = Counter(parse_edition(school_class.module).family for school_class in taught)
     known = [family for family, _ in families.most_common() if family in latest]
     if known:
         return latest[known[0]].slug

@@ -33,7 +33,7 @@ def load_importable_files_now(db: Session, course: Course, account_id: UUID, exe
 def _load_importable_files_at(
     db: Session, course: Course, account_id: UUID, exercise: str, source: bytes, sent_at: datetime
 ) -> Own:
-    reused = [earlier.id for earlier in course.reused(exercise)]
+    reused = [earlier.id for earlier in course.importable_exercises(exercise)]
     if not reused or LIBRARY_MENTION not in source:
         return NOTHING_OWN
     submissions = _select_importable(db, account_id, reused, sent_at)
@@ -43,7 +43,7 @@ def _load_importable_files_at(
 
 def load_exercises_in_sat_tests(db: Session, course: Course, submission: Submission | GradingRow) -> frozenset[str]:
     """Load the exercises of the tests that the author sat when they sent an attempt, if it may import anything."""
-    if not course.reused(submission.exercise):
+    if not course.importable_exercises(submission.exercise):
         return frozenset()
     return sittings.load_exercises_in_sat_tests(db, submission.account_id, submission.created_at)
 

@@ -108,7 +108,9 @@ def _give_up_handler(course: Course) -> GiveUpHandler:
             "submission %s of %s: given up (seed %d, %d bytes, digest %s)",
             *(submission.id, submission.exercise, submission.seed, len(submission.source), submission.digest),
         )
-        verdict = internal_error_verdict(submission.exercise, course.version_of(submission.exercise), submission.seed)
+        verdict = internal_error_verdict(
+            submission.exercise, course.version_of_exercise(submission.exercise), submission.seed
+        )
         _store_grading_result(db, submission.id, GradingResult(Judgement(verdict), lease.started_at))
 
     return give_up

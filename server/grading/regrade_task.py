@@ -71,7 +71,7 @@ def _give_up_handler(course: Course, queue: Queue) -> GiveUpHandler:
             return
         file = work.file
         log.error("regrade %s: submission %s of %s given up", work.regrade_id, file.submission_id, file.exercise)
-        verdict = internal_error_verdict(file.exercise, course.version_of(file.exercise), file.seed)
+        verdict = internal_error_verdict(file.exercise, course.version_of_exercise(file.exercise), file.seed)
         graded = GradingResult(Judgement(verdict), lease.started_at)
         service.record_grading(db, queue, work.regrade_id, work.item_id, graded, work.needs)
 

@@ -227,7 +227,7 @@ class SandboxGrader:
         self, exercise_id: str, policy: Policy, own: Own = NOTHING_OWN, exercises_under_test: Collection[str] = ()
     ) -> SandboxPrograms:
         """Return a starter of files for one grading of an exercise, under a policy; the others are as in `grade`."""
-        library = reuse.build_library(self._course, exercise_id, own, exercises_under_test)
+        library = reuse.build_importable_library(self._course, exercise_id, own, exercises_under_test)
         asked = [function.name for function in self._course.exercises[exercise_id].functions]
         return SandboxPrograms(self._sandbox, policy, library, asked)
 

@@ -141,7 +141,7 @@ def _validate_plan(
     challenges = (plan.challenge,) if plan.next_step is Afterwards.challenge else ()
     for name in (*exercises, *filter(None, challenges)):
         if name not in available:
-            raise Invalid(UNKNOWN_EXERCISE.format(name=course.title_of(name)))
+            raise Invalid(UNKNOWN_EXERCISE.format(name=course.title_of_exercise(name)))
     if not MIN_EXERCISES <= len(exercises) <= MAX_EXERCISES:
         raise Invalid(HOW_MANY)
     if challenges == ("",):

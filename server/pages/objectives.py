@@ -12,7 +12,7 @@ from fastapi.responses import Response
 from server.board.objective_loading import load_own_objective_states
 from server.board.objectives import RULE, Mastery, MisconceptionLookup, ObjectiveState
 from server.course import Course, Exercise, Module
-from server.course.lengths import estimate_minutes, reading_minutes
+from server.course.lengths import estimate_exercise_minutes, estimate_reading_minutes
 from server.course.objectives import Objective
 from server.database import utc_now
 from server.gradebook import service as gradebook
@@ -108,7 +108,9 @@ def build_objectives_page(reader: Reader, module: Module) -> Mapping[str, Any]:
             path="" if path is None else path.title,
             solved=len(way) - len(left),
             total=len(way),
-            left=tuple((exercise_href(exercise), exercise.title, estimate_minutes(exercise)) for exercise in left),
+            left=tuple(
+                (exercise_href(exercise), exercise.title, estimate_exercise_minutes(exercise)) for exercise in left
+            ),
         ),
         "has_paths": any(way.exercises for way in module.paths),
         "rule": RULE,
@@ -177,7 +179,7 @@ def propose_next_task(
         return _propose_exercise(rows, following)
     way = lessons_in_reading_order(module)
     if following is not None and way:
-        minutes = round(reading_minutes(way[0]))
+        minutes = round(estimate_reading_minutes(way[0]))
         return NextTask(lesson_href(way[0]), f"Commencer : {way[0].label}", minutes, "c’est par là que l’on commence")
     return None
 
@@ -205,4 +207,4 @@ def _propose_exercise(rows: Sequence[StudentObjectiveRow], following: NextExerci
     elif own and reason:
         reason = f"{reason}, et il fait avancer l’objectif « {own[0].short} »"
     label = f"{verb} : {following.exercise.title}"
-    return NextTask(following.href, label, estimate_minutes(following.exercise), reason)
+    return NextTask(following.href, label, estimate_exercise_minutes(following.exercise), reason)

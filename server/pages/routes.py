@@ -24,7 +24,7 @@ from server.comments.models import CHECK_LENGTH
 from server.comments.schemas import Conversation
 from server.course import Exercise
 from server.course.dependencies import CourseOf
-from server.course.first_reading import render_exercise
+from server.course.first_reading import render_exercise_of_address
 from server.database import Database
 from server.database.dependencies import DatabaseOf, Db
 from server.gradebook import service as gradebook
@@ -80,7 +80,7 @@ def download_kit(module: str, file: str, reader: CurrentReader) -> Response:
     return Response(download.content, media_type=download.media_type, headers=headers)
 
 
-@router.get("/{module:module}/exercices/{slug}", dependencies=[Depends(render_exercise)])
+@router.get("/{module:module}/exercices/{slug}", dependencies=[Depends(render_exercise_of_address)])
 def show_exercise(
     request: Request,
     module: str,

@@ -92,7 +92,7 @@ def build_exercise_page(reader: Reader, exercise: Exercise, taken: str | None) -
 
 def _list_reusable_exercises(reader: Reader, exercise: Exercise) -> Iterator[ReusableExerciseView]:
     """The functions that the program may import, and whose they are."""
-    earlier = reader.course.reused(exercise.id)
+    earlier = reader.course.importable_exercises(exercise.id)
     own = (
         importable_files.load_importable_file_times(reader.db, reader.account.id, [exercise.id for exercise in earlier])
         if reader.account

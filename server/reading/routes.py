@@ -19,7 +19,7 @@ from server.base.http import client_address
 from server.base.turns import out_of_turn
 from server.base.validation import TruncateTo
 from server.course.dependencies import CourseOf
-from server.course.first_reading import SingleFlightOf, render_glossary, render_lesson
+from server.course.first_reading import SingleFlightOf, render_glossary_of_address, render_lesson_of_address
 from server.database.dependencies import DatabaseOf, Db
 from server.figures.dependencies import FiguresOf
 from server.figures.drawing_requests import MEDIA_TYPES, Theme
@@ -59,7 +59,7 @@ def choose_path(
     return RedirectResponse(f"/{module}", HTTPStatus.SEE_OTHER)
 
 
-@router.get("/{module:module}/lire/{slug}", dependencies=[Depends(render_lesson)])
+@router.get("/{module:module}/lire/{slug}", dependencies=[Depends(render_lesson_of_address)])
 def show_lesson(
     request: Request, module: str, slug: str, reader: CurrentReader, ouvrir: Literal["", "oui"] = ""
 ) -> HTMLResponse:
@@ -123,7 +123,7 @@ def mark_retrieval_answer(
     return render_page(request, "reading/recalled_page.html", account, page=page)
 
 
-@router.get("/{module:module}/glossaire", dependencies=[Depends(render_glossary)])
+@router.get("/{module:module}/glossaire", dependencies=[Depends(render_glossary_of_address)])
 def show_glossary(request: Request, module: str, reader: CurrentReader) -> HTMLResponse:
     course_module = find_module(reader.course, module)
     return render_page(

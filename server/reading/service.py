@@ -15,7 +15,7 @@ from graders.typography import unaccented
 from server.base.errors import NotFound
 from server.course import Exercise, Module
 from server.course.kinds import KINDS, SEANCE
-from server.course.lengths import estimate_minutes, length_in_words, reading_minutes
+from server.course.lengths import duration_in_words, estimate_exercise_minutes, estimate_reading_minutes
 from server.course.models import Heading, Lesson, ReadingPath, Term
 from server.gradebook import service as gradebook
 from server.gradebook.schemas import NOTHING_YET, ExerciseProgress
@@ -181,7 +181,7 @@ def _exercise_duration_in_words(module: Module, lesson: Lesson, chosen_path: Rea
         for exercise in exercises_after(module, lesson)
         if chosen_path is None or not chosen_path.exercises or exercise.slug in chosen_path.exercises
     )
-    return length_in_words(sum(map(estimate_minutes, own)))
+    return duration_in_words(sum(map(estimate_exercise_minutes, own)))
 
 
 def _first_figure_of_lesson(module: Module, lesson: Lesson) -> FigureView | None:
@@ -207,7 +207,7 @@ def _build_lesson_link(lesson: Lesson, left: Sequence[str] = ()) -> LessonLink:
         label=lesson.label,
         title=lesson.title,
         summary=lesson.summary,
-        duration=length_in_words(reading_minutes(lesson, left)),
+        duration=duration_in_words(estimate_reading_minutes(lesson, left)),
         objectives=len(lesson.objectives),
         parts=sum(heading.level == 2 for heading in lesson.headings),
     )
@@ -249,9 +249,9 @@ def build_lesson_view(
         label=lesson.label,
         title=lesson.title,
         summary=lesson.summary,
-        duration=length_in_words(reading_minutes(lesson, left)),
+        duration=duration_in_words(estimate_reading_minutes(lesson, left)),
         work=_exercise_duration_in_words(module, lesson, chosen_path),
-        later=length_in_words(reading_minutes(lesson) - reading_minutes(lesson, left)),
+        later=duration_in_words(estimate_reading_minutes(lesson) - estimate_reading_minutes(lesson, left)),
         path=chosen_path.title if left and chosen_path is not None else "",
         placed=sum(slug in placed for slug in following),
         objectives=lesson.objectives,

@@ -11,7 +11,7 @@ from typing import Any
 from markupsafe import Markup
 
 from server.course import Module
-from server.course.lengths import estimate_minutes, length_in_words
+from server.course.lengths import duration_in_words, estimate_exercise_minutes
 from server.course.models import Lesson
 from server.identity.models import Account
 from server.polls import service as polls
@@ -60,7 +60,9 @@ def _render_exercise_card(module: Module, rows: Mapping[str, ExerciseRow], slug:
     if row is None:  # of an exercise that is at fault, and not served
         return ""
     exercise = next(exercise for exercise in module.exercises if exercise.slug == slug)
-    return str(_load_template_macros("reading/to_do.html").to_do(row, length_in_words(estimate_minutes(exercise))))
+    return str(
+        _load_template_macros("reading/to_do.html").to_do(row, duration_in_words(estimate_exercise_minutes(exercise)))
+    )
 
 
 def _render_retrieval_question(module: Module, name: str, account: Account | None, day: date, is_heard: bool) -> str:

@@ -91,7 +91,7 @@ class RegradeService:
         db.add(regrade)
         db.flush()
         repository.add_regrade_items(db, regrade.id, items)
-        version = worker_version_requirement(regrade.exercise, self.course.needed_version(regrade.exercise))
+        version = worker_version_requirement(regrade.exercise, self.course.required_worker_version(regrade.exercise))
         enqueue_next_attempt(db, self.queue, regrade.id, regrade.class_id, version)
         return regrade
 
@@ -102,11 +102,11 @@ class RegradeService:
             return {}
         titles = {exercise.id: exercise.title for exercise in module.exercises}
         asked = assignments.load_class_exercises(db, school_class.id)
-        return titles | {name: self.course.title_of(name) for name in asked if name in self.course.exercises}
+        return titles | {name: self.course.title_of_exercise(name) for name in asked if name in self.course.exercises}
 
     def load_outdated_exercises(self, db: Session, school_class: SchoolClass) -> Sequence[OutdatedExercise]:
         """Return the exercises that have changed since attempts were graded, in the course's order."""
-        versions = {name: self.course.version_of(name) for name in self.load_exercise_titles(db, school_class)}
+        versions = {name: self.course.version_of_exercise(name) for name in self.load_exercise_titles(db, school_class)}
         return repository.load_outdated_exercises(db, school_class.id, versions)
 
 

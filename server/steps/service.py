@@ -18,7 +18,7 @@ from server.base.settings import Settings
 from server.base.validation import encode_bounded
 from server.classes import presence
 from server.course import Course, Exercise
-from server.course.reuse import Own, build_library
+from server.course.reuse import Own, build_importable_library
 from server.database import Database, utc_now
 from server.gradebook import importable_files
 from server.gradebook import service as gradebook
@@ -151,10 +151,10 @@ class StepService:
         return exercise
 
     def _reused_exercises(self, exercise: str) -> list[str]:
-        return [reused.id for reused in self.course.reused(exercise)]
+        return [reused.id for reused in self.course.importable_exercises(exercise)]
 
     def _build_library(self, exercise: str, own: Own, tested: Collection[str]) -> tuple[LibraryFileData, ...]:
-        return tuple(map(LibraryFileData.from_file, build_library(self.course, exercise, own, tested)))
+        return tuple(map(LibraryFileData.from_file, build_importable_library(self.course, exercise, own, tested)))
 
     async def _trace_within_rate_limit(
         self, account: Account, address: str, build: Callable[[Session], TraceRequest]

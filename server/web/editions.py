@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 from server.base.errors import NotFound
 from server.classes import repository
 from server.course import Course, Module
-from server.course.editions import edition_of
+from server.course.editions import parse_edition
 from server.gradebook.schemas import ExerciseProgress
 from server.web.schemas import EditionNote
 from server.web.views import Reader
@@ -34,8 +34,8 @@ def choose_visible_editions(reader: Reader, progress: Mapping[str, ExerciseProgr
     if len(course.latest) == len(course.modules):
         return course.latest
     own = load_module_slugs_of_classes(reader)
-    families = {edition_of(slug).family for slug in own if slug in course.modules}
-    wanted = own | {module.slug for module in course.latest if edition_of(module.slug).family not in families}
+    families = {parse_edition(slug).family for slug in own if slug in course.modules}
+    wanted = own | {module.slug for module in course.latest if parse_edition(module.slug).family not in families}
     begun = {
         exercise.partition("/")[0] for exercise, exercise_progress in progress.items() if exercise_progress.attempts
     }
@@ -50,17 +50,17 @@ def build_edition_note(reader: Reader, module: Module) -> EditionNote | None:
         return None
     own = load_module_slugs_of_classes(reader)
     if module.slug in own:
-        return EditionNote(OURS) if course.newer(module.slug) else None
+        return EditionNote(OURS) if course.newer_edition(module.slug) else None
     for edition in others:
         if edition.slug in own:
             return EditionNote(OTHER.format(label=edition.label), f"/{edition.slug}")
-    newer = course.newer(module.slug)
+    newer = course.newer_edition(module.slug)
     return EditionNote(NEWER.format(label=newer.label), f"/{newer.slug}") if newer else None
 
 
 def list_editions_for_class_copy(course: Course, slug: str) -> tuple[Module, ...]:
     """The editions that a class of this one may be copied into: its own, where it is served, and those after it."""
-    return tuple(later for later in course.editions(slug) if edition_of(later.slug) >= edition_of(slug))
+    return tuple(later for later in course.editions(slug) if parse_edition(later.slug) >= parse_edition(slug))
 
 
 def require_copy_edition(course: Course, current: str, chosen: str) -> str:

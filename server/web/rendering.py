@@ -122,7 +122,7 @@ def _find_current_module(request: Request, modules: Mapping[str, Module]) -> Cur
 def _list_module_links(request: Request, course: Course) -> list[tuple[str, str, str]]:
     """Slug, number and title of each: the edition that the address is in, else the last."""
     here = course.modules.get(request.path_params.get("module", ""))
-    latest = [here if here and course.newer(here.slug) is module else module for module in course.latest]
+    latest = [here if here and course.newer_edition(here.slug) is module else module for module in course.latest]
     return [(module.slug, module.label, module.title) for module in latest]
 
 
@@ -149,8 +149,8 @@ def render_page(
     course = get_service(request.app, Course)
     surroundings = {
         "modules": _list_module_links(request, course),
-        "title_of": course.title_of,
-        "title_at": course.title_at,
+        "title_of": course.title_of_exercise,
+        "title_at": course.title_at_address,
         "here": _find_current_module(request, course.modules),
         "path": request.url.path,
         "back": _return_address_after_login(request, context),

@@ -326,7 +326,7 @@ def test_what_waits_for_a_worker_of_its_version_is_told(site: Site) -> None:
     headers = site.token()
     sent = site.submit(headers)
     with site.database.write() as db:
-        version = get_service(site.app, Course).version_of(EXERCISE)
+        version = get_service(site.app, Course).version_of_exercise(EXERCISE)
         queue = get_service(site.app, SubmissionService)._queue
         assert not queue.mark_refused(
             db, [GRADE], WorkerCapabilities([worker_version_requirement(EXERCISE, version)], 60.0)

@@ -13,14 +13,14 @@ from graders.core.contract.local import LOCAL
 from server.authoring import editions
 from server.authoring.new import SkeletonRefused
 from server.course import Course, load_course
-from server.course.editions import edition_of, latest_editions, next_edition_slug
+from server.course.editions import latest_editions, next_edition_slug, parse_edition
 from server.web.editions import find_exercise_in_edition, list_editions_for_class_copy
 from tests.support.outside import taken_in
 
 
 def test_names_tell_the_edition() -> None:
-    assert edition_of("l21") == ("l21", 1)
-    assert edition_of("l21e12") == ("l21", 12)
+    assert parse_edition("l21") == ("l21", 1)
+    assert parse_edition("l21e12") == ("l21", 12)
     assert [next_edition_slug(slug) for slug in ("l21", "l21e2", "l21e9")] == ["l21e2", "l21e3", "l21e10"]
     assert latest_editions(["l21", "l21e10", "l21e9", "m2"]) == {"l21e10", "m2"}
 
@@ -51,6 +51,6 @@ def test_exercises_are_found_by_name_in_another_edition(course: Course) -> None:
     assert find_exercise_in_edition(both, "l21/calcul", "l21e2") == "l21e2/calcul"
     assert find_exercise_in_edition(both, "l21/gain", "l21e2") is None
     assert find_exercise_in_edition(both, "l21/gone", "l21") == "l21/gone"
-    assert both.newer("l21") is newer
-    assert both.newer("l21e2") is None
+    assert both.newer_edition("l21") is newer
+    assert both.newer_edition("l21e2") is None
     assert newer.label == "L21, 2ᵉ édition"

@@ -102,7 +102,7 @@ def test_the_command_tells_the_groups_and_refuses_one_that_is_not_there(
 ) -> None:
     monkeypatch.setenv("BALISE_DATABASE_URL", settings.url)
     monkeypatch.setattr(command, "load_unrendered_course", the_course)
-    monkeypatch.setattr(command, "start_probing", lambda **_: None)
+    monkeypatch.setattr(command, "start_probing_walls", lambda **_: None)
     monkeypatch.setattr(command, "local_grader", lambda *_: nullcontext(InThisProcess()))
     assert main(["study", EXERCISE]) == 0
     assert SAID in capsys.readouterr().out

@@ -26,7 +26,7 @@ from server.backup.foreign import unescape_copy_field
 from server.backup.move import compute_table_digest
 from server.base.settings import Settings
 from server.cli import main
-from server.cli.data_lock import exclusive_data_folder
+from server.cli.data_lock import lock_data_folder
 from server.database import END_OF_TIME, Database, utc_now
 from server.database.migrate import WrongSchema, alembic_config, missing_migrations, require_current, upgrade
 from server.gradebook.models import Grading
@@ -287,7 +287,7 @@ def test_a_restoration_waits_for_the_service_to_be_stopped(
 ) -> None:
     data = ["--data", str(settings.data_dir)]
     assert main(["backup", str(tmp_path / "save.zip"), *data]) == 0
-    with exclusive_data_folder(settings):
+    with lock_data_folder(settings):
         assert main(["restore", str(tmp_path / "save.zip"), "--replace", *data]) == 2
     assert "un autre serveur" in capsys.readouterr().err
 

@@ -15,7 +15,7 @@ from server.backup.archive import BackupError
 from server.backup.move import compute_table_digest, copy_rows_into_empty_database
 from server.base.settings import Settings
 from server.cli import main
-from server.cli.data_lock import exclusive_data_folder
+from server.cli.data_lock import lock_data_folder
 from server.database import Database, utc_now
 from server.gradebook.models import Grading
 from server.identity.models import Account
@@ -117,7 +117,7 @@ def test_the_command_moves_between_folders(
     before = digests(sqlite)
     sqlite.close()
     folders = [str(settings.data_dir), str(tmp_path / "nouveau")]
-    with exclusive_data_folder(settings):
+    with lock_data_folder(settings):
         assert main(["move", *folders]) == 2
     assert "un autre serveur" in capsys.readouterr().err
     assert main(["move", *folders, "--json"]) == 0

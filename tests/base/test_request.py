@@ -10,9 +10,9 @@ from fastapi import FastAPI, Request
 from server.base.http import client_address, visitor_key
 from server.base.http_protocol import sender_key
 from server.base.settings import Settings
-from server.cli import CannotRun
+from server.cli import CommandError
 from server.cli.configuration import read_settings
-from server.cli.serve import configuration
+from server.cli.serve import build_uvicorn_config
 from tests.support.client import TestClient
 
 PROXY, VISITOR, FORGED = "10.0.0.1", "203.0.113.7", "198.51.100.99"
@@ -44,7 +44,7 @@ def seen(peer: str, headers: list[tuple[str, str]], trusted: str = "") -> tuple[
     def tell(request: Request) -> tuple[str, str]:
         return client_address(request), request.url.scheme
 
-    config = configuration(app, Settings(trusted_proxy=trusted))
+    config = build_uvicorn_config(app, Settings(trusted_proxy=trusted))
     config.load()
     client = TestClient(config.loaded_app, client=(peer, 1))  # type: ignore[arg-type]
     address, scheme = client.get("/", headers=headers).json()
@@ -85,5 +85,5 @@ def test_what_a_visitor_forges_in_front_of_the_proxy_does_nothing() -> None:
 
 @pytest.mark.parametrize("text", ["localhost", "*", "10.0.0.1/8", "10.0.0.1;10.0.0.2", "10.0.0.300"])
 def test_what_is_no_address_is_refused_at_once_in_french(text: str) -> None:
-    with pytest.raises(CannotRun, match="n’est ni une adresse IP ni un réseau"):
+    with pytest.raises(CommandError, match="n’est ni une adresse IP ni un réseau"):
         read_settings(trusted_proxy=text)

@@ -11,7 +11,7 @@ import pytest
 
 from server.base.files import ROOT
 from server.base.settings import Settings, misspelt_variables, variable_name
-from server.cli import CannotRun, configuration, main
+from server.cli import CommandError, configuration, main
 from server.cli.configuration import read_settings
 from tests.support.quick import some
 
@@ -68,7 +68,7 @@ def test_every_variable_that_anything_reads_is_documented() -> None:
 
 
 def refusal(**values: object) -> str:
-    with pytest.raises(CannotRun) as refused:
+    with pytest.raises(CommandError) as refused:
         read_settings(**values)
     return str(refused.value)
 

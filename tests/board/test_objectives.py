@@ -41,7 +41,7 @@ class KnownFunctions:
 
     def belongs_to_objective(self, objective: Objective, exercise: str, misconception: str) -> bool:
         function = "inverse" if misconception.startswith("b") else "composer"
-        return objective.carries(exercise.partition("/")[2], misconception, {function})
+        return objective.does_misconception_belong(exercise.partition("/")[2], misconception, {function})
 
 
 FINDER = cast("MisconceptionLookup", KnownFunctions())

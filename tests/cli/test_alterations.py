@@ -15,7 +15,7 @@ from graders.core.code.grading import CodeGrader
 from graders.core.compare.comparison import CloseTo
 from graders.core.contract.local import LOCAL
 from graders.l20 import world
-from server.cli import CannotRun, alterations, main
+from server.cli import CommandError, alterations, main
 from server.cli.alterations import MutantStatus
 from server.course import Course, Exercise
 from server.grading.sandbox_grader import SandboxGrader
@@ -65,7 +65,7 @@ def tally(one: Exercise) -> alterations.MutantTally:
     trials = [
         alterations.run_job(HERE, (subject, each)) for each in alterations.find_alterations(subject.code.solution)
     ]
-    return alterations.tally(subject, trials)
+    return alterations.tally_trials(subject, trials)
 
 
 def diffs(found: list[alterations.MutantTrial]) -> list[str]:
@@ -74,23 +74,23 @@ def diffs(found: list[alterations.MutantTrial]) -> list[str]:
 
 def test_a_thorough_grader_catches_all(course: Course, tmp_path: Path) -> None:
     found = tally(exercise(course, tmp_path, check(10, -0.5, -3.0), check(10, 0.0, 0.5, 5.0)))
-    assert found.passes
-    assert found.caught() == (len(found.trials), len(found.trials))
+    assert found.is_goal_reached
+    assert found.count_caught() == (len(found.trials), len(found.trials))
     assert len(found.trials) > 10
 
 
 def test_what_a_careless_grader_lets_through_is_told_with_its_diff(course: Course, tmp_path: Path) -> None:
     found = tally(exercise(course, tmp_path, check(20, -3.0, 4.0)))
-    assert not found.passes
+    assert not found.is_goal_reached
     survived = diffs(found.trials_with(MutantStatus.SURVIVED))
     assert "if x < 0: → if x <= 0:" in survived
     assert "if x < 0: → if x < -1:" in survived
     assert "return x + 2 → return x + 3" not in survived
-    told = list(alterations.report_lines(found))
+    told = list(alterations.exercise_report_lines(found))
     assert told[0].startswith("✗ ")
     assert f"survivantes : {len(survived)}" in told[0]
     assert {"    -    if x < 0:", "    +    if x <= 0:"} <= set(told)
-    assert alterations.summary([found]).endswith("under=1/1")
+    assert alterations.summary_line([found]).endswith("under=1/1")
 
 
 def test_what_is_marked_counts_neither_way_and_must_hold(course: Course, tmp_path: Path) -> None:
@@ -98,21 +98,21 @@ def test_what_is_marked_counts_neither_way_and_must_hold(course: Course, tmp_pat
     marks = tmp_path / "equivalents.toml"
     marks.write_text(EQUIVALENT.format("if x <= 0:"))
     found = tally(one)
-    assert (len(found.trials_with(MutantStatus.EQUIVALENT)), found.caught(), found.passes) == (
+    assert (len(found.trials_with(MutantStatus.EQUIVALENT)), found.count_caught(), found.is_goal_reached) == (
         1,
         (len(found.trials) - 1,) * 2,
         True,
     )
     marks.write_text(EQUIVALENT.format("if x > 0:"))  # nothing makes this
     found = tally(one)
-    assert not found.passes
+    assert not found.is_goal_reached
     assert found.faults[0].startswith(f"{marks}:1:")
     marks.write_text(EQUIVALENT.format("if x >= 0:"))  # which is wrong, and refused
     found = tally(one)
-    assert not found.passes
+    assert not found.is_goal_reached
     assert diffs(found.trials_with(MutantStatus.MISMARKED)) == ["if x < 0: → if x >= 0:"]
     marks.write_text("[[equivalent]]\n")
-    with pytest.raises(CannotRun, match=r"equivalents\.toml:1:"):
+    with pytest.raises(CommandError, match=r"equivalents\.toml:1:"):
         alterations.run(course, (one,))
 
 
@@ -123,7 +123,7 @@ def test_a_survivor_of_our_own_is_under_the_goal_however_few_they_are() -> None:
     def well(caught: int, survived: int, alteration: Any) -> bool:
         trials = [alterations.MutantTrial(other, MutantStatus.CAUGHT)] * caught
         trials += [alterations.MutantTrial(alteration, MutantStatus.SURVIVED)] * survived
-        return alterations.MutantTally("l20/jouet", trials, ()).passes
+        return alterations.MutantTally("l20/jouet", trials, ()).is_goal_reached
 
     assert well(97, 3, other)
     assert not well(96, 3, other)
@@ -132,7 +132,7 @@ def test_a_survivor_of_our_own_is_under_the_goal_however_few_they_are() -> None:
 
 def test_a_solution_that_fails_and_a_sandbox_that_fails_are_no_catch(course: Course, tmp_path: Path) -> None:
     wrong = tally(exercise(course, tmp_path, check(20, 1.0), solution=SOLUTION.replace("2", "3")))
-    assert not wrong.passes
+    assert not wrong.is_goal_reached
     assert "elle-même échoue" in wrong.faults[0]
     subject = alterations.load_subject(exercise(course, tmp_path, check(20, 1.0)))
     trial = alterations.try_alteration(BROKEN, subject, alterations.find_alterations(SOLUTION)[0])
@@ -146,7 +146,7 @@ def test_a_mark_that_depends_on_the_seed_is_told(course: Course, tmp_path: Path)
     lottery = replace(check(20, 3.0), cases=drawn)  # 3, then 1 and 0
     found = tally(exercise(course, tmp_path, lottery, solution="def decale(x):\n    return x + (2 if x < 3 else 2)\n"))
     assert found.trials_with(MutantStatus.BY_CHANCE)
-    assert any("tuée selon la graine" in line for line in alterations.report_lines(found))
+    assert any("tuée selon la graine" in line for line in alterations.exercise_report_lines(found))
 
 
 def test_behind_the_walls_what_never_ends_is_caught_too(
@@ -159,9 +159,9 @@ def test_behind_the_walls_what_never_ends_is_caught_too(
     grader = SandboxGrader(course, course_sandbox)
     subject = alterations.with_measured_costs(grader, alterations.load_subject(one))
     assert subject.policy.cpu_seconds < one.policy.cpu_seconds
-    assert subject.first_failed(grader, looping, 1) is None
-    assert subject.first_failed(grader, endless, 1) == "en_-1.0"
-    assert subject.first_failed(grader, "def autre(", 1) is not None
+    assert subject.find_catching_check(grader, looping, 1) is None
+    assert subject.find_catching_check(grader, endless, 1) == "en_-1.0"
+    assert subject.find_catching_check(grader, "def autre(", 1) is not None
 
 
 def test_it_is_for_exercises_of_code(course: Course, monkeypatch: Any, capsys: Any) -> None:

@@ -55,7 +55,7 @@ def run(place: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixt
         return (work(Grader(course), job) for job in jobs)
 
     monkeypatch.setattr(check.parallel, "run_in_order", in_order)
-    monkeypatch.setattr(check, "start_probing", lambda **_: None)
+    monkeypatch.setattr(check, "start_probing_walls", lambda **_: None)
     monkeypatch.setattr(check, "require_safe_sandbox", lambda _: None)
     found = discover(rooms=[place / "graders"])
     monkeypatch.setattr(check, "load_course", partial(load_whole, place / "curriculum", discovery=found))

@@ -189,7 +189,7 @@ def test_check_tries_all_that_is_known_of_an_exercise_and_notices_what_is_wrong(
     grader = SandboxGrader(course, course_sandbox)
     good, all_right, all_wrong = (
         {
-            case.subject: check.examine(tried, exercise, case, 2026).fault
+            case.subject: check.examine_case(tried, exercise, case, 2026).fault
             for case in islice(check.list_cases(exercise), 3)
         }  # type: ignore[arg-type]
         for tried in (grader, Shifted(grader, exercise.solution), Shifted(grader, "x = 1\n"))
@@ -207,9 +207,9 @@ def test_check_notices_a_film_that_cannot_be_played() -> None:
     verdict = fake_verdict("x = 1", 1)
     film = {"kind": "localisation", "start": [1, 1], "commands": [], "cells": [], "beliefs": []}
     broken = Judgement(verdict, {}, {"b": {**film, "kind": "rien"}})
-    assert "le film de b ne se rejoue pas (KeyError" in check.unwatchable_films("l20/predire2d", broken)
+    assert "le film de b ne se rejoue pas (KeyError" in check.unreplayable_films("l20/predire2d", broken)
     walk = {**film, "commands": [[1, 0]], "cells": [[1, 2]]}
-    assert check.unwatchable_films("l20/predire2d", Judgement(verdict, {}, {"b": walk})) == ""
+    assert check.unreplayable_films("l20/predire2d", Judgement(verdict, {}, {"b": walk})) == ""
 
 
 ANSWERED = "l20/calcul_odometrie"

@@ -7,7 +7,7 @@ from contextlib import closing
 import pytest
 
 from server.base.settings import Settings
-from server.cli import CannotRun
+from server.cli import CommandError
 from server.cli import database as commands
 from server.database import Database
 from server.database.migrate import require_current, upgrade
@@ -16,7 +16,7 @@ from server.database.migrate import require_current, upgrade
 def test_a_worker_waits_until_the_schema_is_upgraded(settings: Settings, monkeypatch: pytest.MonkeyPatch) -> None:
     with closing(Database(settings.url)) as older:
         upgrade(older.engine, "0016")
-    with pytest.raises(CannotRun, match="plus ancienne"), commands.open_database(settings):
+    with pytest.raises(CommandError, match="plus ancienne"), commands.open_database(settings):
         pass
     waits: list[float] = []
 

@@ -41,7 +41,7 @@ def graders(course: Course, course_sandbox: Sandbox) -> SandboxGrader:
 
 
 def run(course: Course, grader: SandboxGrader, folder: Path, capsys: Any) -> tuple[int, list[str]]:
-    status = fairness.run(course, grader, folder, 2)
+    status = fairness.run_fairness_check(course, grader, folder, 2)
     return status, capsys.readouterr().out.splitlines()
 
 

@@ -179,7 +179,7 @@ def test_english_is_recognised() -> None:
 def test_no_misuse_of_any_parser_is_answered_in_english(
     capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("server.cli._parser", cache(_parser))  # a parser is the same after each use
+    monkeypatch.setattr("server.cli._build_parser", cache(_parser))  # a parser is the same after each use
     assert len(all_misuses()) > 150
     for misuse in all_misuses():
         with pytest.raises(SystemExit) as stopped:

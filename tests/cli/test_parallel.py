@@ -11,8 +11,8 @@ from contextlib import closing
 
 import pytest
 
-from server.cli import CannotRun, parallel
-from server.cli.progress import Progress
+from server.cli import CommandError, parallel
+from server.cli.progress import ProgressLine
 from server.course import Course
 from server.grading.sandbox_grader import SandboxGrader
 
@@ -79,7 +79,7 @@ def test_one_group_alone_is_shared_by_all() -> None:
 def test_what_is_raised_is_told_and_a_death_too() -> None:
     with pytest.raises(ValueError, match="un défaut"):
         list(parallel.run_in_order(NONE, squared, [1, 99], "Essai"))
-    with pytest.raises(CannotRun, match="tué"):
+    with pytest.raises(CommandError, match="tué"):
         list(parallel.run_in_order(NONE, squared, [98], "Essai"))
 
 
@@ -90,9 +90,9 @@ def test_it_may_be_left_before_its_end() -> None:
 
 def test_progress_is_one_line_that_makes_way() -> None:
     seen = Terminal()
-    with Progress("Essai", 2, seen) as progress:
+    with ProgressLine("Essai", 2, seen) as progress:
         progress.advance()
-        with progress.aside():
+        with progress.cleared_for_print():
             seen.write("✓ ligne\n")
         progress.advance()
     erased = "\r\x1b[K"
@@ -103,8 +103,8 @@ def test_progress_is_one_line_that_makes_way() -> None:
 
 def test_nothing_is_written_where_nobody_looks_on() -> None:
     unseen = io.StringIO()
-    with Progress("Essai", 1, unseen) as progress:
+    with ProgressLine("Essai", 1, unseen) as progress:
         progress.advance()
-        with progress.aside():
+        with progress.cleared_for_print():
             pass
     assert unseen.getvalue() == ""

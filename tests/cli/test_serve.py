@@ -10,7 +10,7 @@ import pytest
 from server.base.app_services import get_service
 from server.base.concurrency import Gate
 from server.cli import serve
-from server.cli.serve import open_once_tried
+from server.cli.serve import open_walls_once_probed
 from server.health.metrics import PrometheusMetrics
 from server.sandbox import WallReport, WallStatus
 from tests.support.service import Site
@@ -33,7 +33,7 @@ def test_the_gate_opens_where_every_required_wall_was_tried_and_stands(
 ) -> None:
     probing: Future[list[WallReport]] = Future()
     walls, left = Gate(), []
-    open_once_tried(probing, walls, get_service(site.app, PrometheusMetrics), lambda: left.append(True))
+    open_walls_once_probed(probing, walls, get_service(site.app, PrometheusMetrics), lambda: left.append(True))
     assert not walls.is_open
     assert not left
     if found is None:

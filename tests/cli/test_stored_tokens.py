@@ -14,7 +14,7 @@ import httpx
 import pytest
 
 from server.base.settings import misspelt_variables
-from server.cli import CannotRun, main, stored_tokens
+from server.cli import CommandError, main, stored_tokens
 from server.cli.configuration import read_settings
 from server.cli.remote import resolve_server, resolve_token
 from tests.support.service import EXERCISE
@@ -55,14 +55,14 @@ def test_a_token_that_the_server_knows_is_kept_for_its_owner_alone(
     type_in("  bon-jeton \n")
     assert main(["login", "--server", f"{SERVER}/"]) == 0
     assert tokens_seen == ["bon-jeton"]
-    assert stored_tokens.read() == {SERVER: "bon-jeton"}
+    assert stored_tokens.load_tokens_by_server() == {SERVER: "bon-jeton"}
     assert stat.S_IMODE(stored_tokens.path().stat().st_mode) == 0o600
     assert stat.S_IMODE(stored_tokens.path().parent.stat().st_mode) == 0o700
     said = capsys.readouterr()
     assert "bon-jeton" not in said.out + said.err
     type_in("bon-autre\n")
     assert main(["login", "--server", SERVER]) == 0
-    assert stored_tokens.read() == {SERVER: "bon-autre"}
+    assert stored_tokens.load_tokens_by_server() == {SERVER: "bon-autre"}
     assert stat.S_IMODE(stored_tokens.path().stat().st_mode) == 0o600
 
 
@@ -77,33 +77,33 @@ def test_one_that_it_does_not_know_is_not_kept(
 
 
 def test_the_flag_then_the_environment_then_what_was_kept(monkeypatch: pytest.MonkeyPatch) -> None:
-    stored_tokens.save(SERVER, "gardé")
+    stored_tokens.save_token(SERVER, "gardé")
     monkeypatch.setenv("BALISE_TOKEN", "environnement")
     assert resolve_token("drapeau", SERVER) == "drapeau"
     assert resolve_token(None, SERVER) == "environnement"
     monkeypatch.setenv("BALISE_TOKEN", "")
-    stored_tokens.save(SERVER, "garde")
+    stored_tokens.save_token(SERVER, "garde")
     assert resolve_token(None, SERVER) == "garde"
 
 
 def test_what_was_kept_for_a_server_is_sent_to_no_other() -> None:
-    stored_tokens.save(SERVER, "garde")
+    stored_tokens.save_token(SERVER, "garde")
     for other in ("http://balise.example", "https://balise.example:8443", "https://autre.example"):
-        with pytest.raises(CannotRun, match="il manque un jeton"):
+        with pytest.raises(CommandError, match="il manque un jeton"):
             resolve_token(None, other)
 
 
 def test_without_a_server_the_last_one_is_meant() -> None:
-    with pytest.raises(CannotRun, match="à quel serveur"):
+    with pytest.raises(CommandError, match="à quel serveur"):
         resolve_server(None)
     for server in (SERVER, "https://autre.example", SERVER):
-        stored_tokens.save(server, "garde")
+        stored_tokens.save_token(server, "garde")
     assert resolve_server(None) == SERVER
     assert resolve_server("http://ici:8000/") == "http://ici:8000"
 
 
 def test_a_submission_needs_no_flag_after_a_login(tokens_seen: list[str], tmp_path: Path, capsys: Any) -> None:
-    stored_tokens.save(SERVER, "mauvais-a-present")
+    stored_tokens.save_token(SERVER, "mauvais-a-present")
     file = tmp_path / "a.py"
     file.write_text("x = 1")
     assert main(["submit", EXERCISE, str(file)]) == 2
@@ -115,8 +115,8 @@ def test_a_submission_needs_no_flag_after_a_login(tokens_seen: list[str], tmp_pa
 def test_a_file_that_is_not_ours_is_said_in_a_sentence(content: str) -> None:
     stored_tokens.path().parent.mkdir(parents=True)
     stored_tokens.path().write_bytes(content.encode("latin-1"))
-    with pytest.raises(CannotRun, match="jetons"):
-        stored_tokens.read()
+    with pytest.raises(CommandError, match="jetons"):
+        stored_tokens.load_tokens_by_server()
 
 
 def test_the_token_s_variable_is_no_misspelt_setting(monkeypatch: pytest.MonkeyPatch) -> None:

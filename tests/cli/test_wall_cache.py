@@ -17,9 +17,9 @@ from server.cli import main, wall_cache
 def kept(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """The file, which is kept."""
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
-    wall_cache.save()
-    assert wall_cache.recently_verified()
-    return wall_cache.path()
+    wall_cache.save_verified_walls()
+    assert wall_cache.are_walls_recently_verified()
+    return wall_cache.wall_cache_path()
 
 
 def test_what_they_stand_on_is_all_that_may_change(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
@@ -29,17 +29,17 @@ def test_what_they_stand_on_is_all_that_may_change(monkeypatch: pytest.MonkeyPat
         others = tuple(str(changed) if one == name else one for one in wall_cache.KERNEL_FILES)
         with monkeypatch.context() as patch:
             patch.setattr(wall_cache, "KERNEL_FILES", others)
-            assert not wall_cache.recently_verified(), name
+            assert not wall_cache.are_walls_recently_verified(), name
     for name in wall_cache.STATUS_PREFIXES:
         with monkeypatch.context() as patch:
             patch.setattr(
                 wall_cache, "STATUS_PREFIXES", tuple(one for one in wall_cache.STATUS_PREFIXES if one != name)
             )
-            assert not wall_cache.recently_verified(), name
+            assert not wall_cache.are_walls_recently_verified(), name
     with monkeypatch.context() as patch:
         patch.setattr(wall_cache, "SANDBOX", tmp_path)
-        assert not wall_cache.recently_verified(), "the sandbox's own files"
-    assert wall_cache.recently_verified()
+        assert not wall_cache.are_walls_recently_verified(), "the sandbox's own files"
+    assert wall_cache.are_walls_recently_verified()
 
 
 def rewritten(kept: Path, **values: Any) -> None:
@@ -72,13 +72,13 @@ DOUBTS: dict[str, Callable[[Path], object]] = {
 @pytest.mark.parametrize("doubt", DOUBTS)
 def test_a_file_is_not_believed(doubt: str, kept: Path) -> None:
     DOUBTS[doubt](kept)
-    assert not wall_cache.recently_verified()
+    assert not wall_cache.are_walls_recently_verified()
 
 
 @pytest.mark.skipif(os.geteuid() != 0, reason="only root gives a file away")
 def test_a_file_of_somebody_else_is_not_believed(kept: Path) -> None:
     os.chown(kept, 61185, -1)
-    assert not wall_cache.recently_verified()
+    assert not wall_cache.are_walls_recently_verified()
 
 
 def test_what_was_not_sound_is_not_kept(kept: Path, monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:

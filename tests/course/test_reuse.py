@@ -8,7 +8,7 @@ from graders.core.contract.outcomes import Outcome
 from graders.core.contract.program import KitSettings
 from graders.discovery import Discovery
 from server.course import Course
-from server.course.reuse import build_library
+from server.course.reuse import build_importable_library
 from server.grading.sandbox_grader import SandboxGrader
 from server.sandbox import Sandbox
 from tests.support.small_course import EXERCISE, CourseFolder
@@ -44,14 +44,14 @@ def built(folder: CourseFolder, **reuses: str) -> Course:
 def test_what_is_reused_comes_with_what_it_reuses(course_folder: CourseFolder) -> None:
     course = built(course_folder, b='"a"', c='"b"')
     assert course.problems == ()
-    assert [one.slug for one in course.reused("m9/c")] == ["b", "a"]
-    files = build_library(course, "m9/c", {"m9/a": b"x = 1\n"})
+    assert [one.slug for one in course.importable_exercises("m9/c")] == ["b", "a"]
+    files = build_importable_library(course, "m9/c", {"m9/a": b"x = 1\n"})
     assert [(file.label, file.functions, file.sealed, file.offered) for file in files] == [
         ("b", ("double_b",), True, True),
         ("a", ("double_a",), False, True),
         ("a", ("double_a",), True, False),
     ]
-    assert [file.offered for file in build_library(course, "m9/c", {}, {"m9/a"})] == [True, False]
+    assert [file.offered for file in build_importable_library(course, "m9/c", {}, {"m9/a"})] == [True, False]
 
 
 def test_what_cannot_be_reused_is_said_at_its_line(course_folder: CourseFolder) -> None:

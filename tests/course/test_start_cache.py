@@ -11,7 +11,7 @@ import pytest
 from graders.discovery import Discovery
 from server.course import Course
 from server.course.closure import ImportGraph
-from server.course.library import ModuleLibrary
+from server.course.library import ModuleTexts
 from server.course.service import load_course
 from server.course.start_cache import StartCache
 from tests.support.quick import the_course
@@ -22,13 +22,13 @@ from tests.support.small_course import CourseFolder
 def looks(monkeypatch: pytest.MonkeyPatch) -> list[Path]:
     """The modules of which the texts were looked at."""
     seen: list[Path] = []
-    check = ModuleLibrary.check
+    check = ModuleTexts.find_text_problems
 
-    def counted(library: ModuleLibrary, *, formulas: bool) -> Any:
+    def counted(library: ModuleTexts, *, formulas: bool) -> Any:
         seen.append(library.folder)
         return check(library, formulas=formulas)
 
-    monkeypatch.setattr(ModuleLibrary, "check", counted)
+    monkeypatch.setattr(ModuleTexts, "find_text_problems", counted)
     return seen
 
 
@@ -107,7 +107,7 @@ def test_what_an_older_version_has_remembered_is_no_damage(
 @pytest.mark.parametrize("exercise", ["l20/tp_slam", "l20/calcul_kabsch"])
 def test_an_exercise_that_is_read_alone_is_that_of_the_course(exercise: str) -> None:
     whole, alone = the_course(), load_course(render=False, only=exercise)
-    assert alone.exercises.keys() == {exercise, *(one.id for one in whole.reused(exercise))}
+    assert alone.exercises.keys() == {exercise, *(one.id for one in whole.importable_exercises(exercise))}
     assert {name: one.version for name, one in alone.exercises.items()} == {
         name: whole.exercises[name].version for name in alone.exercises
     }
@@ -137,8 +137,8 @@ def test_imports_are_remembered_by_what_a_file_holds(tmp_path: Path) -> None:
 
     def closure() -> set[str]:
         memory = StartCache(kept)
-        found = set(ImportGraph(tmp_path, memory=memory).closure("graders.near"))
-        memory.save("", {})
+        found = set(ImportGraph(tmp_path, memory=memory).imported_files("graders.near"))
+        memory.save_used_entries("", {})
         return found
 
     assert closure() == closure() == {"graders.near", "graders.far"}

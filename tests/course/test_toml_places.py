@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 
 from server.base.files import ROOT
-from server.course.toml_places import Location, first_line_of, line_of
+from server.course.toml_places import Location, find_first_line_of_string, find_line_of_value
 
 # Each value that is a whole number is the line on which it stands.
 NUMBERED = '''a = 1
@@ -72,7 +72,7 @@ def leaves(value: Any, location: Location = ()) -> Iterator[tuple[Location, Any]
 def test_every_number_is_found_on_the_line_that_it_says() -> None:
     numbers = [(location, value) for location, value in leaves(tomllib.loads(NUMBERED)) if isinstance(value, int)]
     assert len(numbers) == 25
-    assert {location: line_of(NUMBERED, location) for location, _ in numbers} == dict(numbers)
+    assert {location: find_line_of_value(NUMBERED, location) for location, _ in numbers} == dict(numbers)
 
 
 @pytest.mark.parametrize(
@@ -96,12 +96,12 @@ def test_every_number_is_found_on_the_line_that_it_says() -> None:
     ],
 )
 def test_what_is_not_there_is_told_on_what_should_hold_it(location: Location, line: int) -> None:
-    assert line_of(NUMBERED, location) == line
+    assert find_line_of_value(NUMBERED, location) == line
 
 
 def test_the_text_of_a_string_begins_below_its_quotes_where_a_line_end_follows_them() -> None:
     text = 'a = "x"\nb = """y\nz"""\nc = """\ny"""\nd = [\'\'\'\ny\'\'\', """x"""]\n[e]\nf = ""\ng = """"""\n'
-    begins = {location: first_line_of(text, location) for location, _ in leaves(tomllib.loads(text))}
+    begins = {location: find_first_line_of_string(text, location) for location, _ in leaves(tomllib.loads(text))}
     assert begins == {("a",): 1, ("b",): 2, ("c",): 5, ("d", 0): 7, ("d", 1): 7, ("e", "f"): 9, ("e", "g"): 10}
 
 
@@ -113,5 +113,5 @@ def test_everything_in_the_course_s_own_files_is_found_on_a_line_that_names_it()
         lines = text.splitlines()
         for location, _ in leaves(tomllib.loads(text)):
             key = next(part for part in reversed(location) if isinstance(part, str))
-            line = lines[line_of(text, location) - 1]
+            line = lines[find_line_of_value(text, location) - 1]
             assert key in line or isinstance(location[-1], int), (path, location)

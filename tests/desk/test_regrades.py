@@ -39,7 +39,7 @@ def read(browser: TestClient, path: str, status: int = 200) -> str:
 
 
 def test_from_the_offer_to_what_the_student_reads(site: Site, lesson: Lesson, martin: Person, course: Course) -> None:
-    lesson.version = course.version_of(EXERCISE)
+    lesson.version = course.version_of_exercise(EXERCISE)
     lesson.arrive(3)
     names = [lesson.sent(student, 4, points) for student, points in zip(lesson.students, (14, 2, 4), strict=True)]
     browser, base = martin.browser(site), f"/classes/{lesson.made.id}/recalculs"

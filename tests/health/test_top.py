@@ -129,7 +129,7 @@ def test_every_kind_of_job_has_its_words() -> None:
 
 def test_a_refusal_while_the_service_starts_again_is_waited_for(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(top, "REFRESH_SECONDS", 0)
-    answers: list[Any] = [top.CannotRun("il redémarre"), {"ok": True}]
+    answers: list[Any] = [top.CommandError("il redémarre"), {"ok": True}]
 
     def read() -> Any:
         answer = answers.pop(0)
@@ -138,8 +138,8 @@ def test_a_refusal_while_the_service_starts_again_is_waited_for(monkeypatch: pyt
         return answer
 
     assert top._patient(read) == {"ok": True}
-    answers += [top.CannotRun("il redémarre")] * 2
-    with pytest.raises(top.CannotRun):
+    answers += [top.CommandError("il redémarre")] * 2
+    with pytest.raises(top.CommandError):
         top._patient(read)
 
 

@@ -292,7 +292,7 @@ def test_a_refused_address_is_told_to_the_teacher_and_the_administrator(desk: De
     assert "550" in desk.page()
     log = person(desk.site, Role.administrator).browser(desk.site).get("/administration/journal").text
     assert "réponse 550" in log
-    answer = admin_mail.mail(desk.site.database, desk.settings, Arguments(""))
+    answer = admin_mail.test_and_report_mail(desk.site.database, desk.settings, Arguments(""))
     assert "1 échec" in "\n".join(answer.lines)
     assert "réponse 550" in answer.lines[-1]
 

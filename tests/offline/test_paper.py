@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from server.cli import CannotRun, export
+from server.cli import CommandError, export
 from server.course import Course
 from server.offline import paper, site
 from server.reading.downloads import DownloadArchives
@@ -66,9 +66,9 @@ def test_an_archive_has_nothing_of_what_the_answers_of_a_paper_show() -> None:
 
 def test_without_a_browser_one_is_told_what_to_install(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     monkeypatch.setattr("shutil.which", lambda _: None)
-    with pytest.raises(CannotRun, match="apt install chromium"):
+    with pytest.raises(CommandError, match="apt install chromium"):
         export.run(Namespace(module="l20", file=None, pdf=tmp_path))
-    with pytest.raises(CannotRun, match="dites ce qu’il faut écrire"):
+    with pytest.raises(CommandError, match="dites ce qu’il faut écrire"):
         export.run(Namespace(module="l20", file=None, pdf=None))
 
 

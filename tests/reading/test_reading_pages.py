@@ -13,7 +13,7 @@ import pytest
 
 from server.base.app_services import app_service
 from server.base.settings import Settings
-from server.course.lengths import length_in_words
+from server.course.lengths import duration_in_words
 from server.database import Database
 from server.figures.service import FigureService
 from server.reading.service import dictionary_sort_key
@@ -286,7 +286,7 @@ def test_nothing_comes_from_elsewhere(small_site: SmallSite) -> None:
     ("minutes", "words"), [(0, ""), (45, "45\u00a0min"), (60, "1\u00a0h"), (67, "1\u00a0h\u00a010"), (240, "4\u00a0h")]
 )
 def test_lengths_in_words(minutes: int, words: str) -> None:
-    assert length_in_words(minutes) == words
+    assert duration_in_words(minutes) == words
 
 
 def test_words_are_sorted_as_in_a_dictionary() -> None:

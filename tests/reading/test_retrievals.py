@@ -12,7 +12,7 @@ from graders.core.answers.retrieval import (
     WrongAnswer,
     find_question_fault,
 )
-from server.course.lengths import estimate_minutes, length_in_words, reading_minutes
+from server.course.lengths import duration_in_words, estimate_exercise_minutes, estimate_reading_minutes
 from server.recall import repository, retrievals
 from tests.support.classes import person
 from tests.support.quick import the_course
@@ -161,13 +161,13 @@ def test_a_part_for_later_is_folded_for_readers_of_its_path(folder: CourseFolder
 
 def test_lengths_count_the_text_and_leave_out_what_a_path_does(folder: CourseFolder) -> None:
     lesson = page(folder, "une")
-    whole, short = reading_minutes(lesson), reading_minutes(lesson, ("court",))
+    whole, short = estimate_reading_minutes(lesson), estimate_reading_minutes(lesson, ("court",))
     assert whole - short == pytest.approx(6 / 150)
     assert short == pytest.approx(1 + 2 / 150)
     exercise = the_course().exercises["l20/odometrie"]
     lines = [line for line in exercise.solution.splitlines() if line.strip() and not line.lstrip().startswith("#")]
-    assert abs(estimate_minutes(exercise) - (10 + len(lines))) <= 2.5
-    assert [length_in_words(minutes) for minutes in (0.4, 1, 7, 62)] == ["", "1\u00a0min", "5\u00a0min", "1\u00a0h"]
+    assert abs(estimate_exercise_minutes(exercise) - (10 + len(lines))) <= 2.5
+    assert [duration_in_words(minutes) for minutes in (0.4, 1, 7, 62)] == ["", "1\u00a0min", "5\u00a0min", "1\u00a0h"]
 
 
 def test_a_file_of_questions_that_does_not_compile_is_told(folder: CourseFolder) -> None:

@@ -502,7 +502,7 @@ def test_an_author_is_told_while_it_is_applied(quick: Lesson) -> None:
 
 
 def test_attempts_of_an_older_version_are_counted_until_they_are_graded_anew(lesson: Lesson) -> None:
-    lesson.version = lesson.course.version_of(EXERCISE)
+    lesson.version = lesson.course.version_of_exercise(EXERCISE)
     ada, bob = lesson.arrive(), lesson.arrive()
     for student, points in ((ada, 4.0), (ada, 9.0), (bob, 3.0)):
         lesson.sent(student, points, 2.0)

@@ -29,7 +29,7 @@ def check_course_and_write_faults(session: PreviewSession) -> None:
         *course.problems,
         *shapes.find_catalogue_faults(course),
         *objectives.find_objective_faults(course),
-        *(fault for module in course.modules.values() for fault in retrievals.find_faults(module)),
+        *(fault for module in course.modules.values() for fault in retrievals.find_question_faults(module)),
         *lessons.find_drawing_faults(course),
         *of_replays(course),
     ]

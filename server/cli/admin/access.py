@@ -7,9 +7,9 @@ from server.audit.models import AuditAction
 from server.base.errors import NotFound
 from server.base.settings import Settings
 from server.base.validation import parse_uuid
-from server.cli import CannotRun
+from server.cli import CommandError
 from server.cli.admin import journal
-from server.cli.admin.answer import Answer, account_json, account_label
+from server.cli.admin.answer import CommandAnswer, account_json, account_label
 from server.database import Database
 from server.identity import administration, links, repository, tokens
 from server.identity.models import ApiToken, BrowserSession
@@ -20,34 +20,36 @@ NAME_LENGTH = 12
 UNKNOWN = "{login} n’a ni session ni jeton « {name} »."
 
 
-def list_sessions(database: Database, _settings: Settings, arguments: Namespace) -> Answer:
+def list_sessions(database: Database, _settings: Settings, arguments: Namespace) -> CommandAnswer:
     with database.read() as db:
         account = links.find_account_by_login_or_id(db, arguments.login)
         open_sessions = repository.load_sessions(db, account.id)
     lines = [
-        f"  {_name(session)} : depuis {format_iso_time(session.created_at)}, "
+        f"  {_session_name(session)} : depuis {format_iso_time(session.created_at)}, "
         f"jusqu’à {format_iso_time(session.expires_at)}"
         for session in open_sessions
     ]
     end = f"{account_label(account)} : {count_with_noun(len(open_sessions), 'session ouverte', 'sessions ouvertes')}."
-    return Answer(
-        [*lines, end], {**account_json(account), "sessions": [_session(session) for session in open_sessions]}
+    return CommandAnswer(
+        [*lines, end], {**account_json(account), "sessions": [_session_json(session) for session in open_sessions]}
     )
 
 
-def list_tokens(database: Database, _settings: Settings, arguments: Namespace) -> Answer:
+def list_tokens(database: Database, _settings: Settings, arguments: Namespace) -> CommandAnswer:
     with database.read() as db:
         account = links.find_account_by_login_or_id(db, arguments.login)
         api_tokens = tokens.load_tokens(db, account)
-    lines = [f"  {token.id} : « {token.label} », {_served(token.last_used_at)}" for token in api_tokens]
+    lines = [f"  {token.id} : « {token.label} », {_last_use_in_words(token.last_used_at)}" for token in api_tokens]
     end = f"{account_label(account)} : {count_with_noun(len(api_tokens), 'jeton')}."
-    return Answer([*lines, end], {**account_json(account), "tokens": [_token(token) for token in api_tokens]})
+    return CommandAnswer(
+        [*lines, end], {**account_json(account), "tokens": [_token_json(token) for token in api_tokens]}
+    )
 
 
-def revoke(database: Database, _settings: Settings, arguments: Namespace) -> Answer:
+def revoke_sessions_and_tokens(database: Database, _settings: Settings, arguments: Namespace) -> CommandAnswer:
     """Revoke sessions and tokens: the named ones, or all of them."""
     if bool(arguments.names) == arguments.all:
-        raise CannotRun("nommez ce qui est à révoquer (voyez « sessions » et « tokens »), ou --all pour tout.")
+        raise CommandError("nommez ce qui est à révoquer (voyez « sessions » et « tokens »), ou --all pour tout.")
     with database.write() as db:
         account = links.find_account_by_login_or_id(db, arguments.login)
         if arguments.all:
@@ -64,24 +66,24 @@ def revoke(database: Database, _settings: Settings, arguments: Namespace) -> Ans
                     tokens.revoke_token(db, account, parse_uuid(name, missing))
                 except NotFound as error:
                     raise NotFound(missing) from error
-        journal.record(db, AuditAction.access_revoked, account, after={"accesses": count})
-    return Answer(
+        journal.record_action(db, AuditAction.access_revoked, account, after={"accesses": count})
+    return CommandAnswer(
         [f"{account_label(account)} : {count_with_noun(count, 'accès révoqué', 'accès révoqués')}."], {"revoked": count}
     )
 
 
-def _name(session: BrowserSession) -> str:
+def _session_name(session: BrowserSession) -> str:
     return session.token_digest[:NAME_LENGTH]
 
 
-def _session(session: BrowserSession) -> dict[str, object]:
-    return {"id": _name(session), "created_at": session.created_at, "expires_at": session.expires_at}
+def _session_json(session: BrowserSession) -> dict[str, object]:
+    return {"id": _session_name(session), "created_at": session.created_at, "expires_at": session.expires_at}
 
 
-def _token(token: ApiToken) -> dict[str, object]:
+def _token_json(token: ApiToken) -> dict[str, object]:
     times = {"created_at": token.created_at, "expires_at": token.expires_at, "last_used_at": token.last_used_at}
     return {"id": token.id, "label": token.label, **times}
 
 
-def _served(when: datetime | None) -> str:
+def _last_use_in_words(when: datetime | None) -> str:
     return "jamais utilisé" if when is None else f"utilisé pour la dernière fois {format_iso_time(when)}"

@@ -22,7 +22,7 @@ ROLES: Mapping[str, str] = {
 
 
 @dataclass(frozen=True)
-class Answer:
+class CommandAnswer:
     """`data` is JSON once identities and times are text; `hint` goes to the standard error, for people alone."""
 
     lines: Sequence[str]
@@ -31,17 +31,17 @@ class Answer:
 
     def show(self, as_json: bool) -> None:
         if as_json:
-            print(json.dumps(self.data, ensure_ascii=False, default=_text))
+            print(json.dumps(self.data, ensure_ascii=False, default=_to_json_text))
             return
         print("\n".join(self.lines))
         if self.hint:
             print(self.hint, file=sys.stderr)
 
 
-Action = Callable[[Database, Settings, Namespace], Answer]
+Action = Callable[[Database, Settings, Namespace], CommandAnswer]
 
 
-def _text(value: object) -> str:
+def _to_json_text(value: object) -> str:
     if isinstance(value, datetime):
         return value.isoformat()
     if isinstance(value, UUID):

@@ -13,13 +13,13 @@ from server.audit import service as audit
 from server.audit.models import AuditAction
 from server.audit.wording import describe_changes
 from server.base.settings import Settings
-from server.cli.admin.answer import Answer
+from server.cli.admin.answer import CommandAnswer
 from server.database import Database
 from server.identity.models import Account
 from server.web.words import count_with_noun, format_iso_time, format_short_time
 
 
-def record(
+def record_action(
     db: Session,
     action: AuditAction,
     account: Account | None = None,
@@ -32,12 +32,12 @@ def record(
     audit.record_event(db, None, None, action, student=subject, about=_command_line(), before=before, after=after)
 
 
-def record_now(
+def record_action_in_own_transaction(
     database: Database, action: AuditAction, account: Account | None = None, *, after: Mapping[str, Any] | None = None
 ) -> None:
     """Record an action whose changes are made in transactions of their own."""
     with database.write() as db:
-        record(db, action, account, after=after)
+        record_action(db, action, account, after=after)
 
 
 def _command_line() -> str:
@@ -52,7 +52,7 @@ def _system_user() -> str:
         return str(os.getuid())
 
 
-def show_log(database: Database, _settings: Settings, arguments: Namespace) -> Answer:
+def show_log(database: Database, _settings: Settings, arguments: Namespace) -> CommandAnswer:
     """List the newest actions of administrators."""
     with database.read() as db:
         entries = repository.load_server_entries(db, limit=arguments.most)
@@ -80,4 +80,4 @@ def show_log(database: Database, _settings: Settings, arguments: Namespace) -> A
         if total > len(entries)
         else f"{count_with_noun(total, 'action')}."
     )
-    return Answer([*lines, shown], {"actions": data, "total": total})
+    return CommandAnswer([*lines, shown], {"actions": data, "total": total})

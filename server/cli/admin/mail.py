@@ -8,8 +8,8 @@ from email.policy import SMTP
 
 from server.base.errors import InvalidFields
 from server.base.settings import Settings
-from server.cli import CannotRun
-from server.cli.admin.answer import Answer
+from server.cli import CommandError
+from server.cli.admin.answer import CommandAnswer
 from server.database import Database, utc_now
 from server.mails import repository, service, smtp
 from server.mails.errors import MailError
@@ -21,10 +21,10 @@ SUBJECT = "Essai d’envoi de Balise"
 TEXT = "Ce courriel vérifie les réglages d’envoi de Balise. Il n’y a rien à faire.\n"
 
 
-def mail(database: Database, settings: Settings, arguments: Namespace) -> Answer:
+def test_and_report_mail(database: Database, settings: Settings, arguments: Namespace) -> CommandAnswer:
     """Send a test mail to `--to`; always tell the settings and the latest failures."""
     if not smtp.is_smtp_configured(settings):
-        raise CannotRun(NOT_SET)
+        raise CommandError(NOT_SET)
     lines = [
         f"Serveur : {settings.smtp_host}, port {settings.smtp_port}, TLS : {settings.smtp_tls}, "
         f"expéditeur : {smtp.sender_address(settings)}."
@@ -48,11 +48,11 @@ def mail(database: Database, settings: Settings, arguments: Namespace) -> Answer
         {"at": delivery.created_at, "class": name, "state": delivery.state, "reason": delivery.reason}
         for delivery, name in problems
     ]
-    return Answer(lines, {"test_sent_to": sent_to, "counts": counts, "problems": data})
+    return CommandAnswer(lines, {"test_sent_to": sent_to, "counts": counts, "problems": data})
 
 
 def _send_test(settings: Settings, text: str) -> str:
-    """Send a test mail; return its address. Raises CannotRun."""
+    """Send a test mail; return its address. Raises CommandError."""
     try:
         address = service.parse_mail_address(text)
         message = EmailMessage(policy=SMTP)
@@ -64,7 +64,7 @@ def _send_test(settings: Settings, text: str) -> str:
         message.set_content(TEXT, cte="quoted-printable")
         smtp.send_message(settings, message)
     except InvalidFields as refused:
-        raise CannotRun(f"« {text} » : {refused.problems['address']}") from refused
+        raise CommandError(f"« {text} » : {refused.problems['address']}") from refused
     except MailError as failure:
-        raise CannotRun(f"le courriel n’est pas parti : {failure.reason}.") from failure
+        raise CommandError(f"le courriel n’est pas parti : {failure.reason}.") from failure
     return address

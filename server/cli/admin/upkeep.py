@@ -5,9 +5,9 @@ from datetime import timedelta
 
 from server.audit.models import AuditAction
 from server.base.settings import Settings
-from server.cli import CannotRun
+from server.cli import CommandError
 from server.cli.admin import journal
-from server.cli.admin.answer import Answer, account_json, account_label
+from server.cli.admin.answer import CommandAnswer, account_json, account_label
 from server.course import Course
 from server.database import Database, utc_now
 from server.gradebook import requeuing
@@ -21,37 +21,41 @@ from server.submissions.service import SubmissionService
 from server.web.words import count_with_noun
 
 
-def recount_standings(database: Database, _settings: Settings, _arguments: Namespace) -> Answer:
+def recount_standings(database: Database, _settings: Settings, _arguments: Namespace) -> CommandAnswer:
     total, changed = gradebook.rebuild_all_standings(database)
-    journal.record_now(database, AuditAction.standings_rebuilt, after={"corrected": changed})
+    journal.record_action_in_own_transaction(database, AuditAction.standings_rebuilt, after={"corrected": changed})
     corrected = count_with_noun(changed, "ligne corrigée", "lignes corrigées")
     line = f"Bilans refaits d’après l’historique des corrections : {corrected}, {total} en tout."
-    return Answer([line], {"standings": total, "changed": changed})
+    return CommandAnswer([line], {"standings": total, "changed": changed})
 
 
-def purge(database: Database, settings: Settings, arguments: Namespace) -> Answer:
+def erase_expired_students(database: Database, settings: Settings, arguments: Namespace) -> CommandAnswer:
     """Without `--yes`, only tells."""
     if not (settings.left_days or settings.silent_days):
-        raise CannotRun("rien ne fixe de durée : voyez BALISE_LEFT_DAYS et BALISE_SILENT_DAYS dans le README.")
-    personal = _personal(database, settings)
+        raise CommandError("rien ne fixe de durée : voyez BALISE_LEFT_DAYS et BALISE_SILENT_DAYS dans le README.")
+    personal = _personal_data_service(database, settings)
     found = personal.erase_expired_students(utc_now()) if arguments.yes else personal.find_expired_students(utc_now())
     if arguments.yes:
-        journal.record_now(database, AuditAction.accounts_purged, after={"accounts": len(found)})
+        journal.record_action_in_own_transaction(database, AuditAction.accounts_purged, after={"accounts": len(found)})
     more = len(found) == PURGE_BATCH
-    end = count_with_noun(len(found), "compte effacé", "comptes effacés") if arguments.yes else _to_erase(len(found))
+    end = (
+        count_with_noun(len(found), "compte effacé", "comptes effacés")
+        if arguments.yes
+        else _accounts_to_erase_in_words(len(found))
+    )
     lines = [
         *(f"  {account_label(account)}" for account in found),
         f"{end}{' ; recommencez pour la suite' if more else ''}.",
     ]
-    return Answer(lines, {"accounts": list(map(account_json, found)), "erased": arguments.yes, "more": more})
+    return CommandAnswer(lines, {"accounts": list(map(account_json, found)), "erased": arguments.yes, "more": more})
 
 
-def _to_erase(count: int) -> str:
+def _accounts_to_erase_in_words(count: int) -> str:
     counted = count_with_noun(count, "compte à effacer", "comptes à effacer")
     return f"{counted} : le service le fait de lui-même, --yes aussi"
 
 
-def erase(database: Database, settings: Settings, arguments: Namespace) -> Answer:
+def erase_student_on_request(database: Database, settings: Settings, arguments: Namespace) -> CommandAnswer:
     """Erase a student on request; without `--yes`, only tell what would go. With `--cancel`, cancel a request."""
     now = utc_now()
     with database.read() as db:
@@ -62,8 +66,8 @@ def erase(database: Database, settings: Settings, arguments: Namespace) -> Answe
     if arguments.cancel:
         with database.write() as db:
             erasures.cancel_erasure(db, account, None, account)
-            journal.record(db, AuditAction.erasure_cancelled, account)
-        return Answer([f"{person} : effacement annulé."], {**account_json(account), "cancelled": True})
+            journal.record_action(db, AuditAction.erasure_cancelled, account)
+        return CommandAnswer([f"{person} : effacement annulé."], {**account_json(account), "cancelled": True})
     counts = [
         count_with_noun(shown.attempts, "essai"),
         count_with_noun(shown.marks, "note saisie", "notes saisies"),
@@ -73,40 +77,42 @@ def erase(database: Database, settings: Settings, arguments: Namespace) -> Answe
     ]
     lines = [f"{person} : {', '.join(counts)}. Restent le journal des classes, sans son nom, et les sauvegardes."]
     if arguments.yes:
-        journal.record_now(database, AuditAction.erasure_requested, account, after={"attempts": shown.attempts})
-    done = arguments.yes and _personal(database, settings).erase_on_request(account.id)
+        journal.record_action_in_own_transaction(
+            database, AuditAction.erasure_requested, account, after={"attempts": shown.attempts}
+        )
+    done = arguments.yes and _personal_data_service(database, settings).erase_on_request(account.id)
     if shown.tests:
         when = f"à leur publication, et au plus tard dans {count_with_noun(settings.erasure_days, 'jour')}"
         lines.append(f"Résultats à publier d’abord : {', '.join(shown.tests)}. L’effacement se fait {when}.")
     end = "effacé" if done else "effacement demandé" if arguments.yes else "rien n’est effacé sans --yes"
     data = {**account_json(account), "attempts": shown.attempts, "marks": shown.marks, "messages": shown.messages}
-    return Answer([*lines, f"{person} : {end}."], {**data, "tests": shown.tests, "erased": done})
+    return CommandAnswer([*lines, f"{person} : {end}."], {**data, "tests": shown.tests, "erased": done})
 
 
-def purge_guests(database: Database, settings: Settings, arguments: Namespace) -> Answer:
+def purge_guests(database: Database, settings: Settings, arguments: Namespace) -> CommandAnswer:
     """Erase guests without work; without `--yes`, only count them."""
-    personal = _personal(database, settings)
+    personal = _personal_data_service(database, settings)
     before = utc_now() - timedelta(days=arguments.days)
     count = personal.erase_idle_guests(before) if arguments.yes else personal.count_idle_guests(before)
     if arguments.yes:
-        journal.record_now(database, AuditAction.guests_purged, after={"accounts": count})
+        journal.record_action_in_own_transaction(database, AuditAction.guests_purged, after={"accounts": count})
     done = "effacé" if arguments.yes else "à effacer, avec --yes"
     many = "effacés" if arguments.yes else done
     kind = count_with_noun(count, f"invité sans travail {done}", f"invités sans travail {many}")
-    return Answer(
+    return CommandAnswer(
         [f"{kind}, d’il y a plus de {count_with_noun(arguments.days, 'jour')}."],
         {"guests": count, "erased": arguments.yes},
     )
 
 
-def requeue(database: Database, settings: Settings, arguments: Namespace) -> Answer:
+def requeue_submission(database: Database, settings: Settings, arguments: Namespace) -> CommandAnswer:
     # Nobody is told: an idle worker finds it within a second, and where NATS carries the work the server calls for it.
     submissions = SubmissionService(settings, TableQueue(NullNotifier()))
     found = requeuing.requeue_for_grading(database, submissions, failed=arguments.failed, names=arguments.submissions)
-    journal.record_now(database, AuditAction.submissions_requeued, after={"attempts": len(found)})
+    journal.record_action_in_own_transaction(database, AuditAction.submissions_requeued, after={"attempts": len(found)})
     line = f"{count_with_noun(len(found), 'essai remis', 'essais remis')} dans la file de correction."
-    return Answer([*(f"  {name}" for name in found), line], {"requeued": found})
+    return CommandAnswer([*(f"  {name}" for name in found), line], {"requeued": found})
 
 
-def _personal(database: Database, settings: Settings) -> PersonalDataService:
+def _personal_data_service(database: Database, settings: Settings) -> PersonalDataService:
     return PersonalDataService(database, settings, Course({}, ()))

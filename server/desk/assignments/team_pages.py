@@ -271,7 +271,7 @@ def _load_shared_attempts(
         attempt = gradebook.find_attempt(reader.db, account, attempt_id)
         submission = attempt.submission
         if attempt.shared:
-            title = reader.course.title_of(submission.exercise)
+            title = reader.course.title_of_exercise(submission.exercise)
             name = names.get(submission.account_id, "")
             rows.append(SharedAttempt(f"/soumissions/{submission.id}", title, name, submission.created_at))
     return tuple(rows)

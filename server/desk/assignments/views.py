@@ -248,7 +248,9 @@ def _exercise_options(
         found.append(ExerciseOption(each.id, each.title, each.id in chosen, weight, "" if after == last else after))
         last = after
     own = studio.list_exercises_of_class_teachers(db, access.school_class)
-    own = dict(own) | {name: course.title_of(name) for name in chosen if name in course.exercises and name not in own}
+    own = dict(own) | {
+        name: course.title_of_exercise(name) for name in chosen if name in course.exercises and name not in own
+    }
     known = {each.id for each in exercises}
     for name, title in own.items():
         if name not in known:

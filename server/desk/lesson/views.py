@@ -98,7 +98,8 @@ def lesson_form(
 def _form(course: Course, available: Sequence[str], plan: LessonPlan, problem: str) -> LessonForm:
     listed = [*available, *(name for name in plan.exercises if name not in available)]
     choices = [
-        ExerciseChoice(name, course.title_of(name), name in plan.exercises, _stars(course, name)) for name in listed
+        ExerciseChoice(name, course.title_of_exercise(name), name in plan.exercises, _stars(course, name))
+        for name in listed
     ]
     return LessonForm(tuple(choices), plan.next_step, plan.challenge, problem)
 
@@ -135,7 +136,7 @@ def lesson_parts(db: Session, progress: ClassProgress, school_class: SchoolClass
 
 def next_words(course: Course, lesson: LiveLesson) -> str:
     """Say what a student gets who has finished."""
-    return NEXT_WORDS[Afterwards(lesson.next_step)].format(title=course.title_of(lesson.challenge or ""))
+    return NEXT_WORDS[Afterwards(lesson.next_step)].format(title=course.title_of_exercise(lesson.challenge or ""))
 
 
 def _mistake_row(

@@ -22,7 +22,7 @@ from graders.core.code.grading import CodeGrader
 from graders.core.contract.local import LOCAL
 from server.base.files import ROOT
 from server.cli import check
-from server.cli.check import Case, examine, list_cases
+from server.cli.check import KnownCase, examine_case, list_cases
 from server.course import Course, Exercise
 from server.grading.sandbox_grader import SandboxGrader
 from server.sandbox import Sandbox
@@ -38,7 +38,7 @@ WITH_SCIPY = "l20/slam_graphe"
 LONG_MISTAKES = {"injection_au_meme_endroit"}
 
 
-def fast_cases(exercise: Exercise) -> Sequence[Case]:
+def fast_cases(exercise: Exercise) -> Sequence[KnownCase]:
     """The reference of an exercise of code, on one seed; of one exercise for each template, a mistake that is named.
 
     Each reference is graded in the sandbox, with the limits of its exercise. Tests of the exercises name their mistakes
@@ -71,7 +71,7 @@ def test_the_course_has_its_exercises_and_no_problem(course: Course) -> None:
 @pytest.mark.parametrize("name", [*exercises_of_kind("code"), *exercises_of_kind("answers")])
 def test_the_reference_passes_and_a_mistake_is_named(name: str, course: Course, grader: SandboxGrader) -> None:
     exercise = course.exercises[name]
-    examined = [examine(grader, exercise, case, SEED) for case in fast_cases(exercise)]
+    examined = [examine_case(grader, exercise, case, SEED) for case in fast_cases(exercise)]
     assert [examination for examination in examined if examination.fault] == []
 
 
@@ -115,7 +115,7 @@ def test_what_never_ends_is_ended_by_the_limit_of_its_exercise(course: Course, g
         (exercise, case) for exercise in course.exercises.values() for case in list_cases(exercise) if case.endless
     ]
     assert known
-    examined = [examine(grader, exercise, replace(case, endless=False), SEED) for exercise, case in known]
+    examined = [examine_case(grader, exercise, replace(case, endless=False), SEED) for exercise, case in known]
     assert [examination for examination in examined if examination.fault] == []
 
 

@@ -7,7 +7,7 @@ import pytest
 from graders.core.code.grading import CodeGrader
 from graders.core.contract.streams import stream
 from server.course import Exercise
-from server.course.reuse import build_library
+from server.course.reuse import build_importable_library
 from server.sandbox import Kit, Sandbox
 from server.steps import calls
 from tests.support.quick import one_in, some, the_course
@@ -33,7 +33,7 @@ def test_the_solution_answers_the_examples(course_sandbox: Sandbox, name: str) -
     exercise = the_course().exercises[name]
     assert isinstance(exercise.grader, CodeGrader)
     found = exercise.grader.kit(stream(1, "kit"))
-    kit = Kit(found.module, dict(found.parameters), found.without, build_library(the_course(), exercise.id))
+    kit = Kit(found.module, dict(found.parameters), found.without, build_importable_library(the_course(), exercise.id))
     for function in exercise.functions:
         if function.example:
             call = calls.parse_call(function.example)

@@ -18,7 +18,7 @@ from server.course.closure import ImportGraph
 from server.course.models import Exercise
 from server.course.schemas import ExerciseFile
 from server.course.toml_file import read_toml
-from server.course.version import exercise_version, grading_files
+from server.course.version import compute_exercise_version, iterate_grading_files
 from server.grading.sandbox_grader import SandboxGrader
 from server.sandbox import Sandbox
 from tests.support.quick import the_course
@@ -33,20 +33,24 @@ def test_each_file_that_grades_a_real_exercise_changes_its_version(tmp_path: Pat
     card = read_toml(folder / "exercise.toml", ExerciseFile)
     exercise = the_course().exercises[f"l20/{slug}"]
     imports = ImportGraph(tmp_path)  # what is written below changes no import
-    before = exercise_version(imports, [tmp_path], folder, card, exercise.grader, exercise.kit)
+    before = compute_exercise_version(imports, [tmp_path], folder, card, exercise.grader, exercise.kit)
     assert before == exercise.version, "a place on the disk is no part of it"
-    grading = {path for _, path in grading_files(imports, [tmp_path], folder, card, exercise.grader, exercise.kit)}
+    grading = {
+        path for _, path in iterate_grading_files(imports, [tmp_path], folder, card, exercise.grader, exercise.kit)
+    }
     everything = {path for name in ("graders", "reference") for path in (tmp_path / name).rglob("*") if path.is_file()}
     assert len(grading) > 15
     for path in sorted(grading):
         kept = path.read_bytes()
         path.write_bytes(kept + b"\n#\n")
-        assert exercise_version(imports, [tmp_path], folder, card, exercise.grader, exercise.kit) != before, path
+        assert compute_exercise_version(imports, [tmp_path], folder, card, exercise.grader, exercise.kit) != before, (
+            path
+        )
         path.write_bytes(kept)
     assert everything - grading
     for path in everything - grading:
         path.write_bytes(path.read_bytes() + b"\n#\n")
-    assert exercise_version(imports, [tmp_path], folder, card, exercise.grader, exercise.kit) == before
+    assert compute_exercise_version(imports, [tmp_path], folder, card, exercise.grader, exercise.kit) == before
 
 
 @cache
@@ -55,8 +59,8 @@ def imports_here() -> ImportGraph:
 
 
 def closure_of(exercise: Exercise) -> set[str]:
-    described = imports_here().closure(f"graders.{exercise.module}.{exercise.slug}.grader")
-    return {*described, *imports_here().closure(type(exercise.grader).__module__)}
+    described = imports_here().imported_files(f"graders.{exercise.module}.{exercise.slug}.grader")
+    return {*described, *imports_here().imported_files(type(exercise.grader).__module__)}
 
 
 def ours(modules: Iterable[str]) -> set[str]:

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from server.course.retrievals import find_faults
+from server.course.retrievals import find_question_faults
 from tests.support.quick import the_course
 
 
 def test_all_questions_of_the_course_can_be_asked_and_stand_in_their_page() -> None:
     for module in the_course().modules.values():
-        assert list(find_faults(module)) == []
+        assert list(find_question_faults(module)) == []
         standing = {f"{lesson.slug}/{name}" for lesson in module.lessons for name in lesson.text.retrieval_questions}
         assert set(module.retrievals) == standing
 

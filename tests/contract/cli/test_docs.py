@@ -57,7 +57,7 @@ def machine(site: Site, tmp_path: Path, others: None, monkeypatch: pytest.Monkey
     monkeypatch.setattr("server.cli.doctor.probe", lambda **_: walls)
     monkeypatch.setattr("server.cli.serve.serve", served)
     monkeypatch.setattr("server.cli.worker.run_worker", worked)
-    monkeypatch.setattr("server.cli.worker.start_probing", lambda: None)
+    monkeypatch.setattr("server.cli.worker.start_probing_walls", lambda: None)
     monkeypatch.setattr("server.cli.worker.require_safe_sandbox", lambda _: None)
     monkeypatch.setattr("server.cli.worker.logs.configure_logging", lambda *_: None)
     monkeypatch.setattr("server.cli.worker.stop_on_signals", lambda **_: None)

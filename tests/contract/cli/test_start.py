@@ -13,7 +13,7 @@ import pytest
 
 from server.base.files import ROOT
 from server.base.settings import Settings
-from server.cli.local import load_exercise
+from server.cli.local import load_course_of_exercise
 from server.course.start_cache import CACHE_FILE, ExerciseFacts, StartCache, digest_sources
 from tests.support.quick import migrated, the_course
 
@@ -40,7 +40,7 @@ def told(app, *_):
         "exercises": {one.id: one.version for module in modules for one in module.exercises},
     }))
 
-serve._serve, serve.start_probing = told, Future
+serve._serve_while_probing, serve.start_probing_walls = told, Future
 serve.serve(read_settings(data_dir=Path(sys.argv[1])), "127.0.0.1", 0, print)
 """
 #: What is slow to load, and serves only somebody who asks for it.
@@ -59,7 +59,7 @@ def start(tmp_path_factory: pytest.TempPathFactory) -> Any:
     folder = tmp_path_factory.mktemp("data")
     migrated(Settings(data_dir=folder)).close()
     exercises = the_course().exercises.values()
-    StartCache(folder / CACHE_FILE).save(
+    StartCache(folder / CACHE_FILE).save_used_entries(
         digest_sources([ROOT / "curriculum"], [ROOT]), {e.id: ExerciseFacts("v", e.kit, ()) for e in exercises}
     )
     done = subprocess.run(
@@ -114,16 +114,16 @@ def test_a_sandbox_comes_up_before_what_grades_is_loaded() -> None:
 
 def test_what_an_exercise_s_files_import_is_read_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
-    first = load_exercise("l20/poses").version_of("l20/poses")
+    first = load_course_of_exercise("l20/poses").version_of_exercise("l20/poses")
     read = Mock(side_effect=AssertionError("read again"))
     monkeypatch.setattr("server.course.closure._imported_modules", read)
-    assert load_exercise("l20/poses").version_of("l20/poses") == first
+    assert load_course_of_exercise("l20/poses").version_of_exercise("l20/poses") == first
     next(tmp_path.rglob("imports.json")).unlink()
     with pytest.raises(AssertionError, match="read again"):
-        load_exercise("l20/poses")
+        load_course_of_exercise("l20/poses")
 
 
 def test_an_exercise_is_read_where_nothing_may_be_kept(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     (tmp_path / "file").write_text("no folder")
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "file"))
-    assert "l20/poses" in load_exercise("l20/poses").exercises
+    assert "l20/poses" in load_course_of_exercise("l20/poses").exercises

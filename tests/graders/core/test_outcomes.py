@@ -13,7 +13,7 @@ from graders.core.contract.findings import Finding, make_verdict
 from graders.core.contract.outcomes import Blame, Kind, Outcome, most_telling_outcome, outcomes_blamed_on
 from graders.core.contract.verdict import CheckResult
 from server.api.schemas import VerdictOut
-from server.cli.report import CANNOT, FULL_MARKS, NOT_FULL, exit_status, render
+from server.cli.report import CANNOT, FULL_MARKS, NOT_FULL, exit_status_of_verdict, render_verdict
 from server.sandbox import FaultKind
 from server.web import verdicts
 
@@ -68,7 +68,7 @@ def test_a_check_that_fails_for_any_cause_is_never_full_marks(cause: Outcome) ->
     verdict = make_verdict("l20/x", "v", 1, ended(cause, Outcome.OK), None, timings={})
     assert verdict.outcome is cause
     assert verdict.score == 0.5
-    assert exit_status(verdict) != FULL_MARKS
+    assert exit_status_of_verdict(verdict) != FULL_MARKS
 
 
 def test_what_names_a_submission_depends_on_no_order_and_ours_wins_over_everything() -> None:
@@ -98,8 +98,8 @@ def test_everyone_answers_for_something_and_only_what_is_ours_does_not_count() -
 def test_the_command_line_and_the_api_know_it(outcome: Outcome) -> None:
     verdict = make_verdict("l20/x", "v", 1, ended(outcome), None, timings={})
     status = {Blame.NOBODY: FULL_MARKS, Blame.STUDENT: NOT_FULL, Blame.OURS: CANNOT}[outcome.blame]
-    assert exit_status(verdict) == status
-    assert (outcome.brief in render(verdict)) == outcome.counts
+    assert exit_status_of_verdict(verdict) == status
+    assert (outcome.brief in render_verdict(verdict)) == outcome.counts
     assert VerdictOut.model_validate_json(json.dumps(verdict.to_json())).outcome is outcome
 
 
