@@ -233,7 +233,8 @@ def exercise_report_lines(tally: MutantTally) -> Iterator[str]:
     shares = f"{format_percent_rounded_down(caught, of)} ; du cours : {of_course}"
     yield (
         f"{'✓' if tally.is_goal_reached else '✗'} {tally.exercise:<24} altérations : {len(tally.trials)}, "
-        f"tuées : {caught}, survivantes : {len(survived)}, équivalentes : {len(equivalent)} — {shares} — {seconds:.0f} s"
+        f"tuées : {caught}, survivantes : {len(survived)}, équivalentes : {len(equivalent)} — "
+        f"{shares} — {seconds:.0f} s"
     )
     for fault in tally.faults:
         yield f"  ✗ {fault}"

@@ -237,7 +237,9 @@ def find_question_text_problems(
     """What is wrong with the texts of the questions, with its line."""
     text = toml_file.read_text(path)
     for location, wording in _iterate_markdown_texts(tomllib.loads(text), ()):
-        source = MarkdownSource(grader.fill_with_sample_numbers(wording), path, find_first_line_of_string(text, location), names=names)
+        source = MarkdownSource(
+            grader.fill_with_sample_numbers(wording), path, find_first_line_of_string(text, location), names=names
+        )
         for fault in MarkdownText(source).find_faults(formulas=formulas):
             yield Problem(path, fault.line, fault.message)
 

@@ -17,7 +17,7 @@ from pydantic import TypeAdapter
 from server.authoring import schema, shapes
 from server.authoring.keys import KEYS
 from server.authoring.tables import FIELD_MEANINGS, PAGES, replace_tables_in_page
-from server.cli import _parser, main
+from server.cli import _build_parser, main
 from server.course import Course
 from tests.support.quick import the_course
 
@@ -64,7 +64,7 @@ def test_the_commands_of_the_first_hour_work(tmp_path: Path, monkeypatch: pytest
         if arguments[0] in {"new", "schema"}:
             assert main(arguments) == 0, line
         else:
-            _parser().parse_args(arguments)
+            _build_parser().parse_args(arguments)
     assert {line.split()[1] for line in lines if line.startswith("balise")} >= {"new", "preview", "check", "study"}
     assert (tmp_path / "commande" / "graders" / "l21" / "gain" / "solution.py").is_file(), "the paths that are written"
     rules = tomllib.loads((tmp_path / "commande" / schema.TAPLO).read_text(encoding="utf-8"))["rule"]

@@ -18,7 +18,7 @@ from typing import NamedTuple
 import polib
 import pytest
 
-from server.cli import _parser, main
+from server.cli import _build_parser, main
 from server.cli.authors import KINDS
 from server.cli.french import CATALOGUE, LOCALE
 from tests.support.live import environment
@@ -108,7 +108,7 @@ def test_the_compiled_catalogue_is_the_one_that_is_read() -> None:
 
 def parsers() -> dict[str, argparse.ArgumentParser]:
     """Every command, and those inside it, by what one types."""
-    return dict(_below("", _parser()))
+    return dict(_below("", _build_parser()))
 
 
 def _below(name: str, parser: argparse.ArgumentParser) -> Iterator[tuple[str, argparse.ArgumentParser]]:
@@ -179,7 +179,7 @@ def test_english_is_recognised() -> None:
 def test_no_misuse_of_any_parser_is_answered_in_english(
     capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("server.cli._build_parser", cache(_parser))  # a parser is the same after each use
+    monkeypatch.setattr("server.cli._build_parser", cache(_build_parser))  # a parser is the same after each use
     assert len(all_misuses()) > 150
     for misuse in all_misuses():
         with pytest.raises(SystemExit) as stopped:

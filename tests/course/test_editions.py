@@ -8,7 +8,7 @@ from types import MappingProxyType
 import pytest
 
 from server.cli import CommandError
-from server.cli.check import _select
+from server.cli.check import _select_modules_and_exercises
 from server.course import Course
 from server.course.editions import module_number_of_slug
 from server.reading.service import build_home_view
@@ -24,11 +24,11 @@ def test_a_module_is_checked_whole_by_its_name() -> None:
     module = course.modules["l20"]
     other = replace(module, slug="l21", exercises=())
     both = Course(MappingProxyType({"l20": module, "l21": other}), ())
-    assert _select(both, ["l20", "l20/poses"]) == ([module], list(module.exercises))
-    assert _select(both, ["l20/poses"]) == ([], [course.exercises["l20/poses"]])
-    assert _select(both, [])[0] == [module, other]
+    assert _select_modules_and_exercises(both, ["l20", "l20/poses"]) == ([module], list(module.exercises))
+    assert _select_modules_and_exercises(both, ["l20/poses"]) == ([], [course.exercises["l20/poses"]])
+    assert _select_modules_and_exercises(both, [])[0] == [module, other]
     with pytest.raises(CommandError, match="l22"):
-        _select(both, ["l22"])
+        _select_modules_and_exercises(both, ["l22"])
 
 
 def test_neighbours_that_are_served_are_linked() -> None:

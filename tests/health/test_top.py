@@ -137,15 +137,15 @@ def test_a_refusal_while_the_service_starts_again_is_waited_for(monkeypatch: pyt
             raise answer
         return answer
 
-    assert top._patient(read) == {"ok": True}
+    assert top._read_with_retries(read) == {"ok": True}
     answers += [top.CommandError("il redémarre")] * 2
     with pytest.raises(top.CommandError):
-        top._patient(read)
+        top._read_with_retries(read)
 
 
 def test_durations_are_formatted_for_people() -> None:
     said = {0.0: "0 ms", 0.0416: "42 ms", 3.25: "3,2 s", 59: "59 s", 61: "1 min 01", 7260: "2 h 01"}
-    assert {value: top._seconds(value) for value in said} == said
+    assert {value: top._format_seconds(value) for value in said} == said
 
 
 def test_refused_access_is_explained(site: Site, monkeypatch: pytest.MonkeyPatch, capsys: Any) -> None:

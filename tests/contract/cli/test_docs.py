@@ -13,7 +13,7 @@ import pytest
 
 from server.base.files import ROOT
 from server.base.settings import OTHER_VARIABLES, PREFIX, Settings
-from server.cli import _parser, main
+from server.cli import _build_parser, main
 from server.cli.admin import ACTIONS
 from server.health.metrics import COUNTERS
 from server.identity.models import Role
@@ -167,4 +167,4 @@ def test_a_command_of_ours_inside_another_s_is_one_of_the_command_line() -> None
     found = [one[1] for one in inside if one]
     assert len(found) > 4
     for line in found:
-        assert _parser().parse_args(shlex.split(line))
+        assert _build_parser().parse_args(shlex.split(line))

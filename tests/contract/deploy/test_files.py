@@ -19,7 +19,7 @@ from server.base.files import ROOT
 from server.base.settings import OTHER_VARIABLES, Settings, variable_name
 from server.base.version import VERSION
 from server.board.live import MAX_STREAM_SECONDS
-from server.cli import _parser
+from server.cli import _build_parser
 from server.sandbox.child import syscalls
 from tests.support.service import Site
 
@@ -115,7 +115,7 @@ def test_the_settings_of_systemd_are_understood_those_that_are_left_out_too(monk
 @pytest.mark.parametrize(("where", "arguments"), list(commands()), ids=lambda one: one if isinstance(one, str) else "")
 def test_every_command_is_one_of_the_command_line(where: str, arguments: list[str]) -> None:
     assert where
-    parsed = _parser().parse_args(arguments)
+    parsed = _build_parser().parse_args(arguments)
     if arguments[0] == "serve":
         assert parsed.port == 8000
         inside = where in {"compose web", "kubernetes web", "Containerfile"}
