@@ -141,7 +141,7 @@ def test_a_remote_worker_needs_a_database(monkeypatch: Any, capsys: Any) -> None
 
 
 def test_help_loads_nothing_slow() -> None:
-    code = "import sys, server.cli as c; c._parser().format_help(); print(*sys.modules)"
+    code = "import sys, server.cli as c; c._build_parser().format_help(); print(*sys.modules)"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, env=environment(), check=True)
     assert not {"numpy", "fastapi", "sqlalchemy", "pydantic", "httpx"} & set(done.stdout.split())
 

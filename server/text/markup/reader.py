@@ -121,7 +121,7 @@ class _OutlineReader:
             self._read_medium(token, block.kind, block.name)
         elif block.path and self._require_lesson_page(token, "une partie à laisser pour plus tard"):
             self._add_reference("chemin", block.path, token)
-        elif block.label and block.folded:
+        elif block.label and block.is_folded:
             self._add_reference("bloc", block.label, token)
         elif block.label and self._require_lesson_page(token, "une étiquette"):
             self._add_label(token, block.label, block.kind)
