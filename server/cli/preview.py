@@ -29,7 +29,9 @@ def run(arguments: Namespace) -> int:
         address = f"http://{LOCALHOST}:{listener.getsockname()[1]}/{module}"
         print(f"Aperçu de {os.path.relpath(place)} : {address}", flush=True)
         print("  Chaque changement se voit aussitôt. Ctrl+C pour arrêter.\n", flush=True)
-        PreviewSupervisor(place, listener, serving.serve_version, faults.check_course_and_write_faults, _print_now).run()
+        PreviewSupervisor(
+            place, listener, serving.serve_version, faults.check_course_and_write_faults, _print_now
+        ).run()
     return 0
 
 
