@@ -45,10 +45,10 @@ class Made:
     figures: tuple[str, ...] = ()
     replays: tuple[str, ...] = ()
     questions: tuple[str, ...] = ()
-    cells: tuple[CodeCell, ...] = ()
+    code_cells: tuple[CodeCell, ...] = ()
     exercises: tuple[str, ...] = ()
-    retrievals: tuple[str, ...] = ()
-    amounts: Mapping[tuple[str, str], int] = field(default_factory=lambda: {("", "words"): 13_500})
+    retrieval_questions: tuple[str, ...] = ()
+    content_amounts: Mapping[tuple[str, str], int] = field(default_factory=lambda: {("", "words"): 13_500})
     is_rendered: bool = True
 
 
