@@ -49,8 +49,8 @@ def jinja_environment() -> Environment:
     )
     jinja.filters.update(
         french=french, sentence=typeset_verdict_message, visible=show_invisible_characters,
-        folded=fold_repeated_lines,
-        ticks=render_backquotes_as_code, python=highlight_python, said=render_personal_message, spoken=html_to_spoken_text,
+        folded=fold_repeated_lines, ticks=render_backquotes_as_code, python=highlight_python,
+        said=render_personal_message, spoken=html_to_spoken_text,
         iso_moment=words.format_iso_time, short_moment=words.format_short_time, long_day=words.format_long_day,
         decimal=means.format_number,
         points_or_dash=format_points_or_dash,
