@@ -260,7 +260,7 @@ def test_a_cluster_of_three_outlives_each_of_its_nodes(shared_settings: Settings
     settings = shared_settings.model_copy(update={"nats_url": url, "nats_replicas": 3, "submission_burst": 1000})
     web, worker = Machine(settings).start(), Machine(settings).start()
     for machine in (web, worker):
-        assert machine.nats_engine.connection.wait_ready(3 * PATIENCE), "the three have elected a leader"
+        assert machine.engine.connection.wait_ready(3 * PATIENCE), "the three have elected a leader"
     account, sent = new_account(web.database), list[str]()
     store = SubmissionService(settings, web.queue)
 
@@ -273,7 +273,7 @@ def test_a_cluster_of_three_outlives_each_of_its_nodes(shared_settings: Settings
         if graded(web) == sorted(sent):
             return True
         with web.database.read() as db:
-            web.nats_engine.sweeper.resend_missing(db)
+            web.engine.sweeper.resend_missing(db)
         time.sleep(0.5)
         return False
 
@@ -294,7 +294,7 @@ def test_a_cluster_of_three_outlives_each_of_its_nodes(shared_settings: Settings
 
 def in_step(machine: Machine) -> bool:
     """Whether the three nodes hold the stream, none behind."""
-    connection = machine.nats_engine.connection
+    connection = machine.engine.connection
     try:
         info = connection.run_blocking(lambda: connection.jetstream.stream_info("work"), PATIENCE)
     except NatsUnavailableError:
