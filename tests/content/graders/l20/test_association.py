@@ -108,3 +108,10 @@ def test_figures_draw(theme: str) -> None:
     figures = json.loads(json.dumps(checked(EXERCISE, wrong, 1).figures))
     for check in ("proches_exemples", "ensemble_quelconques")[theme == "light" :]:  # both have one kind
         assert counterexample(EXERCISE, figures[check], theme=theme).startswith(b"<?xml")
+
+
+@pytest.mark.parametrize("solved", ["np.linalg.pinv(M) @ h", "np.linalg.lstsq(M, h, rcond=None)[0]"])
+def test_a_noise_in_every_block_is_named_however_a_singular_matrix_is_inverted(solved: str) -> None:
+    blocks = "np.kron(np.eye(len(paires)), R)", "np.tile(R, (len(paires), len(paires)))"
+    source = edited(*blocks, "np.linalg.solve(M, h)", solved)
+    assert named(verdict(source, 3)) == "bruit_commun"
