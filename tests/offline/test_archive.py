@@ -181,7 +181,7 @@ def test_the_same_course_makes_the_same_bytes() -> None:
     module = course.modules["l20"]
     assert site.archive_content_digest(module) == site.archive_content_digest(module)
     made = site.OfflineSite(course, lessened(module), {}, DownloadArchives(course))
-    assert made._iter_addresses_and_paths  # the places are told before a page is written
+    assert list(made._iter_addresses_and_paths())  # the places are told before a page is written
     places = ArchiveLinkRewriter("/static/abc", {"/l20": "index.html", "/l20/lire/slam": "lire/slam.html"})
     text = '<a href="/l20/lire/slam#x">a</a> <a href="/classes">b</a> <img src="/static/abc/i.svg"> <a href="#y">c</a>'
     away = '<a href="slam.html#x">a</a> <a href="../sur-le-serveur.html">b</a>'
