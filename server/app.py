@@ -104,7 +104,7 @@ class ApplicationServices:
 
     @cached_property
     def database(self) -> Database:
-        return Database(self.settings.url)
+        return Database(self.settings.sqlalchemy_url)
 
     @cached_property
     def studio(self) -> StudioService:

@@ -29,7 +29,7 @@ from server.backup import postgres
 from server.backup.archive import BackupError, TableDigest
 from server.database import Database
 from server.database.engine import writing_engine
-from server.database.migrate import lock_migrations, require_current, upgrade_connection
+from server.database.migrate import lock_migrations, require_current_schema, upgrade_connection
 
 BATCH_ROWS = 500
 HASH_MODULUS = 1 << 256
@@ -46,11 +46,12 @@ def copy_rows_into_empty_database(
 ) -> Mapping[str, TableDigest]:
     """Copy all rows into an empty target, in one transaction, and compare both; return the digest of each table.
 
-    `progress` is called with the name and number of rows of each table once it is copied. Raises WrongSchema where the
-    source is not at the current schema, BackupError where the target is not empty, where somebody uses the source, or
+    `progress` is called with the name and number of rows of each table once it is copied. Raises WrongSchemaError where
+    the source is not at the current schema, BackupError where the target is not empty, where somebody uses the source,
+    or
     where a row is refused or differs: the target is then as it was.
     """
-    require_current(source.engine)
+    require_current_schema(source.engine)
     reading = source.engine
     if not source.is_local_file:
         reading = reading.execution_options(isolation_level="REPEATABLE READ", postgresql_readonly=True)

@@ -28,7 +28,7 @@ def back_up(settings: Settings, path: Path, table_names: Collection[str]) -> Bac
         if file is not None:
             manifest = sqlite.save_snapshot(archive, file, made_at)
         else:
-            with closing(Database(settings.url)) as database:
+            with closing(Database(settings.sqlalchemy_url)) as database:
                 manifest = postgres.save_tables(archive, database, table_names, made_at)
         write_manifest(archive, manifest)
     try:
@@ -45,8 +45,8 @@ def back_up_before_upgrade(
     """Save a database whose schema is about to change, and log where; return the copy, None where none is made.
 
     A SQLite file is copied beside itself. PostgreSQL is saved into the folder of the setting `upgrade_backup_dir`;
-    without one, the log says that nothing was saved. Raises WrongSchema where the database comes from a newer Balise,
-    BackupError where the copy fails: nothing has changed then.
+    without one, the log says that nothing was saved. Raises WrongSchemaError where the database comes from a newer
+    Balise, BackupError where the copy fails: nothing has changed then.
     """
     revision = missing_migrations(database.engine)
     if revision is None:
@@ -78,7 +78,7 @@ def verify_backup(settings: Settings, path: Path) -> BackupManifest:
         elif not settings.on_postgres:
             foreign.verify_postgres_in_sqlite(archive, manifest, path.parent)
         else:
-            with closing(Database(settings.url)) as database:
+            with closing(Database(settings.sqlalchemy_url)) as database:
                 postgres.verify_by_rolled_back_restore(archive, manifest, database)
     return manifest
 
@@ -101,7 +101,7 @@ def restore_backup(
             return manifest, sqlite.replace_database_file(
                 archive, manifest, file, f".avant-{now:%Y%m%d-%H%M%S}", unpack
             )
-        with closing(Database(settings.url)) as database:
+        with closing(Database(settings.sqlalchemy_url)) as database:
             if manifest.engine == "postgresql":
                 names = {table.name for table in tables}
                 postgres.restore_tables(archive, manifest, database, names, replace=replace)
@@ -111,7 +111,7 @@ def restore_backup(
 
 
 def _existing_sqlite_file(settings: Settings) -> Path | None:
-    url = make_url(settings.url)
+    url = make_url(settings.sqlalchemy_url)
     return Path(url.database or "") if url.get_backend_name() == "sqlite" else None
 
 

@@ -66,7 +66,7 @@ class RequestAdmission:
         if not self._is_scheduled:
             self._is_scheduled = True
             self._call_later(0.0, self._next_pass)
-        member = _member(head)
+        member = _member_key(head)
         may_stranger = not self._strangers and self._takes_strangers()
         if self._taken_up < PER_PASS and not self._members and (member or may_stranger):
             self._take_up(applicant, is_member=bool(member))
@@ -76,7 +76,7 @@ class RequestAdmission:
         if not member:
             self._strangers_waiting += 1
             if self._strangers_waiting > MAX_WAITING:
-                self._refuse_one()
+                self._refuse_stranger_of_longest_queue()
         return False
 
     def _next_pass(self) -> None:
@@ -85,10 +85,10 @@ class RequestAdmission:
         if not self._is_scheduled:
             return
         self._call_later(0.0 if self._members or self._takes_strangers() else INTERVAL / 4, self._next_pass)
-        while self._taken_up < PER_PASS and (applicant := self._next()) is not None:
+        while self._taken_up < PER_PASS and (applicant := self._take_next_connection()) is not None:
             applicant.take_up()
 
-    def end(self, applicant: WaitingConnection) -> None:
+    def note_request_ended(self, applicant: WaitingConnection) -> None:
         """Note that a request is answered, or its sender gone."""
         self._in_progress.pop(applicant, None)
 
@@ -110,7 +110,7 @@ class RequestAdmission:
             del self._in_progress[applicant]
         return not self._strangers_taken_up and (not self._in_progress or now >= self._strangers_at + INTERVAL)
 
-    def _next(self) -> WaitingConnection | None:
+    def _take_next_connection(self) -> WaitingConnection | None:
         """Return the next one, which is counted as taken up; None where no other is to be now."""
         for queues in (self._members, self._strangers):
             while queues and (queues is self._members or self._takes_strangers()):
@@ -125,7 +125,7 @@ class RequestAdmission:
                     return applicant
         return None
 
-    def _refuse_one(self) -> None:
+    def _refuse_stranger_of_longest_queue(self) -> None:
         name = max(self._strangers, key=lambda address: len(self._strangers[address]))
         applicant = self._strangers[name].pop()
         if not self._strangers[name]:
@@ -142,7 +142,7 @@ def _call_later(seconds: float, action: Callable[[], None]) -> None:
         loop.call_soon(action)
 
 
-def _member(head: bytes) -> str:
+def _member_key(head: bytes) -> str:
     """Return the name of the account whose session or token a request shows, empty for a guest's or none."""
     found = _TOKEN.search(head)
     return known_account((found[1] or found[2]).decode("ascii", "replace")) if found else ""

@@ -24,10 +24,10 @@ class OneAtATimeStream(StreamingResponse):
     """Streams pieces, each of which a thread computes while no other download's is."""
 
     def __init__(self, pieces: Iterator[bytes] | Iterator[str], headers: Mapping[str, str], media_type: str) -> None:
-        super().__init__(_take_turns(pieces), headers=headers, media_type=media_type)
+        super().__init__(_pause_after_each_piece(pieces), headers=headers, media_type=media_type)
 
 
-async def _take_turns(pieces: Iterator[bytes] | Iterator[str]) -> AsyncIterator[bytes | str]:
+async def _pause_after_each_piece(pieces: Iterator[bytes] | Iterator[str]) -> AsyncIterator[bytes | str]:
     """Pause after each piece for as long as it took."""
     limiter = _limiter.get(None)
     if limiter is None:

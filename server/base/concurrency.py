@@ -90,16 +90,16 @@ class FairLimiter:
         self._queues: OrderedDict[tuple[int, str], list[_Waiter]] = OrderedDict()
 
     @property
-    def waiting(self) -> int:
+    def waiting_count(self) -> int:
         return sum(map(len, self._queues.values()))
 
     async def acquire(self, flow: str, rank: int = 0, part: str = "") -> None:
         """Wait for a turn, which `release` ends. Raise LimiterFullError."""
         key = (rank, flow)
-        if self._may_hold(key):
+        if self._may_start(key):
             self._held[key] += 1
             return
-        if self.waiting >= self._max_waiting:
+        if self.waiting_count >= self._max_waiting:
             self._make_room(key)
         turn = asyncio.get_running_loop().create_future()
         queue = self._queues.setdefault(key, [])
@@ -109,7 +109,7 @@ class FairLimiter:
             await asyncio.shield(turn)  # only this class completes `turn`
         except asyncio.CancelledError:
             if not turn.done():
-                self._leave(key, turn)
+                self._leave_queue(key, turn)
             elif turn.exception() is None:  # granted as its waiter was cancelled
                 self.release(flow, rank)
             raise
@@ -119,14 +119,14 @@ class FairLimiter:
         self._held[rank, flow] -= 1
         if not self._held[rank, flow]:
             del self._held[rank, flow]
-        while (key := self._next_key()) is not None:
+        while (key := self._choose_next_turn()) is not None:
             queue = self._queues.pop(key)
             queue.pop(0).turn.set_result(None)
             self._held[key] += 1
             if queue:
                 self._queues[key] = queue
 
-    def _may_hold(self, key: tuple[int, str]) -> bool:
+    def _may_start(self, key: tuple[int, str]) -> bool:
         beyond = self._held.total() - self._max_concurrent
         if beyond < 0:
             return True
@@ -134,8 +134,8 @@ class FairLimiter:
             return False
         return beyond < self._reserve - 1 or key[0] < max(rank for rank, _ in self._held)
 
-    def _next_key(self) -> tuple[int, str] | None:
-        return min(filter(self._may_hold, self._queues), key=lambda key: key[0], default=None)
+    def _choose_next_turn(self) -> tuple[int, str] | None:
+        return min(filter(self._may_start, self._queues), key=lambda key: key[0], default=None)
 
     def _make_room(self, key: tuple[int, str]) -> None:
         own_waiters = len(self._queues.get(key, ()))
@@ -145,10 +145,10 @@ class FairLimiter:
         if heaviest[0] == key[0] and len(self._queues[heaviest]) <= own_waiters + 1:
             raise LimiterFullError
         evicted = self._queues[heaviest][-1].turn
-        self._leave(heaviest, evicted)
+        self._leave_queue(heaviest, evicted)
         evicted.set_exception(LimiterFullError())
 
-    def _leave(self, key: tuple[int, str], turn: asyncio.Future[None]) -> None:
+    def _leave_queue(self, key: tuple[int, str], turn: asyncio.Future[None]) -> None:
         queue = [waiter for waiter in self._queues[key] if waiter.turn is not turn]
         if queue:
             self._queues[key] = queue

@@ -47,7 +47,7 @@ def decode_large_form(scope: Scope, body: bytes) -> tuple[Scope, bytes]:
     if fields > MAX_PARTS:
         return scope, body
     boundary = secrets.token_hex(16).encode()
-    parts = [_part(boundary, *pair.partition(b"=")) for pair in body.split(b"&") if pair]
+    parts = [_form_part(boundary, *pair.partition(b"=")) for pair in body.split(b"&") if pair]
     whole = b"".join((*parts, b"--", boundary, b"--\r\n"))
     changed = {b"content-type": b"multipart/form-data; boundary=" + boundary, b"content-length": b"%d" % len(whole)}
     headers = [(name, changed.get(name, value)) for name, value in scope["headers"]]
@@ -61,15 +61,15 @@ def _require_few_parts(kind: bytes, body: bytes) -> None:
         raise TooLarge(TOO_MANY_PARTS)
 
 
-def _part(boundary: bytes, name: bytes, _equals: bytes, value: bytes) -> bytes:
-    known_as = unescape(name)
+def _form_part(boundary: bytes, name: bytes, _equals: bytes, value: bytes) -> bytes:
+    known_as = unquote_plus_bytes(name)
     if not _NAME.fullmatch(known_as):
         raise Invalid(UNREADABLE)
     head = b'--%s\r\nContent-Disposition: form-data; name="%s"\r\n\r\n' % (boundary, known_as)
-    return head + unescape(value).decode("utf-8", "replace").encode() + b"\r\n"
+    return head + unquote_plus_bytes(value).decode("utf-8", "replace").encode() + b"\r\n"
 
 
-def unescape(text: bytes) -> bytes:
+def unquote_plus_bytes(text: bytes) -> bytes:
     """Return what `urllib.parse.unquote_plus` does, as bytes: by the decoder of quoted-printable, which is in C."""
     text = text.replace(b"+", b" ")
     if b"%" not in text:

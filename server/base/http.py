@@ -131,11 +131,11 @@ def problem_document(
 ) -> dict[str, Any]:
     """Return a problem document (RFC 9457) with these extension members."""
     kind = PROBLEM_TYPE + slug if slug else "about:blank"
-    document = {"type": kind, "title": title, "status": status, "detail": _sendable(detail)}
+    document = {"type": kind, "title": title, "status": status, "detail": _replace_lone_surrogates(detail)}
     return {**document, "instance": root_path.external_path(request.url.path), **members}
 
 
-def _sendable(text: str) -> str:
+def _replace_lone_surrogates(text: str) -> str:
     """Replace lone surrogates, which a request may hold and JSON in UTF-8 cannot."""
     return text.encode("utf-8", "replace").decode()
 
@@ -145,7 +145,8 @@ def error_document(request: Request, error: ServiceError) -> dict[str, Any]:
     members: dict[str, Any] = {}
     if isinstance(error, InvalidFields):
         members["errors"] = [
-            {"detail": _sendable(why), "pointer": _pointer(field.split("/"))} for field, why in error.problems.items()
+            {"detail": _replace_lone_surrogates(why), "pointer": _json_pointer(field.split("/"))}
+            for field, why in error.problems.items()
         ]
     return problem_document(request, int(error.status), error.title, error.detail, slug=error.slug, **members)
 
@@ -159,9 +160,9 @@ def error_location(error: Mapping[str, Any]) -> dict[str, Any]:
     source, *path = error["loc"]
     detail = french_reason(error)
     if source == "body":
-        return {"detail": detail, "pointer": _pointer([] if error["type"] == "json_invalid" else path)}
+        return {"detail": detail, "pointer": _json_pointer([] if error["type"] == "json_invalid" else path)}
     return {"detail": detail, "parameter": ".".join(str(part) for part in path)}
 
 
-def _pointer(path: Sequence[object]) -> str:
+def _json_pointer(path: Sequence[object]) -> str:
     return "#" + "".join("/" + str(part).replace("~", "~0").replace("/", "~1") for part in path)

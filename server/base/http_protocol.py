@@ -76,7 +76,7 @@ class BoundedProtocol(H11Protocol):
         self._stop_head_timer()
         self._unread.clear()
         self._is_over = True
-        self._admission.end(self)
+        self._admission.note_request_ended(self)
         super().connection_lost(exc)
 
     def data_received(self, data: bytes) -> None:
@@ -92,7 +92,7 @@ class BoundedProtocol(H11Protocol):
 
     def on_response_complete(self) -> None:
         super().on_response_complete()
-        self._admission.end(self)
+        self._admission.note_request_ended(self)
         if not self.transport.is_closing():
             self._parse()
 

@@ -74,7 +74,7 @@ class RequestLogMiddleware:
                 await self._app(scope, receive, send_with_name)
             finally:
                 if scope["path"] not in MONITORING_PATHS:
-                    VISITS.record(_visitor(scope))
+                    VISITS.record(_visitor_bytes(scope))
                 route = route_path(scope)
                 seconds = round(time.perf_counter() - began, 4)
                 traces.record_response(span, scope["method"], route, status)
@@ -87,7 +87,7 @@ def route_path(scope: Scope) -> str:
     return str(getattr(included, "path", "") or getattr(scope.get("route"), "path", ""))
 
 
-def _visitor(scope: Scope) -> bytes:
+def _visitor_bytes(scope: Scope) -> bytes:
     """What tells one from another: the session or the token that they show, else where they come from."""
     for name, value in scope["headers"]:
         if name in {b"cookie", b"authorization"}:
@@ -102,17 +102,17 @@ class RefusedEncodingsMiddleware:
         self._app = app
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
-        if scope["type"] == "http" and any(map(_is_weighed, scope["headers"])):
-            scope["headers"] = [(name, _taken(name, value)) for name, value in scope["headers"]]
+        if scope["type"] == "http" and any(map(_has_quality_values, scope["headers"])):
+            scope["headers"] = [(name, _remove_refused_encodings(name, value)) for name, value in scope["headers"]]
         await self._app(scope, receive, send)
 
 
-def _is_weighed(header: tuple[bytes, bytes]) -> bool:
+def _has_quality_values(header: tuple[bytes, bytes]) -> bool:
     return header[0] == b"accept-encoding" and b";" in header[1]
 
 
-def _taken(name: bytes, value: bytes) -> bytes:
-    weighed = _is_weighed((name, value))
+def _remove_refused_encodings(name: bytes, value: bytes) -> bytes:
+    weighed = _has_quality_values((name, value))
     return ", ".join(accepted_encodings(value.decode("latin-1"))).encode("latin-1") if weighed else value
 
 
@@ -172,13 +172,13 @@ class SessionCookieMiddleware:
                 for key, name, max_age in self._cookies:
                     token = state.get(key)
                     if token is not None:
-                        cookie = self._cookie(name, token, max_age, scope["scheme"] == "https")
+                        cookie = self._cookie_header_value(name, token, max_age, scope["scheme"] == "https")
                         MutableHeaders(scope=message).append("Set-Cookie", cookie)
             await send(message)
 
         await self._app(scope, receive, send_with_cookie)
 
-    def _cookie(self, name: str, token: str, max_age: int, secure: bool) -> str:
+    def _cookie_header_value(self, name: str, token: str, max_age: int, secure: bool) -> str:
         age = max_age if token else 0
         cookie, lax = f"{name}={token}; Max-Age={age}; Path={self._path}; HttpOnly", "; SameSite=Lax"
         if name == FRAMED_COOKIE:
@@ -234,7 +234,7 @@ class BodyLimitMiddleware:
             if scope["method"] not in SAFE_METHODS:
                 body = await self._read(scope, receive)
                 record_arrival()
-                receive = _resend(body, receive)
+                receive = _replay_body(body, receive)
         except ClientDisconnect:
             nobody_reads = problem_response(error_document(Request(scope), Invalid(CUT_OFF)))
             return await nobody_reads(scope, receive, send)
@@ -280,7 +280,7 @@ class LargeFormMiddleware:
                 scope, body = decode_large_form(scope, body)
             except ServiceError as error:
                 scope[REFUSAL] = error
-            receive = _resend(body, receive)
+            receive = _replay_body(body, receive)
         await self._app(scope, receive, send)
 
 
@@ -297,7 +297,7 @@ class RefusalMiddleware:
         await app(scope, receive, send)
 
 
-def _resend(body: bytes, receive: Receive) -> Callable[[], Awaitable[Message]]:
+def _replay_body(body: bytes, receive: Receive) -> Callable[[], Awaitable[Message]]:
     given = False
 
     async def resend() -> Message:

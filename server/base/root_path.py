@@ -71,17 +71,17 @@ class RootPathMiddleware:
                     headers["location"] = f"{self._root}{location}"
             await send(message)
 
-        scope.update(self._inside(scope))  # in place: the handler of unexpected errors reads it too
+        scope.update(self._scope_inside_root_path(scope))  # in place: the handler of unexpected errors reads it too
         await self._app(scope, receive, send_outwards)
 
-    def _inside(self, scope: Scope) -> dict[str, object]:
+    def _scope_inside_root_path(self, scope: Scope) -> dict[str, object]:
         raw = scope.get("raw_path") or b""
         return {
-            "path": self._stripped(scope["path"]),
-            "raw_path": self._stripped(raw.decode("latin-1")).encode("latin-1"),
+            "path": self._strip_root_path(scope["path"]),
+            "raw_path": self._strip_root_path(raw.decode("latin-1")).encode("latin-1"),
         }
 
-    def _stripped(self, path: str) -> str:
+    def _strip_root_path(self, path: str) -> str:
         if path == self._root:
             return "/"
         return path.removeprefix(self._root) if path.startswith(f"{self._root}/") else path

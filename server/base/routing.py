@@ -23,13 +23,13 @@ class FilteringRouter(APIRouter):
     def __init__(self, router: APIRouter, dependencies: Sequence[Depends] = ()) -> None:
         super().__init__()
         self.include_router(router, dependencies=list(dependencies))
-        self._looks_right = re.compile(_pattern(router.prefix, router.routes), re.DOTALL).fullmatch
+        self._looks_right = re.compile(_pattern_of_routes(router.prefix, router.routes), re.DOTALL).fullmatch
 
     def matches(self, scope: Scope) -> tuple[Match, Scope]:
         return super().matches(scope) if self._looks_right(scope["path"]) else (Match.NONE, {})
 
 
-def _pattern(prefix: str, routes: Iterable[BaseRoute]) -> str:
+def _pattern_of_routes(prefix: str, routes: Iterable[BaseRoute]) -> str:
     """Return a pattern of all addresses of these routes, and of some others; under a prefix, of all that begin so."""
     paths = [getattr(route, "path", None) for route in routes]
     if prefix or None in paths:

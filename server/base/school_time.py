@@ -49,10 +49,10 @@ def to_local(when: datetime) -> datetime:
 def is_ambiguous(when: datetime) -> bool:
     """Whether the clock shows this time twice, as when it is put back."""
     here = to_local(when).replace(fold=0)
-    return here.utcoffset() != here.replace(fold=1).utcoffset() and _exists(here)
+    return here.utcoffset() != here.replace(fold=1).utcoffset() and _does_local_time_exist(here)
 
 
-def _exists(here: datetime) -> bool:
+def _does_local_time_exist(here: datetime) -> bool:
     """Whether the clock ever shows this time; `here` is in the school's zone."""
     return here.astimezone(UTC).astimezone(here.tzinfo).replace(fold=0) == here.replace(fold=0)
 
@@ -80,7 +80,7 @@ def parse_field(text: str, what: str, kept: datetime | None = None) -> datetime 
     if said.year not in YEARS:
         raise Invalid(TOO_FAR.format(what=what))
     here = said.replace(tzinfo=time_zone(), fold=0)
-    if not _exists(here):
+    if not _does_local_time_exist(here):
         after = here.astimezone(UTC).astimezone(time_zone())
         raise Invalid(SKIPPED.format(what=what, hour=format_hour(here), after=format_hour(after)))
     return here.astimezone(UTC)

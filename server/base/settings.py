@@ -49,7 +49,7 @@ class Bucket:
         return BucketSettings(getattr(settings, f"{self.name}_burst"), getattr(settings, f"{self.name}_refill_seconds"))
 
 
-def _told(default: str) -> dict[str, Any]:
+def _doc(default: str) -> dict[str, Any]:
     return {"told": default}
 
 
@@ -61,46 +61,46 @@ class Settings(BaseSettings):
     data_dir: Path = Field(
         default_factory=default_data_dir,
         description="the folder of the data: the SQLite database, figures that were drawn, the lock of its only server",
-        json_schema_extra=_told("`$XDG_DATA_HOME/balise`, or `~/.local/share/balise`"),
+        json_schema_extra=_doc("`$XDG_DATA_HOME/balise`, or `~/.local/share/balise`"),
     )
     database_url: str | None = Field(
         default=None,
         min_length=1,
         description="the database, `postgresql://user:password@host/name` or `sqlite:///file`; over TLS with "
         "`?sslmode=verify-full&sslrootcert=FILE` behind it",
-        json_schema_extra=_told("SQLite, in the data folder"),
+        json_schema_extra=_doc("SQLite, in the data folder"),
     )
     upgrade_backup_dir: Path | None = Field(
         default=None,
         description="the folder where a backup of a PostgreSQL database is written before its schema is upgraded; a "
         "SQLite file is copied beside itself",
-        json_schema_extra=_told("none: no backup"),
+        json_schema_extra=_doc("none: no backup"),
     )
     nats_url: str = Field(
         default="",
         repr=False,
         description="the NATS server that carries the work between machines, `nats://host:4222`, or `tls://…`; those "
         "of a cluster separated by commas; it takes PostgreSQL",
-        json_schema_extra=_told("none: one machine"),
+        json_schema_extra=_doc("none: one machine"),
     )
     nats_token: str = Field(
-        default="", repr=False, description="the token that NATS asks for", json_schema_extra=_told("none")
+        default="", repr=False, description="the token that NATS asks for", json_schema_extra=_doc("none")
     )
     nats_nkey_file: Path | None = Field(
         default=None,
         description="the file of the seed of the nkey that NATS knows this machine by",
-        json_schema_extra=_told("none"),
+        json_schema_extra=_doc("none"),
     )
     nats_tls_ca: Path | None = Field(
         default=None,
         description="the certificates that vouch for NATS, instead of the machine's; with it, only over TLS",
-        json_schema_extra=_told("none"),
+        json_schema_extra=_doc("none"),
     )
     nats_tls_cert: Path | None = Field(
-        default=None, description="the certificate that is shown to NATS", json_schema_extra=_told("none")
+        default=None, description="the certificate that is shown to NATS", json_schema_extra=_doc("none")
     )
     nats_tls_key: Path | None = Field(
-        default=None, description="the key of that certificate", json_schema_extra=_told("none")
+        default=None, description="the key of that certificate", json_schema_extra=_doc("none")
     )
     nats_replicas: int = Field(
         default=1,
@@ -111,14 +111,14 @@ class Settings(BaseSettings):
     courses: str = Field(
         default="",
         description="folders of courses outside of Balise, separated as in `PATH`",
-        json_schema_extra=_told("none"),
+        json_schema_extra=_doc("none"),
     )
     workers: int = Field(
         default_factory=lambda: os.cpu_count() or 1,
         ge=0,
         le=256,
         description="grading processes that `balise serve` starts; with 0, another machine's `balise worker` grades",
-        json_schema_extra=_told("the number of processors"),
+        json_schema_extra=_doc("the number of processors"),
     )
 
     code_bytes: Count = Field(default=64 * 1024, description="the longest file or answers that one may submit")
@@ -199,19 +199,19 @@ class Settings(BaseSettings):
         default="",
         description="addresses or networks, separated by commas, of the reverse proxies whose `X-Forwarded-For` and "
         "`X-Forwarded-Proto` are believed",
-        json_schema_extra=_told("none"),
+        json_schema_extra=_doc("none"),
     )
     root_path: str = Field(
         default="",
         description="the path under which a reverse proxy serves Balise, as `/balise` where it stands at "
         "`https://lycee.example/balise/`; the proxy may take it off or leave it",
-        json_schema_extra=_told("none"),
+        json_schema_extra=_doc("none"),
     )
     platform_networks: str = Field(
         default="",
         description="networks, separated by commas, where platforms of the school's own may be asked; others are asked "
         "at public addresses alone",
-        json_schema_extra=_told("none"),
+        json_schema_extra=_doc("none"),
     )
     platform_http: bool = Field(
         default=False, description="ask platforms over http too, for trials on one machine: never for a school"
@@ -219,45 +219,45 @@ class Settings(BaseSettings):
     time_zone: str = Field(
         default="Europe/Paris",
         description="the school's time zone, in which its dates are shown and written, by its IANA name",
-        json_schema_extra=_told("`Europe/Paris`"),
+        json_schema_extra=_doc("`Europe/Paris`"),
     )
 
     smtp_host: str = Field(
         default="",
         description="the server that takes the mails that teachers ask for; without it none is sent",
-        json_schema_extra=_told("none: no mails"),
+        json_schema_extra=_doc("none: no mails"),
     )
     smtp_port: int = Field(default=587, ge=1, le=65535, description="the port of that server: 587, or 465 with `tls`")
     smtp_tls: Literal["starttls", "tls", "none"] = Field(
         default="starttls",
         description="`starttls`, `tls` from the first byte, or `none`, for a relay on this machine alone",
-        json_schema_extra=_told("`starttls`"),
+        json_schema_extra=_doc("`starttls`"),
     )
-    smtp_user: str = Field(default="", description="who Balise is to that server", json_schema_extra=_told("none"))
+    smtp_user: str = Field(default="", description="who Balise is to that server", json_schema_extra=_doc("none"))
     smtp_password: str = Field(
-        default="", repr=False, description="the password of that user there", json_schema_extra=_told("none")
+        default="", repr=False, description="the password of that user there", json_schema_extra=_doc("none")
     )
     smtp_from: str = Field(
         default="",
         pattern=r"^([A-Za-z0-9._+-]+@[A-Za-z0-9-]+(\.[A-Za-z0-9-]+)+)?$",
         description="the address that mails come from",
-        json_schema_extra=_told("`BALISE_SMTP_USER`, where that is an address"),
+        json_schema_extra=_doc("`BALISE_SMTP_USER`, where that is an address"),
     )
     smtp_ca: Path | None = Field(
         default=None,
         description="the certificates that vouch for that server, instead of the machine's",
-        json_schema_extra=_told("none"),
+        json_schema_extra=_doc("none"),
     )
     log_format: Literal["text", "json"] = Field(
         default="text",
         description="`text` for people, `json` for one object a line, with the requests and what came of them",
-        json_schema_extra=_told("`text`"),
+        json_schema_extra=_doc("`text`"),
     )
     metrics_token: str = Field(
         default="",
         repr=False,
         description="what Prometheus shows to read `/metrics`, as a bearer token; without it nobody reads them",
-        json_schema_extra=_told("none"),
+        json_schema_extra=_doc("none"),
     )
     lease_seconds: Seconds = Field(
         default=30.0, gt=0, description="a worker that has given no sign of life for so long loses its submission"
@@ -277,9 +277,9 @@ class Settings(BaseSettings):
 
     @field_validator("trusted_proxy", "platform_networks")
     @classmethod
-    def _addresses(cls, text: str) -> str:
+    def _require_addresses(cls, text: str) -> str:
         """uvicorn takes what is no address for a name that never comes, without a word."""
-        for address in _pieces(text):
+        for address in _split_list(text):
             try:
                 ip_network(address)
             except ValueError as error:
@@ -288,7 +288,7 @@ class Settings(BaseSettings):
 
     @field_validator("root_path")
     @classmethod
-    def _path(cls, text: str) -> str:
+    def _normalise_root_path(cls, text: str) -> str:
         path = text.rstrip("/")
         if path and not _PATH.fullmatch(path):
             raise PydanticCustomError("no_path", "not a path", {"path": text})
@@ -296,7 +296,7 @@ class Settings(BaseSettings):
 
     @field_validator("time_zone")
     @classmethod
-    def _zone(cls, name: str) -> str:
+    def _require_known_zone(cls, name: str) -> str:
         try:
             ZoneInfo(name)
         except (ValueError, OSError, ZoneInfoNotFoundError) as error:
@@ -305,10 +305,10 @@ class Settings(BaseSettings):
 
     @property
     def trusted_proxies(self) -> tuple[str, ...]:
-        return tuple(_pieces(self.trusted_proxy))
+        return tuple(_split_list(self.trusted_proxy))
 
     @property
-    def url(self) -> str:
+    def sqlalchemy_url(self) -> str:
         """The database's SQLAlchemy address."""
         if self.database_url is None:
             return f"sqlite:///{self.data_dir / 'balise.sqlite3'}"
@@ -316,7 +316,7 @@ class Settings(BaseSettings):
 
     @property
     def on_postgres(self) -> bool:
-        return self.url.startswith("postgresql")
+        return self.sqlalchemy_url.startswith("postgresql")
 
     submission_bucket: ClassVar[Bucket] = Bucket("submission")
     storage_bucket: ClassVar[Bucket] = Bucket("storage")
@@ -331,7 +331,7 @@ class Settings(BaseSettings):
     step_bucket: ClassVar[Bucket] = Bucket("step")
 
 
-def _pieces(text: str) -> list[str]:
+def _split_list(text: str) -> list[str]:
     return [piece.strip() for piece in text.split(",") if piece.strip()]
 
 

@@ -36,11 +36,11 @@ MINUTES = 600.0
 Attributes = Mapping[str, str | int | float | bool]
 
 
-class CannotTrace(Exception):
+class TracingConfigurationError(Exception):
     """The variables ask for what cannot be had; its message is French and for the administrator."""
 
 
-class _State:
+class _TracingState:
     """Of this process. `sent` holds the traces of what it has put in the queue, until its news are told."""
 
     provider: TracerProvider | None = None
@@ -57,7 +57,7 @@ def is_requested(environment: Mapping[str, str]) -> bool:
 
 
 def start_tracing(process: str) -> None:
-    """What a process does first; `process` is its part in the service. Raises CannotTrace."""
+    """What a process does first; `process` is its part in the service. Raises TracingConfigurationError."""
     if not is_requested(os.environ):
         return
     try:
@@ -65,18 +65,18 @@ def start_tracing(process: str) -> None:
         from opentelemetry.sdk.trace import TracerProvider
         from opentelemetry.sdk.trace.export import BatchSpanProcessor
     except ImportError as missing:
-        raise CannotTrace(
+        raise TracingConfigurationError(
             "les traces demandent des paquets de plus, que pip install 'balise[traces]' installe "
             "(ou ne réglez pas les variables OTEL_…)"
         ) from missing
-    exporter = _exporter()
+    exporter = _create_exporter()
     here = {"service.name": os.environ.get("OTEL_SERVICE_NAME") or NAME, "service.instance.id": process}
     provider = TracerProvider(resource=Resource.create(here))
     provider.add_span_processor(BatchSpanProcessor(exporter))
     set_provider(provider)
 
 
-def _exporter() -> Any:
+def _create_exporter() -> Any:
     name = os.environ.get("OTEL_TRACES_EXPORTER", OTLP).strip().lower() or OTLP
     if name == CONSOLE:
         from opentelemetry.sdk.trace.export import ConsoleSpanExporter
@@ -84,7 +84,7 @@ def _exporter() -> Any:
         return ConsoleSpanExporter()
     protocol = next((value for key in PROTOCOLS if (value := os.environ.get(key, "").strip())), HTTP)
     if name != OTLP or protocol != HTTP:
-        raise CannotTrace(
+        raise TracingConfigurationError(
             f"les traces partent par otlp, en {HTTP}, ou vers console : ni OTEL_TRACES_EXPORTER={name}, ni {protocol}"
         )
     from opentelemetry.exporter.otlp.proto.http.trace_exporter import OTLPSpanExporter
@@ -94,30 +94,30 @@ def _exporter() -> Any:
 
 def set_provider(provider: TracerProvider | None) -> None:
     """Sends what is traced from now on there; None: nowhere."""
-    _State.provider = provider
-    _State.tracer = None if provider is None else provider.get_tracer(NAME)
-    _State.sent.clear()
+    _TracingState.provider = provider
+    _TracingState.tracer = None if provider is None else provider.get_tracer(NAME)
+    _TracingState.sent.clear()
 
 
 def stop_tracing() -> None:
     """Sends what has not left yet."""
-    if _State.provider is not None:
-        _State.provider.shutdown()
+    if _TracingState.provider is not None:
+        _TracingState.provider.shutdown()
         set_provider(None)
 
 
 @contextmanager
 def request_span(method: str, parent: str = "") -> Iterator[Any]:
     """The span of a request, which is the root of its trace, or below a `parent` that a trusted proxy tells."""
-    if _State.tracer is None:
+    if _TracingState.tracer is None:
         yield None
         return
     from opentelemetry.context import Context
     from opentelemetry.trace import SpanKind
 
-    above = _below(parent) if parent else Context()
+    above = _context_below(parent) if parent else Context()
     attributes = {"http.request.method": method}
-    with _span(_State.tracer, method, context=above, kind=SpanKind.SERVER, attributes=attributes) as span:
+    with _span(_TracingState.tracer, method, context=above, kind=SpanKind.SERVER, attributes=attributes) as span:
         yield span
 
 
@@ -151,24 +151,24 @@ def record_response(span: Span | None, method: str, route: str, status: int) -> 
 @contextmanager
 def span(name: str, **attributes: str | int) -> Iterator[None]:
     """A part of what is being traced; nothing where nothing is."""
-    if _State.tracer is None or not _traced():
+    if _TracingState.tracer is None or not _is_being_traced():
         yield
         return
-    with _span(_State.tracer, name, attributes=attributes):
+    with _span(_TracingState.tracer, name, attributes=attributes):
         yield
 
 
 def record_spans(began: int, milliseconds: Mapping[str, float]) -> None:
     """Parts that have been timed, one after the other since `began` (nanoseconds)."""
-    if _State.tracer is None or not _traced():
+    if _TracingState.tracer is None or not _is_being_traced():
         return
     for name, taken in milliseconds.items():
         ended = began + round(taken * MILLISECOND)
-        _State.tracer.start_span(name, start_time=began).end(ended)
+        _TracingState.tracer.start_span(name, start_time=began).end(ended)
         began = ended
 
 
-def _traced() -> bool:
+def _is_being_traced() -> bool:
     from opentelemetry.trace import get_current_span
 
     return get_current_span().get_span_context().is_valid
@@ -176,14 +176,14 @@ def _traced() -> bool:
 
 def job_trace_fields(key: str) -> dict[str, str | int]:
     """What a job put now takes along, for whoever does it: its trace. `key` is how its news will be told."""
-    if _State.tracer is None or not _traced():
+    if _TracingState.tracer is None or not _is_being_traced():
         return {}
     from opentelemetry.trace.propagation.tracecontext import TraceContextTextMapPropagator
 
     carrier: dict[str, str] = {}
     TraceContextTextMapPropagator().inject(carrier)
-    with _State.lock:
-        _State.sent[key] = carrier[TRACE]
+    with _TracingState.lock:
+        _TracingState.sent[key] = carrier[TRACE]
     return {TRACE: carrier[TRACE], PUT_AT: time.time_ns()}
 
 
@@ -191,31 +191,31 @@ def job_trace_fields(key: str) -> dict[str, str | int]:
 def job_span(payload: Mapping[str, Any], kind: str, tries: int, leased_since: int) -> Iterator[None]:
     """The work on a job, in the trace that it takes along: how long it waited, its lease, then what is done within."""
     parent = payload.get(TRACE)
-    if _State.tracer is None or not isinstance(parent, str):
+    if _TracingState.tracer is None or not isinstance(parent, str):
         yield
         return
     from opentelemetry.trace import SpanKind
 
-    above, put_at, now = _below(parent), payload.get(PUT_AT), time.time_ns()
+    above, put_at, now = _context_below(parent), payload.get(PUT_AT), time.time_ns()
     if isinstance(put_at, int):
-        _State.tracer.start_span("wait", above, start_time=put_at).end(max(put_at, leased_since))
-    _State.tracer.start_span("lease", above, start_time=leased_since).end(now)
+        _TracingState.tracer.start_span("wait", above, start_time=put_at).end(max(put_at, leased_since))
+    _TracingState.tracer.start_span("lease", above, start_time=leased_since).end(now)
     told: Attributes = {"job.kind": kind, "job.tries": tries}
-    with _span(_State.tracer, kind, context=above, kind=SpanKind.CONSUMER, attributes=told):
+    with _span(_TracingState.tracer, kind, context=above, kind=SpanKind.CONSUMER, attributes=told):
         yield
 
 
 def record_notification(key: str, since: int) -> None:
     """That the end of a job which this process has put was told to who waits for it, heard of at `since`."""
-    if _State.tracer is None:
+    if _TracingState.tracer is None:
         return
-    with _State.lock:
-        parent = _State.sent.pop(key, None)
+    with _TracingState.lock:
+        parent = _TracingState.sent.pop(key, None)
     if parent is not None:
-        _State.tracer.start_span("event", _below(parent), start_time=since).end()
+        _TracingState.tracer.start_span("event", _context_below(parent), start_time=since).end()
 
 
-def _below(parent: str) -> Context:
+def _context_below(parent: str) -> Context:
     from opentelemetry.context import Context
     from opentelemetry.trace.propagation.tracecontext import TraceContextTextMapPropagator
 

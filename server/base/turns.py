@@ -116,12 +116,12 @@ class RequestTurns:
         self._no_quiet.set()
 
     @property
-    def waiting(self) -> int:
-        return self._limiter.waiting
+    def waiting_count(self) -> int:
+        return self._limiter.waiting_count
 
     async def begin(self, flow: RequestFlow) -> Callable[[], None]:
         """Wait for the turn of a request, and return what ends it, however often that is called. Raises Overloaded."""
-        rank = self._rank(flow)
+        rank = self._rank_of_flow(flow)
         names = tuple(filter(None, (flow.name, flow.crowd)))
         if rank != QUIET:
             try:
@@ -129,7 +129,7 @@ class RequestTurns:
             except LimiterFullError:
                 raise Overloaded(CROWDED, retry_after=5) from None
             try:
-                await self._give_way()
+                await self._wait_for_quiet_requests()
             except BaseException:
                 self._limiter.release(flow.name, rank)
                 raise
@@ -156,13 +156,13 @@ class RequestTurns:
         timer = asyncio.get_running_loop().call_later(TURN_SECONDS, end)
         return end
 
-    def _rank(self, flow: RequestFlow) -> int:
-        doublings = self._doublings(flow.name)
+    def _rank_of_flow(self, flow: RequestFlow) -> int:
+        doublings = self._count_usage_doublings(flow.name)
         if doublings is not None:
             return BUSY + doublings
-        return CROWD if flow.crowd and self._doublings(flow.crowd) is not None else QUIET
+        return CROWD if flow.crowd and self._count_usage_doublings(flow.crowd) is not None else QUIET
 
-    def _doublings(self, name: str) -> int | None:
+    def _count_usage_doublings(self, name: str) -> int | None:
         """Return how often one has used twice what makes one busy; None for who is quiet."""
         used = self._usage.recent_seconds(name) / BUSY_SECONDS
         if used > 1.0:
@@ -178,7 +178,7 @@ class RequestTurns:
         if not self._quiet:
             self._no_quiet.set()
 
-    async def _give_way(self) -> None:
+    async def _wait_for_quiet_requests(self) -> None:
         """Wait until no request of the quiet is in progress, for a moment at most."""
         with suppress(TimeoutError):
             async with asyncio.timeout(GIVE_WAY_SECONDS if self._quiet else None):
@@ -214,12 +214,12 @@ _turn: ContextVar[RequestTurn | None] = ContextVar("turn", default=None)
 
 def record_sender(token: str, account: UUID, *, is_guest: bool) -> None:
     """Remember whose a session or a token is, for the turns of the requests that show it."""
-    _senders.put(_key(token), (account.hex, is_guest))
+    _senders.put(_hash_token(token), (account.hex, is_guest))
 
 
 def known_account(token: str) -> str:
     """Return the name of the account of a session or a token that was seen lately; empty for a guest's."""
-    account, is_guest = _senders.get(_key(token)) or ("", True)
+    account, is_guest = _senders.get(_hash_token(token)) or ("", True)
     return "" if is_guest else account
 
 
@@ -242,26 +242,26 @@ async def out_of_turn() -> AsyncIterator[None]:
     await turn.begin()
 
 
-def flow_of(scope: Scope) -> RequestFlow:
+def flow_of_request(scope: Scope) -> RequestFlow:
     """Return whose a request is, as far as it is known before anything is read."""
     connection = HTTPConnection(scope)
     address = client_address(connection)
     token = session_token(connection) or bearer_token(connection)
-    account, is_guest = (_senders.get(_key(token)) if token else None) or ("", True)
+    account, is_guest = (_senders.get(_hash_token(token)) if token else None) or ("", True)
     return RequestFlow(account or f"visitors of {address}", f"crowd of {address}" if is_guest else "")
 
 
-def _key(token: str) -> bytes:
+def _hash_token(token: str) -> bytes:
     return blake2b(token.encode("utf-8", "replace"), digest_size=16).digest()
 
 
-def _plain(error: Overloaded) -> Response:
+def _plain_refusal(error: Overloaded) -> Response:
     """Return a refusal that costs nothing, where nothing typed is to be shown again: a page takes longer to render than
     a flood takes to ask for it."""
     return PlainTextResponse(error.detail, error.status, error.headers)
 
 
-async def _has_left(scope: Scope, receive: Receive) -> bool:
+async def _has_client_left(scope: Scope, receive: Receive) -> bool:
     """Whether the sender of a request without a body has closed the connection: nobody would read the answer."""
     request = Request(scope, receive)
     return await request.is_disconnected() or await request.is_disconnected()  # the first message is the empty body
@@ -277,15 +277,15 @@ class FairTurnsMiddleware:
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         if scope["type"] != "http" or scope["path"] in MONITORING_PATHS:
             return await self._app(scope, receive, send)
-        is_crowded = self._turns.waiting > 0
-        turn = RequestTurn(self._turns, flow_of(scope))
+        is_crowded = self._turns.waiting_count > 0
+        turn = RequestTurn(self._turns, flow_of_request(scope))
         try:
             await turn.begin()
         except Overloaded as error:
             is_page = scope["method"] in SAFE_METHODS and not scope["path"].startswith(API)
-            answer = _plain(error) if is_page else await self._refused(Request(scope), error)
+            answer = _plain_refusal(error) if is_page else await self._render_refusal(Request(scope), error)
             return await answer(scope, receive, send)
-        if is_crowded and scope["method"] in SAFE_METHODS and await _has_left(scope, receive):
+        if is_crowded and scope["method"] in SAFE_METHODS and await _has_client_left(scope, receive):
             turn.end()
             return await Response(status_code=HTTPStatus.SERVICE_UNAVAILABLE)(scope, receive, send)
 
@@ -300,6 +300,6 @@ class FairTurnsMiddleware:
         finally:
             turn.end()
 
-    async def _refused(self, request: Request, error: Overloaded) -> Response:
+    async def _render_refusal(self, request: Request, error: Overloaded) -> Response:
         """Return a page for whom has sent a form: one is made at a time, as the queue is full."""
         return await run_sync(self._refuse, request, error, limiter=self._refusals)

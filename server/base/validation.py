@@ -53,11 +53,11 @@ REASONS = {
 
 def french_reason(error: Mapping[str, Any]) -> str:
     """Return what is wrong in French, to follow the name of the field. `error` is one of `ValidationError.errors()`."""
-    bounds = {name: _french(value) for name, value in error.get("ctx", {}).items()}
+    bounds = {name: _format_in_french(value) for name, value in error.get("ctx", {}).items()}
     return REASONS.get(error["type"], "valeur refusée").format(**bounds)
 
 
-def _french(value: object) -> str:
+def _format_in_french(value: object) -> str:
     return f"{value:.12g}".replace(".", ",") if isinstance(value, int | float) else str(value)
 
 

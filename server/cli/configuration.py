@@ -49,7 +49,7 @@ def _secrets_folder() -> Path | None:
 def start_tracing_or_fail(process: str) -> None:
     try:
         traces.start_tracing(process)
-    except traces.CannotTrace as reason_why:
+    except traces.TracingConfigurationError as reason_why:
         raise CommandError(f"{reason_why}.") from reason_why
 
 

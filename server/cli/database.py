@@ -12,7 +12,7 @@ from sqlalchemy.exc import DBAPIError, OperationalError, SQLAlchemyError
 from server.base.settings import Settings
 from server.cli import CommandError
 from server.database import Database, is_storage_full
-from server.database.migrate import OlderSchema, WrongSchema, require_current
+from server.database.migrate import OlderSchemaError, WrongSchemaError, require_current_schema
 
 log = logging.getLogger(__name__)
 
@@ -26,12 +26,12 @@ def open_database(settings: Settings, *, patience: float = 0.0, await_schema: bo
     With `await_schema`, wait until `balise serve` has upgraded an older database.
     """
     require_database_file(settings)
-    with explaining_database_errors(), closing(Database(settings.url)) as database:
+    with explaining_database_errors(), closing(Database(settings.sqlalchemy_url)) as database:
         database.wait_until_available(patience)
         if await_schema:
             _wait_for_schema(database)
         else:
-            require_current(database.engine)
+            require_current_schema(database.engine)
         yield database
 
 
@@ -39,9 +39,9 @@ def _wait_for_schema(database: Database) -> None:
     has_warned = False
     while True:
         try:
-            require_current(database.engine)
+            require_current_schema(database.engine)
             return
-        except OlderSchema as reason:
+        except OlderSchemaError as reason:
             if not has_warned:
                 log.warning("waiting for the database to be upgraded by `balise serve`: %s", reason)
             has_warned = True
@@ -50,7 +50,7 @@ def _wait_for_schema(database: Database) -> None:
 
 def require_database_file(settings: Settings) -> None:
     """An SQLite file that does not exist would be made, empty, by looking into it."""
-    url = make_url(settings.url)
+    url = make_url(settings.sqlalchemy_url)
     if url.get_backend_name() == "sqlite" and not Path(url.database or "").is_file():
         raise CommandError(f"il n’y a pas de base de données dans {url.database} (autre dossier : --data).")
 
@@ -68,7 +68,7 @@ def database_problem(error: SQLAlchemyError) -> str:
 def explaining_database_errors() -> Iterator[None]:
     try:
         yield
-    except WrongSchema as wrong:
+    except WrongSchemaError as wrong:
         raise CommandError(str(wrong)) from wrong
     except SQLAlchemyError as error:
         raise CommandError(database_problem(error)) from error

@@ -60,7 +60,7 @@ def _open_data_folder(asked: Path | None) -> Iterator[Path]:
 def _create_demo_class(settings: Settings, course: Course, probing: Probing, seed: int, students: int) -> DemoClass:
     if not course.modules:
         raise CommandError("ce cours n’a pas de module.")
-    database = Database(settings.url)
+    database = Database(settings.sqlalchemy_url)
     try:
         with database.read() as db:
             if identity.count_accounts(db):

@@ -4,7 +4,7 @@ from argparse import Namespace
 
 from server.cli import CommandError
 from server.cli.configuration import read_settings
-from server.sandbox import WallStatus, probe, safe_to_serve
+from server.sandbox import WallStatus, is_safe_to_serve, probe
 
 MARKS = {WallStatus.STANDING: "✓", WallStatus.MISSING: "✗", WallStatus.UNAVAILABLE: "–"}
 UNSAFE = 1
@@ -21,7 +21,7 @@ def _report_walls() -> int:
         print(f"  {MARKS[report.status]} {report.name} ({need}) : {report.detail}")
         if report.mend:
             print(f"      remède : {report.mend}")
-    if safe_to_serve(reports):
+    if is_safe_to_serve(reports):
         print("Cette machine peut exécuter le code des étudiants.")
         return 0
     print("Cette machine ne peut PAS exécuter sans danger le code des étudiants.")

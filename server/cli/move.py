@@ -26,7 +26,7 @@ from server.web.words import count_with_noun
 
 def run(arguments: Namespace) -> int:
     old, new = _settings_of_database(arguments.source), _settings_of_database(arguments.target)
-    if old.url == new.url:
+    if old.sqlalchemy_url == new.sqlalchemy_url:
         raise CommandError("la base de départ et celle d’arrivée sont la même.")
     require_database_file(old)
 
@@ -38,8 +38,8 @@ def run(arguments: Namespace) -> int:
             _lock_while_service_stopped(old),
             _lock_while_service_stopped(new),
             explaining_database_errors(),
-            closing(Database(old.url)) as source,
-            closing(Database(new.url)) as target,
+            closing(Database(old.sqlalchemy_url)) as source,
+            closing(Database(new.sqlalchemy_url)) as target,
         ):
             moved = copy_rows_into_empty_database(source, target, metadata.sorted_tables, progress)
             rows = sum(table.rows for table in moved.values())
@@ -68,7 +68,7 @@ def _settings_of_database(name: str) -> Settings:
 @contextmanager
 def _lock_while_service_stopped(settings: Settings) -> Iterator[None]:
     """Hold the lock of the data folder of a SQLite file. Raises CommandError where a service has it."""
-    url = make_url(settings.url)
+    url = make_url(settings.sqlalchemy_url)
     folder = Path(url.database or "").parent if url.get_backend_name() == "sqlite" else None
     with nullcontext() if folder is None else lock_data_folder(settings.model_copy(update={"data_dir": folder})):
         yield

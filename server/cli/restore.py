@@ -16,7 +16,7 @@ from server.cli.backup import print_backup
 from server.cli.configuration import read_settings
 from server.cli.data_lock import lock_data_folder
 from server.database import Database, utc_now
-from server.database.migrate import WrongSchema, require_current
+from server.database.migrate import WrongSchemaError, require_current_schema
 from server.tables import metadata
 
 
@@ -33,7 +33,7 @@ def run(arguments: Namespace) -> int:
                 settings, arguments.file, metadata.sorted_tables, replace=arguments.replace, now=utc_now()
             )
             _record_restoration(settings, manifest)
-    except (BackupError, WrongSchema) as error:
+    except (BackupError, WrongSchemaError) as error:
         raise CommandError(str(error)) from error
     except SQLAlchemyError as error:
         raise CommandError(f"la base de données ne convient pas : {error}") from error
@@ -45,10 +45,10 @@ def run(arguments: Namespace) -> int:
 
 def _record_restoration(settings: Settings, manifest: BackupManifest) -> None:
     """Record the restoration in the restored audit log, unless that is of an older schema, which `serve` upgrades."""
-    with closing(Database(settings.url)) as database:
+    with closing(Database(settings.sqlalchemy_url)) as database:
         try:
-            require_current(database.engine)
-        except WrongSchema:
+            require_current_schema(database.engine)
+        except WrongSchemaError:
             return
         journal.record_action_in_own_transaction(
             database, AuditAction.backup_restored, after={"made_at": manifest.made_at}

@@ -7,7 +7,7 @@ from contextlib import contextmanager, suppress
 from graders.core.contract.kits import find_kits
 from graders.courses import CURRICULUM, room_folders
 from server.cli import CommandError
-from server.sandbox import Sandbox, SandboxFault, WallReport, WallStatus, probe, safe_to_serve
+from server.sandbox import Sandbox, SandboxFault, WallReport, WallStatus, is_safe_to_serve, probe
 from server.sandbox.install import import_set_of
 
 Probing = Future[list[WallReport]]
@@ -27,7 +27,7 @@ def start_probing_walls(*, slow: bool = True) -> Probing:
 def require_safe_sandbox(probing: Probing) -> list[WallReport]:
     """Waits for the probe; raises CommandError, with the walls that are missing, where it is not safe to run."""
     reports = probing.result()
-    if not safe_to_serve(reports):
+    if not is_safe_to_serve(reports):
         missing = "".join(
             f"\n  {report.name} : {report.detail}\n    remède : {report.mend}"
             for report in reports

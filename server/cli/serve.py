@@ -32,13 +32,13 @@ from server.cli.sandboxes import Probing, require_safe_sandbox, start_probing_wa
 from server.course import Course, load_course
 from server.course.start_cache import CACHE_FILE, StartCache
 from server.database import STARTUP_TIMEOUT, Database, is_unavailable, utc_now
-from server.database.migrate import WrongSchema, upgrade
+from server.database.migrate import WrongSchemaError, upgrade
 from server.figures.service import FigureService
 from server.grading.supervisor import WorkerSupervisor
 from server.health.metrics import PrometheusMetrics
 from server.identity import links
 from server.reading.ahead import preload_course
-from server.sandbox import WallStatus, safe_to_serve
+from server.sandbox import WallStatus, is_safe_to_serve
 from server.submissions.job_events import JobEvents
 from server.tables import TABLE_NAMES
 
@@ -193,7 +193,7 @@ def open_walls_once_probed(probing: Probing, walls: Gate, metrics: PrometheusMet
     """Lets students' code run once the walls are known to stand; has the service end where they do not."""
 
     def tried(done: Probing) -> None:
-        if done.exception() is not None or not safe_to_serve(done.result()):
+        if done.exception() is not None or not is_safe_to_serve(done.result()):
             stop()
             return
         metrics.set_wall_states({wall.name: wall.status is WallStatus.STANDING for wall in done.result()})
@@ -227,12 +227,12 @@ def _cannot_listen_message(error: OSError, host: str, port: int) -> str:
 
 
 def _migrate_database(settings: Settings) -> None:
-    database = Database(settings.url)
+    database = Database(settings.sqlalchemy_url)
     try:
         database.wait_until_available(STARTUP_TIMEOUT)
         back_up_before_upgrade(settings, database, TABLE_NAMES, utc_now())
         upgrade(database.engine)
-    except (WrongSchema, BackupError) as error:
+    except (WrongSchemaError, BackupError) as error:
         raise CommandError(str(error)) from error
     except SQLAlchemyError as error:
         raise CommandError(database_problem(error)) from error
@@ -265,7 +265,7 @@ def _print_address(settings: Settings, course: Course, address: str) -> None:
 
 
 def _administrator_link(settings: Settings) -> str | None:
-    database = Database(settings.url)
+    database = Database(settings.sqlalchemy_url)
     try:
         with database.write() as db:
             token = links.create_administrator_invitation(db)

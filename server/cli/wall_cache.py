@@ -17,7 +17,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from server.base.files import OWNER_ONLY, default_cache_dir, digest_files, write_atomically
-from server.sandbox.install import installation
+from server.sandbox.install import find_installation
 
 NAME = "walls.json"
 MAX_AGE_SECONDS = 86400.0
@@ -55,7 +55,7 @@ def environment_digest() -> str:
 
 def _describe_environment() -> Iterator[str]:
     yield digest_files([("sandbox", SANDBOX)])
-    installed = installation()
+    installed = find_installation()
     yield from (sys.version, installed.python, *installed.sites, *installed.packages, *installed.sets)
     yield from (_read_or_errno(name) for name in KERNEL_FILES)
     yield from (line for line in _read_or_errno("/proc/self/status").splitlines() if line.startswith(STATUS_PREFIXES))

@@ -37,7 +37,7 @@ def run(_arguments: Namespace) -> int:
         with open_database(settings, patience=STARTUP_TIMEOUT, await_schema=True) as database:
             if not settings.nats_url:
                 print(ALONE, file=sys.stderr)
-            place = make_url(settings.url).render_as_string(hide_password=True)
+            place = make_url(settings.sqlalchemy_url).render_as_string(hide_password=True)
             print(f"Balise corrige ce qui attend dans {place} ; Ctrl+C pour arrêter.", flush=True)
             run_worker(
                 settings, PollingSource(), NullNotifier(), TemplateRenewalCounter(database).count_template_renewal

@@ -23,7 +23,7 @@ MOST_KNOWN = 16_384
 
 
 @lru_cache(maxsize=MOST_KNOWN)
-def _known(text: str | None) -> UUID | None:
+def _cached_uuid_of_text(text: str | None) -> UUID | None:
     return None if text is None else UUID(text)
 
 
@@ -35,7 +35,7 @@ class CachedUuid(Uuid[UUID]):
 
     def result_processor(self, dialect: Dialect, coltype: object) -> Callable[[Any], UUID | None] | None:
         native = super().result_processor(dialect, coltype) is None  # type: ignore[no-untyped-call]
-        return None if native else _known
+        return None if native else _cached_uuid_of_text
 
 
 class Base(DeclarativeBase):

@@ -19,7 +19,7 @@ DatabaseOf = Annotated[Database, Depends(app_service(Database))]
 _database = app_service_getter(Database)
 
 
-async def _session(request: Request) -> AsyncIterator[Session]:
+async def _open_request_session(request: Request) -> AsyncIterator[Session]:
     """Crossing to a thread and back costs more than a statement: a session that only reads says nothing to the database
     before the request's function does, and leaving a file is no wait."""
     database = _database(request.app)
@@ -34,13 +34,13 @@ async def _session(request: Request) -> AsyncIterator[Session]:
         if database.is_local_file or not db.in_transaction():
             db.close()
         else:
-            await _closed(db)
+            await _close_session_in_thread(db)
 
 
-async def _closed(db: Session) -> None:
+async def _close_session_in_thread(db: Session) -> None:
     """In a thread beside those that answer: these may all be waiting for the connection that it gives back."""
     with CancelScope(shield=True):
         await run_sync(db.close, limiter=CapacityLimiter(1))
 
 
-Db = Annotated[Session, Depends(_session, scope="function")]
+Db = Annotated[Session, Depends(_open_request_session, scope="function")]

@@ -22,7 +22,7 @@ from sqlalchemy.orm import Session, sessionmaker
 
 from server.base import traces
 from server.database.base import Base, table_of
-from server.database.write_turns import BEGIN_AND_LOCK, BUSY_TIMEOUT, Turnstile, begin_in_turn
+from server.database.write_turns import BEGIN_AND_LOCK, BUSY_TIMEOUT, FairLock, begin_in_turn
 
 log = logging.getLogger(__name__)
 
@@ -73,7 +73,7 @@ def make_engine(url: str) -> Engine:
     else:
         _create_private_file(Path(database_url.database or ""))
         event.listen(engine, "connect", _configure_sqlite)
-        event.listen(engine, "begin", partial(_begin_sqlite, Turnstile()))
+        event.listen(engine, "begin", partial(_begin_sqlite, FairLock()))
     return engine
 
 
@@ -88,10 +88,10 @@ def _create_private_file(file: Path) -> None:
         os.close(os.open(file, os.O_CREAT | os.O_EXCL | os.O_RDWR, 0o600))
         return
     for path in (file.parent, *(file.with_name(file.name + suffix) for suffix in ("", "-wal", "-shm"))):
-        _take_from_others(path)
+        _remove_rights_of_others(path)
 
 
-def _take_from_others(path: Path) -> None:
+def _remove_rights_of_others(path: Path) -> None:
     """Remove all rights but the owner's, which versions before 1.0 granted. A path of somebody else stays as it is."""
     with suppress(OSError):
         status = path.stat()
@@ -104,7 +104,7 @@ def writing_engine(engine: Engine) -> Engine:
     return engine.execution_options(**{BEGIN_STATEMENT: BEGIN_AND_LOCK})
 
 
-def _begin_sqlite(turnstile: Turnstile, connection: Connection) -> None:
+def _begin_sqlite(turnstile: FairLock, connection: Connection) -> None:
     """Begin the transaction explicitly: the driver's implicit BEGIN comes after the first read."""
     statement = connection.get_execution_options().get(BEGIN_STATEMENT, "BEGIN")
     begin = partial(connection.exec_driver_sql, statement)
@@ -147,7 +147,7 @@ def run_after_commit(db: Session, action: Callable[[], None]) -> None:
     db.info.setdefault(AFTER_COMMIT, []).append(action)
 
 
-def _commit(db: Session) -> None:
+def _commit_and_run_actions(db: Session) -> None:
     with traces.span("commit"):
         db.commit()
     for action in db.info.pop(AFTER_COMMIT, ()):
@@ -159,18 +159,18 @@ def commit_then_read(db: Session) -> None:
 
     To be called before a page is built: that takes milliseconds, for which no other writer of SQLite waits.
     """
-    _commit(db)
-    _only_read(db)
+    _commit_and_run_actions(db)
+    _begin_without_write_lock(db)
 
 
 def roll_back_then_read(db: Session) -> None:
     """Drop the changes of a writing session, which only reads from then on: before the page of a refusal is built."""
     db.rollback()
     db.info.pop(AFTER_COMMIT, None)
-    _only_read(db)
+    _begin_without_write_lock(db)
 
 
-def _only_read(db: Session) -> None:
+def _begin_without_write_lock(db: Session) -> None:
     bind = db.get_bind()
     assert isinstance(bind, Engine)
     db.bind = bind.execution_options(**{BEGIN_STATEMENT: "BEGIN"})
@@ -233,7 +233,7 @@ class Database:
         """Yield a session that is committed at the end of the block, or rolled back when the block raises."""
         with self._write_sessions() as db:
             yield db
-            _commit(db)
+            _commit_and_run_actions(db)
 
     def wait_until_available(self, seconds: float) -> None:
         """Retry until the database answers. Raise DBAPIError where it still does not after so many seconds."""

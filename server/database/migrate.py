@@ -21,11 +21,11 @@ ADVISORY_LOCK = 0x62616C69
 NUMBERS = re.compile(r"^(revision|down_revision)\s*=\s*(?:[\"'](\w+)[\"']|None)\s*$", re.MULTILINE)
 
 
-class WrongSchema(Exception):
+class WrongSchemaError(Exception):
     """The database is not at the schema that is asked for; its message is French and for the administrator."""
 
 
-class OlderSchema(WrongSchema):
+class OlderSchemaError(WrongSchemaError):
     """The database lacks migrations, which `balise serve` runs."""
 
 
@@ -41,7 +41,7 @@ def alembic_config(connection: Connection | None = None) -> Config:
 def upgrade(engine: Engine, revision: str = "head") -> None:
     """Runs the missing migrations, up to `revision`; several servers starting together take turns.
 
-    Raises WrongSchema, before anything changes, where the database comes from a newer Balise.
+    Raises WrongSchemaError, before anything changes, where the database comes from a newer Balise.
     """
     with writing_engine(engine).begin() as connection:
         lock_migrations(connection)
@@ -51,7 +51,7 @@ def upgrade(engine: Engine, revision: str = "head") -> None:
 def upgrade_connection(connection: Connection, revision: str = "head") -> None:
     """The same in the caller's transaction."""
     current = current_revision(connection)
-    _require_known(current)
+    _require_known_revision(current)
     if revision == "head" and current == head_revision():
         return
     from alembic import command
@@ -74,7 +74,7 @@ def current_revision(connection: Connection) -> str | None:
 
 
 @cache
-def _before() -> Mapping[str, str | None]:
+def _previous_revisions() -> Mapping[str, str | None]:
     """The migrations, each with the one before it, read where they say it: loading Alembic and them takes a while."""
     found = {}
     for path in sorted((MIGRATIONS / "versions").glob("v*.py")):
@@ -85,40 +85,40 @@ def _before() -> Mapping[str, str | None]:
 
 def head_revision() -> str:
     """The schema of this version of Balise."""
-    (newest,) = _before().keys() - set(_before().values())
+    (newest,) = _previous_revisions().keys() - set(_previous_revisions().values())
     return newest
 
 
 def missing_migrations(engine: Engine) -> str | None:
     """Return the schema of a database that has data and lacks migrations; None where nothing is to be upgraded.
 
-    Raises WrongSchema where the database comes from a newer Balise.
+    Raises WrongSchemaError where the database comes from a newer Balise.
     """
     with engine.connect() as connection:
         revision = current_revision(connection)
-    _require_known(revision)
+    _require_known_revision(revision)
     return None if revision in {None, head_revision()} else revision
 
 
 def is_known_revision(revision: str) -> bool:
-    return revision in _before()
+    return revision in _previous_revisions()
 
 
-def require_current(engine: Engine) -> None:
-    """For who does not migrate. Raises WrongSchema."""
+def require_current_schema(engine: Engine) -> None:
+    """For who does not migrate. Raises WrongSchemaError."""
     with engine.connect() as connection:
         revision = current_revision(connection)
-    _require_known(revision)
+    _require_known_revision(revision)
     if revision != head_revision():
-        raise OlderSchema(
+        raise OlderSchemaError(
             f"la base de données est d’une version plus ancienne de Balise (schéma {revision or 'absent'}, "
             f"ici {head_revision()}) : « balise serve » la met à jour."
         )
 
 
-def _require_known(revision: str | None) -> None:
+def _require_known_revision(revision: str | None) -> None:
     if revision is not None and not is_known_revision(revision):
-        raise WrongSchema(
+        raise WrongSchemaError(
             f"la base de données vient d’une version plus récente de Balise (schéma {revision}, ici {head_revision()}) "
             ": installez cette version, ou restaurez une sauvegarde d’avant."
         )

@@ -19,7 +19,7 @@ BEGIN_AND_LOCK = "BEGIN IMMEDIATE"
 FIRST_PAUSE, LONGEST_PAUSE = 0.0005, 0.004
 
 
-class Turnstile:
+class FairLock:
     """A lock that is granted in the order in which it was asked for. A context manager."""
 
     def __init__(self) -> None:
@@ -43,29 +43,29 @@ class Turnstile:
         try:
             gate.acquire()
         except BaseException:  # a signal in the main thread
-            self._leave(gate)
+            self._leave_queue(gate)
             raise
         return self
 
     def __exit__(self, *_exc: object) -> None:
         with self._mutex:
-            self._pass_on()
+            self._wake_next_thread()
 
-    def _leave(self, gate: threading.Lock) -> None:
+    def _leave_queue(self, gate: threading.Lock) -> None:
         with self._mutex:
             if gate in self._waiting:
                 self._waiting.remove(gate)
             else:  # it was granted meanwhile
-                self._pass_on()
+                self._wake_next_thread()
 
-    def _pass_on(self) -> None:
+    def _wake_next_thread(self) -> None:
         if self._waiting:
             self._waiting.popleft().release()
         else:
             self.is_taken = False
 
 
-def begin_in_turn(turnstile: Turnstile, connection: sqlite3.Connection, begin: Callable[[], object]) -> None:
+def begin_in_turn(turnstile: FairLock, connection: sqlite3.Connection, begin: Callable[[], object]) -> None:
     """Begin a transaction with the write lock.
 
     `begin` does the same through SQLAlchemy: it raises the error where another process holds the lock for
@@ -75,7 +75,7 @@ def begin_in_turn(turnstile: Turnstile, connection: sqlite3.Connection, begin: C
     with turnstile:
         connection.execute("PRAGMA busy_timeout=0")
         try:
-            while not _begins(connection, deadline):
+            while not _try_to_begin(connection, deadline):
                 time.sleep(pause)
                 pause = min(2 * pause, LONGEST_PAUSE)
             if not connection.in_transaction:
@@ -84,7 +84,7 @@ def begin_in_turn(turnstile: Turnstile, connection: sqlite3.Connection, begin: C
             connection.execute(f"PRAGMA {BUSY_TIMEOUT}")
 
 
-def _begins(connection: sqlite3.Connection, deadline: float) -> bool:
+def _try_to_begin(connection: sqlite3.Connection, deadline: float) -> bool:
     """Try to begin; False where it is worth another try."""
     try:
         connection.execute(BEGIN_AND_LOCK)

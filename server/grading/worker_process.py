@@ -58,7 +58,7 @@ _graceful_stop = GracefulStop()
 
 def _raise_stop_requested(_signal: int, _frame: FrameType | None) -> None:
     signal.signal(signal.SIGTERM, signal.SIG_IGN)
-    _graceful_stop.request()
+    _graceful_stop.request_stop()
 
 
 def _warm_up_sandbox_and_graders(sandbox: Sandbox, course: Course, idle_monitor: WorkerIdleMonitor) -> None:
@@ -111,7 +111,7 @@ def _run_work_loop(
     course = load_course(render=False, memory=StartCache(settings.data_dir / CACHE_FILE))
     gc.freeze()
     gc.enable()
-    database = Database(settings.url)
+    database = Database(settings.sqlalchemy_url)
     course.exercises.find_authored = AuthoredExercises(database, course).find_published
     with closing(database), Sandbox(course.kits, on_template_replaced=on_template_renewed) as sandbox:
         grader, idle_monitor = SandboxGrader(course, sandbox), WorkerIdleMonitor()

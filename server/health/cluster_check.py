@@ -14,7 +14,7 @@ from sqlalchemy.exc import SQLAlchemyError
 
 from server.base.settings import Settings
 from server.database import MAX_CONNECTIONS, Database, utc_now
-from server.database.migrate import WrongSchema, require_current
+from server.database.migrate import WrongSchemaError, require_current_schema
 from server.health import repository
 from server.queue import repository as jobs
 from server.queue.jetstream.connection import NatsConnection, NatsUnavailableError
@@ -76,7 +76,7 @@ def _check_database(settings: Settings) -> Iterator[ClusterFinding]:
             "réglez BALISE_DATABASE_URL vers une base PostgreSQL, la même partout",
         )
         return
-    with closing(Database(settings.url)) as database:
+    with closing(Database(settings.sqlalchemy_url)) as database:
         try:
             yield _check_latency(subject, "joignable", _time_database_pings(database), SLOW_DATABASE_MS)
             yield _check_encryption(database)
@@ -87,9 +87,9 @@ def _check_database(settings: Settings) -> Iterator[ClusterFinding]:
             yield ClusterFinding(FindingLevel.bad, subject, f"injoignable : {why}", "vérifiez BALISE_DATABASE_URL")
             return
         try:
-            require_current(database.engine)
+            require_current_schema(database.engine)
             yield ClusterFinding(FindingLevel.good, "schéma", "celui de cette version de Balise")
-        except WrongSchema as wrong:
+        except WrongSchemaError as wrong:
             yield ClusterFinding(
                 FindingLevel.bad, "schéma", str(wrong), "même version de Balise partout ; « balise serve » migre"
             )
@@ -207,7 +207,7 @@ def _check_jetstream(connection: NatsConnection) -> Iterator[ClusterFinding]:
 
 def _check_workers(settings: Settings, connection: NatsConnection) -> Iterator[ClusterFinding]:
     consumer = connection.layout.consumers[0]
-    with closing(Database(settings.url)) as database, database.read() as db:
+    with closing(Database(settings.sqlalchemy_url)) as database, database.read() as db:
         refused, running, waiting = jobs.count_refused_by_version(db), jobs.count_running(db), jobs.count_waiting(db)
     for needs, count in refused.items():
         waits = count_with_noun(count, "travail attend", "travaux attendent")

@@ -36,7 +36,7 @@ class FlowState:
 
 
 @dataclass(frozen=True)
-class Turn:
+class FairTurn:
     """`flow` orders flows, `own` the senders of a flow. `pushes_back`: jobs of the flow with a later own turn wait."""
 
     flow: int
@@ -44,10 +44,10 @@ class Turn:
     pushes_back: bool
 
 
-def next_turn(state: FlowState) -> Turn:
+def next_turn(state: FlowState) -> FairTurn:
     """Return the turn of a job enqueued now."""
     own = _start_tag(state.own_served, state.own_first_waiting, state.own_last_of_sender)
-    return Turn(
+    return FairTurn(
         _start_tag(state.served, state.first_waiting, state.last_of_flow),
         own,
         pushes_back=state.own_last_waiting is not None and state.own_last_waiting > own,

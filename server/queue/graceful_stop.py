@@ -20,8 +20,8 @@ class GracefulStop:
         self.requested = threading.Event()
         self._deferred = False
 
-    def request(self) -> None:
-        """Raise StopRequested, or let `raise_if_requested` or `interruptible` do so where it is deferred."""
+    def request_stop(self) -> None:
+        """Raise StopRequested, or let `raise_if_requested` or `allow_interruption` do so where it is deferred."""
         self.requested.set()
         if not self._deferred:
             raise StopRequested
@@ -32,8 +32,8 @@ class GracefulStop:
             raise StopRequested
 
     @contextmanager
-    def deferred(self) -> Iterator[None]:
-        """Defer a stop within this block, but for `interruptible` parts."""
+    def defer_stop(self) -> Iterator[None]:
+        """Defer a stop within this block, but for `allow_interruption` parts."""
         self._deferred = True
         try:
             yield
@@ -41,8 +41,8 @@ class GracefulStop:
             self._deferred = False
 
     @contextmanager
-    def interruptible(self) -> Iterator[None]:
-        """Mark a part of a `deferred` block that a stop may interrupt at any point."""
+    def allow_interruption(self) -> Iterator[None]:
+        """Mark a part of a `defer_stop` block that a stop may interrupt at any point."""
         was_deferred, self._deferred = self._deferred, False
         try:
             self.raise_if_requested()

@@ -68,7 +68,7 @@ class LeaseHeartbeat:
 
     def __enter__(self) -> "LeaseHeartbeat":
         self._stop.clear()
-        self._thread = threading.Thread(target=self._run, name="heartbeat", daemon=True)
+        self._thread = threading.Thread(target=self._extend_periodically, name="heartbeat", daemon=True)
         self._thread.start()
         return self
 
@@ -84,13 +84,13 @@ class LeaseHeartbeat:
     def unwatch(self) -> None:
         self._current = None
 
-    def _run(self) -> None:
+    def _extend_periodically(self) -> None:
         while not self._stop.wait(self._settings.lease_seconds / 3):
             current = self._current
             if current is not None:
-                self._beat(*current)
+                self._extend_lease(*current)
 
-    def _beat(self, lease: Lease, deadline: float, keep_alive: Callable[[], None] = lambda: None) -> None:
+    def _extend_lease(self, lease: Lease, deadline: float, keep_alive: Callable[[], None] = lambda: None) -> None:
         if self._clock() > deadline:
             log.critical("job %s %s does not end, this worker gives up", lease.kind, lease.key)
             try:
@@ -130,7 +130,7 @@ class JobRunner:
         self._give_ups = {kind: task.give_up for kind, task in tasks.items()}
         self.programs = SeatPrograms()
         self.running: Lease | None = None
-        self.heartbeat = LeaseHeartbeat(database, queue, settings, self._give_ups, self.programs.clock)
+        self.heartbeat = LeaseHeartbeat(database, queue, settings, self._give_ups, self.programs.clock_without_stops)
 
     def claim_and_run(
         self, kinds: Collection[str], keep_alive: Callable[[], None], among: PrecedingJobs | None = None
@@ -200,7 +200,7 @@ class JobRunner:
 
     def _run(self, lease: Lease, work: Any) -> Any:
         try:
-            with self.programs.running(lease.token), self._stop.interruptible():
+            with self.programs.running(lease.token), self._stop.allow_interruption():
                 self.running = lease
                 return self._tasks[lease.kind].run(work)
         finally:
@@ -230,6 +230,6 @@ class JobRunner:
                 state = "is locked" if locked else "has no room" if full else "does not answer"
                 pause_seconds = pause if locked else DATABASE_PAUSE
                 log.warning("the database %s, trying again in %g s", state, pause_seconds)
-            with self._stop.interruptible():
+            with self._stop.allow_interruption():
                 time.sleep(pause_seconds)
         raise AssertionError("pauses have no end")

@@ -21,7 +21,7 @@ class LeaseOwner:
         return "|".join((self.host, self.boot_id, self.pid_namespace, str(self.pid), self.start_time))
 
     @property
-    def machine(self) -> tuple[str, str, str]:
+    def machine_identity(self) -> tuple[str, str, str]:
         return self.host, self.boot_id, self.pid_namespace
 
 
@@ -41,14 +41,14 @@ def process_owner(pid: int) -> LeaseOwner:
     )
 
 
-def is_dead(text: str, here: LeaseOwner) -> bool:
+def is_owner_dead(text: str, here: LeaseOwner) -> bool:
     """Whether the holder is certainly gone: same host, and rebooted since or without such a process."""
     owner = parse_owner(text)
     if owner.host != here.host:
         return False
     if owner.boot_id != here.boot_id:
         return True
-    return owner.machine == here.machine and _process_start_time(owner.pid) != owner.start_time
+    return owner.machine_identity == here.machine_identity and _process_start_time(owner.pid) != owner.start_time
 
 
 def _read_text(path: str) -> str:

@@ -26,7 +26,7 @@ BACKGROUND_TURN = 10
 
 
 @dataclass(frozen=True)
-class Patience:
+class ReliefDelays:
     """Seconds: between two looks; that a job of a higher rank, then of another flow, has waited; of being stopped."""
 
     look: float = 0.2
@@ -35,10 +35,10 @@ class Patience:
     stopped: float = 30.0
 
 
-DEFAULT_PATIENCE = Patience()
+DEFAULT_PATIENCE = ReliefDelays()
 
 
-class ReliefSeat:
+class ReliefRunner:
     """Used as a context manager, watches the worker's own runner from a thread, and runs jobs by another runner."""
 
     def __init__(
@@ -47,19 +47,19 @@ class ReliefSeat:
         relief: JobRunner,
         kinds: Collection[str],
         background: Collection[str] = (),
-        patience: Patience = DEFAULT_PATIENCE,
+        patience: ReliefDelays = DEFAULT_PATIENCE,
         clock: Callable[[], float] = time.monotonic,
     ) -> None:
         self._main, self._relief, self._kinds, self._background = main, relief, kinds, background
         self._patience, self._clock = patience, clock
         self._closing = threading.Event()
-        self._watcher = threading.Thread(target=self._watch, name="relief-watch", daemon=True)
+        self._watcher = threading.Thread(target=self._watch_own_job, name="relief-watch", daemon=True)
         self._thread: threading.Thread | None = None
         self._watched: Lease | None = None
         self._waiting: WaitingJob | None = None
         self._waiting_since = 0.0
 
-    def __enter__(self) -> "ReliefSeat":
+    def __enter__(self) -> "ReliefRunner":
         self._watcher.start()
         return self
 
@@ -69,25 +69,25 @@ class ReliefSeat:
         """Give the job of this seat back untried, and wait for that a little."""
         self._closing.set()
         self._watcher.join(CLOSING_SECONDS)
-        if self._is_taken():
-            self._give_back()
+        if self._is_relief_running():
+            self._abandon_relief_job()
             if self._thread is not None:
                 self._thread.join(CLOSING_SECONDS)
 
-    def _watch(self) -> None:
+    def _watch_own_job(self) -> None:
         while not self._closing.wait(self._patience.look):
             try:
-                self._look()
+                self._run_preceding_job_if_late()
             except Exception:  # a database that does not answer: the next look may find it
                 log.exception("whether others should go before a job is not known")
 
-    def _look(self) -> None:
+    def _run_preceding_job_if_late(self) -> None:
         """Let in the job that has waited too long for the worker's own, if there is one."""
         running = self._main.running
         if running is None or running is not self._watched:
             self._watched, self._waiting = running, None
             return
-        taken = self._is_taken()
+        taken = self._is_relief_running()
         if self._main.programs.stopped_seconds(running.token) > self._patience.stopped:
             self._main.programs.abandon(running.token)
             return
@@ -100,7 +100,7 @@ class ReliefSeat:
         if self._clock() - self._waiting_since < patience:
             return
         if taken:
-            self._give_back()
+            self._abandon_relief_job()
         else:
             self._thread = threading.Thread(target=self._run_jobs, args=(running,), name="relief", daemon=True)
             self._thread.start()
@@ -112,10 +112,10 @@ class ReliefSeat:
         relieving = self._relief.running
         return None if relieving is None else PrecedingJobs(relieving.rank)
 
-    def _is_taken(self) -> bool:
+    def _is_relief_running(self) -> bool:
         return self._thread is not None and self._thread.is_alive()
 
-    def _give_back(self) -> None:
+    def _abandon_relief_job(self) -> None:
         if (relieving := self._relief.running) is not None:
             self._relief.programs.abandon(relieving.token)
 

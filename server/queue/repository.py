@@ -28,7 +28,7 @@ from sqlalchemy import (
 from sqlalchemy.orm import Session, aliased
 
 from server.database import UtcDateTime, select_core, table_of, utc_now, write_core
-from server.queue.fair_queueing import TURN_STEP, FlowState, Turn
+from server.queue.fair_queueing import TURN_STEP, FairTurn, FlowState
 from server.queue.interfaces import Lease, PrecedingJobs, Sender, WaitingJob, WorkerCapabilities
 from server.queue.models import Job
 
@@ -201,7 +201,7 @@ def push_back_flow(db: Session, sender: Sender, own_turn: int) -> int:
 
 
 def insert_job(
-    db: Session, kind: str, key: str, payload: Mapping[str, Any], sender: Sender, turn: Turn, needs: str | None
+    db: Session, kind: str, key: str, payload: Mapping[str, Any], sender: Sender, turn: FairTurn, needs: str | None
 ) -> UUID:
     """Insert a waiting job; return its id."""
     job_id = uuid4()
@@ -232,7 +232,7 @@ def claim(
     """Lease the next waiting job."""
     statement = CLAIMS[able is not None, among is not None]
     parameters = {"owner": new.owner, "token": new.token, "now": new.now, "until": new.until}
-    row = select_core(db, statement, {**parameters, **_choice(kinds, new.now, able, among)}).one_or_none()
+    row = select_core(db, statement, {**parameters, **_claim_parameters(kinds, new.now, able, among)}).one_or_none()
     if row is None:
         return None
     return Lease(
@@ -255,11 +255,11 @@ def peek_next_job(
 ) -> WaitingJob | None:
     """Return the first of the jobs that go before a running one, without leasing it."""
     statement = FIND_PRECEDING[able is not None]
-    row = select_core(db, statement, _choice(kinds, current_time(db), able, among)).one_or_none()
+    row = select_core(db, statement, _claim_parameters(kinds, current_time(db), able, among)).one_or_none()
     return None if row is None else WaitingJob(row.id, row.priority)
 
 
-def _choice(
+def _claim_parameters(
     kinds: Collection[str], now: datetime, able: WorkerCapabilities | None, among: PrecedingJobs | None
 ) -> dict[str, Any]:
     """Return the parameters that choose a job."""

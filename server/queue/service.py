@@ -33,7 +33,7 @@ from server.queue.interfaces import (
     WaitingJob,
     WorkerCapabilities,
 )
-from server.queue.lease_owner import LeaseOwner, is_dead
+from server.queue.lease_owner import LeaseOwner, is_owner_dead
 from server.queue.models import Job
 
 log = logging.getLogger(__name__)
@@ -173,7 +173,7 @@ def _requeued_notification(lease: Lease) -> JobNotification:
 def _is_lost(job: Job, here: LeaseOwner, now: datetime) -> bool:
     if job.lease_owner is None or job.lease_until is None:
         raise ValueError(f"job {job.id} is leased to nobody, or for ever")
-    return is_dead(job.lease_owner, here) or job.lease_until <= now
+    return is_owner_dead(job.lease_owner, here) or job.lease_until <= now
 
 
 def _lease_from_row(job: Job) -> Lease:

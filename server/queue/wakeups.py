@@ -57,7 +57,7 @@ class WakeupDispatcher:
 
     def wake_worker(self) -> None:
         with self._lock:
-            self._wake()
+            self._wake_idle_worker()
 
     def publish_change(self, notification: str) -> None:
         self._call_on_loop(self._on_changed, notification)
@@ -66,7 +66,7 @@ class WakeupDispatcher:
         if self._loop is not None and not self._loop.is_closed():
             self._loop.call_soon_threadsafe(action, *args)
 
-    def _wake(self) -> None:
+    def _wake_idle_worker(self) -> None:
         if self._idle:
             worker, _ = self._idle.popitem()
             worker.write(f"{WORK}\n".encode())
@@ -101,12 +101,12 @@ class WakeupDispatcher:
         if worker in self._idle:
             del self._idle[worker]
         else:
-            self._wake()
+            self._wake_idle_worker()
 
     def _deliver_kept_wakeup(self) -> None:
         if self._kept_wakeups:
             self._kept_wakeups -= 1
-            self._wake()
+            self._wake_idle_worker()
 
     def remove_worker(self, worker: WorkerConnection) -> None:
         with self._lock:

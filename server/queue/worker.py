@@ -24,7 +24,7 @@ from server.queue.interfaces import (
 )
 from server.queue.job_runner import DATABASE_PAUSE, JobRunner
 from server.queue.lease_owner import LeaseOwner, process_owner
-from server.queue.relief import BACKGROUND_TURN, DEFAULT_PATIENCE, Patience, ReliefSeat
+from server.queue.relief import BACKGROUND_TURN, DEFAULT_PATIENCE, ReliefDelays, ReliefRunner
 
 log = logging.getLogger(__name__)
 
@@ -48,7 +48,7 @@ class Worker:
         capabilities: WorkerCapabilities | None = None,
         graceful_stop: GracefulStop | None = None,
         background: Collection[str] = (),
-        patience: Patience = DEFAULT_PATIENCE,
+        patience: ReliefDelays = DEFAULT_PATIENCE,
     ) -> None:
         self._database, self._queue, self._settings, self._tasks = database, queue, settings, tasks
         self._capabilities, self._stop = capabilities, graceful_stop or GracefulStop()
@@ -60,7 +60,7 @@ class Worker:
             return JobRunner(database, queue, settings, tasks, self._owner, capabilities, stop)
 
         self._runner = make_runner(self._stop)
-        self._relief = ReliefSeat(self._runner, make_runner(GracefulStop()), tasks.keys(), self._background, patience)
+        self._relief = ReliefRunner(self._runner, make_runner(GracefulStop()), tasks.keys(), self._background, patience)
 
     def run_one(self) -> bool:
         """Run one job; False when none waits."""
@@ -81,11 +81,11 @@ class Worker:
 
     def run(self, work: WorkSource) -> None:
         """Work until `work` ends or a stop is requested."""
-        with self._runner.heartbeat, self._relief, self._stop.deferred():
+        with self._runner.heartbeat, self._relief, self._stop.defer_stop():
             keep_going = True
             while keep_going:
                 self._run_until_empty(work)
-                with self._stop.interruptible():
+                with self._stop.allow_interruption():
                     keep_going = work.wait(self._settings.poll_seconds)
 
     def _run_until_empty(self, work: WorkSource) -> None:
@@ -100,9 +100,9 @@ class Worker:
 
     def run_on_messages(self, subscription: WorkSubscription) -> None:
         """Work until a stop is requested. An unavailable database is asked again later."""
-        with self._runner.heartbeat, self._relief, self._stop.deferred():
+        with self._runner.heartbeat, self._relief, self._stop.defer_stop():
             while True:
-                with self._stop.interruptible():
+                with self._stop.allow_interruption():
                     subscription.wait(self._settings.poll_seconds)
                 message = subscription.take_message()
                 if message is not None:
@@ -115,7 +115,7 @@ class Worker:
             if not is_unavailable(error) and not isinstance(error, OperationalError):
                 raise
             log.error("the database does not answer, trying again in %g s: %s", DATABASE_PAUSE, error.orig)
-            with self._stop.interruptible():
+            with self._stop.allow_interruption():
                 time.sleep(DATABASE_PAUSE)
 
     def _handle_message(self, message: WorkMessage) -> None:
@@ -125,14 +125,14 @@ class Worker:
             if message.redelivered:
                 self._runner.write(lambda db: self._queue.recover_lost(db, self._owner, self._give_ups))
             job_done = self._run_next(message.kinds, message.in_progress) is not None
-            acknowledged = job_done or not self._refuse(message.kinds)
+            acknowledged = job_done or not self._refuse_other_versions(message.kinds)
             if acknowledged:
                 message.ack(job_done=job_done)
         finally:
             if not acknowledged:
                 message.nak(delayed=not self._stop.requested.is_set())
 
-    def _refuse(self, kinds: Collection[str]) -> bool:
+    def _refuse_other_versions(self, kinds: Collection[str]) -> bool:
         """Refuse jobs for workers of other versions; return whether there are any."""
         capabilities = self._capabilities
         if capabilities is None:

@@ -5,7 +5,7 @@ from server.sandbox.faults import FaultKind, Frame, ProgramFault, SandboxFault
 from server.sandbox.messages import judging_too_long
 from server.sandbox.policy import Policy
 from server.sandbox.pool import Sandbox
-from server.sandbox.probe import WallReport, WallStatus, probe, safe_to_serve
+from server.sandbox.probe import WallReport, WallStatus, is_safe_to_serve, probe
 from server.sandbox.session import Session
 from server.sandbox.values import CallBatch, Kit, LibraryFile, Replies, Reply, TraceResult, Usage
 
@@ -27,7 +27,7 @@ __all__ = [
     "Value",
     "WallReport",
     "WallStatus",
+    "is_safe_to_serve",
     "judging_too_long",
     "probe",
-    "safe_to_serve",
 ]

@@ -49,9 +49,9 @@ class AnswerShape:
     def read(self, answer: bytes) -> Value:
         """Return the value of an answer of this shape; None for another one, which the decoder must read."""
         fits = len(answer) == self.answer_bytes and answer.startswith(self._before) and answer.endswith(self._after)
-        return split_rows(self._values(answer, 1, 0, self.answer_bytes))[0] if fits else None
+        return split_rows(self._values_at(answer, 1, 0, self.answer_bytes))[0] if fits else None
 
-    def values_in(self, buffer: bytearray, at: int, tokens: Sequence[int], kind: int) -> Array:
+    def read_consecutive_values(self, buffer: bytearray, at: int, tokens: Sequence[int], kind: int) -> Array:
         """Return the values (n, …) of the complete consecutive frames from `at` on that have this kind and shape, and
         carry these tokens in this order."""
         stride, begins, came = HEADER.size + self.answer_bytes, at, 0
@@ -62,9 +62,9 @@ class AnswerShape:
             if not buffer.startswith(head, begins) or not buffer.startswith(self._after, begins + stride - _AFTER):
                 break
             begins, came = begins + stride, came + 1
-        return self._values(buffer, came, at + HEADER.size, stride) if came else NO_VALUES
+        return self._values_at(buffer, came, at + HEADER.size, stride) if came else NO_VALUES
 
-    def _values(self, buffer: bytes | bytearray, count: int, at: int, stride: int) -> Array:
+    def _values_at(self, buffer: bytes | bytearray, count: int, at: int, stride: int) -> Array:
         """Return the values of `count` answers of this shape, the first at `at`, `stride` bytes apart."""
         shape, strides = (count, *(self._shape or ())), (stride, *self._strides)
         return np.ndarray(shape, _FLOATS, buffer, at + len(self._before), strides).astype(np.float64)

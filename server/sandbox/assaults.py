@@ -54,7 +54,7 @@ _ALL_BUT_LANDLOCK = frozenset({"seccomp", "view", "cgroup"})
 _ALL_BUT_CGROUP = frozenset({"seccomp", "rlimits"})
 
 
-def _canary_file(stack: ExitStack) -> Value:
+def _create_canary_file(stack: ExitStack) -> Value:
     """A readable file of the host."""
     folder = stack.enter_context(tempfile.TemporaryDirectory(prefix="canari"))
     os.chmod(folder, 0o755)
@@ -63,13 +63,13 @@ def _canary_file(stack: ExitStack) -> Value:
     return path
 
 
-def _listening_port(stack: ExitStack) -> Value:
+def _open_listening_port(stack: ExitStack) -> Value:
     """The port of a server on this machine."""
     server = stack.enter_context(socket.create_server(("127.0.0.1", 0)))
     return int(server.getsockname()[1])
 
 
-def _message_queue_key(stack: ExitStack) -> Value:
+def _create_message_queue(stack: ExitStack) -> Value:
     """The key of a System V message queue open to all, 0 when this kernel has none."""
     libc = ctypes.CDLL(None, use_errno=True)
     key = int.from_bytes(os.urandom(3)) + 1
@@ -113,19 +113,19 @@ ASSAULTS = (
     Assault("espace-processus", "pid", "signal à un autre processus", programs.SIGNAL, _MEND_NAMESPACES,
             namespaces=True, masking_walls=_FILTERS, accomplice=programs.WAIT),
     Assault("espace-fichiers-lecture", "view", "lecture d'un fichier de la machine", programs.READ, _MEND_NAMESPACES,
-            namespaces=True, masking_walls=_FILTERS, argument=_canary_file),
+            namespaces=True, masking_walls=_FILTERS, argument=_create_canary_file),
     Assault("espace-fichiers-écriture", "view", "écriture hors du dossier privé", programs.WRITE, _MEND_NAMESPACES,
             namespaces=True, masking_walls=_FILTERS),
     Assault("dossier-privé", "view", "fichier laissé par une autre copie", programs.FIND, _MEND_NAMESPACES,
             namespaces=True, masking_walls=_FILTERS, accomplice=programs.LEAVE),
     Assault("espace-réseau", "network", "connexion à la machine", programs.CONNECT, _MEND_NAMESPACES,
-            namespaces=True, masking_walls=_FILTERS, argument=_listening_port),
+            namespaces=True, masking_walls=_FILTERS, argument=_open_listening_port),
     Assault("espace-ipc", "ipc", "file de messages de la machine", programs.QUEUE, _MEND_NAMESPACES,
-            namespaces=True, masking_walls=_FILTERS, argument=_message_queue_key),
+            namespaces=True, masking_walls=_FILTERS, argument=_create_message_queue),
     Assault("espace-uts", "uts", "nom de la machine", programs.HOST, _MEND_NAMESPACES,
             namespaces=True, argument=_host_name),
     Assault("landlock-lecture", "landlock", "lecture hors des dossiers permis", programs.REACH, _MEND_LANDLOCK,
-            required=True, masking_walls=_ALL_BUT_LANDLOCK, argument=_canary_file),
+            required=True, masking_walls=_ALL_BUT_LANDLOCK, argument=_create_canary_file),
     Assault("landlock-écriture", "landlock", "création d'un fichier", programs.WRITE, _MEND_LANDLOCK,
             required=True, masking_walls=_ALL_BUT_LANDLOCK),
     Assault("seccomp-refus", "seccomp", "appels système refusés (réseau, processus)", programs.SYSTEM_CALLS,

@@ -120,11 +120,11 @@ class Batch:
                 frames.pack_shared(self.function, wall, faults, return_arguments=self.return_arguments),
             ),
             frames.pack_frame(0, frames.TOKENS, tokens),
-            *self._parts(),
+            *self._iterate_frame_parts(),
         )
         return frames.pack_frame(self.token, frames.CALLS, b"".join(parts))
 
-    def _parts(self) -> Iterator[bytes]:
+    def _iterate_frame_parts(self) -> Iterator[bytes]:
         for row in self._encoded:
             yield frames.pack_frame(0, frames.ARGUMENTS, row)
         columns = _stack_columns(self._rows) if self._rows else self._columns
@@ -218,7 +218,7 @@ class BatchGroup:
         self._requests, self.end, size = requests, begin, 0
         self.batches: list[tuple[int, Batch]] = []
         while self.end < len(requests) and size < _MAX_GROUP_BYTES:
-            batch = _batch_of(requests[self.end])
+            batch = _build_batch_of_request(requests[self.end])
             size += batch.bytes
             if batch.calls:
                 self.batches.append((self.end, batch))
@@ -243,7 +243,7 @@ def group_batches(requests: Sequence[CallBatch]) -> Iterator[BatchGroup]:
         yield parcel
 
 
-def _batch_of(request: CallBatch) -> Batch:
+def _build_batch_of_request(request: CallBatch) -> Batch:
     batch = Batch(request.function, return_arguments=request.return_arguments)
     if not batch.try_fill_as_columns(request.calls, request.columns):
         for arguments in request.calls:

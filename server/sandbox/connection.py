@@ -105,7 +105,7 @@ class ChildConnection:
             self._raise_if_abandoned()
             raise TemplateFault(f"a fork does not listen: {type(error).__name__}") from error
 
-    def _expect(self, called: int, kind: int) -> None:
+    def _expect_start_stage(self, called: int, kind: int) -> None:
         """Wait for the child to report a stage of its start, before any line of the student runs."""
         expected = frozenset({kind, frames.ANOMALY})
         try:
@@ -123,7 +123,7 @@ class ChildConnection:
         return max(parts * self._policy.wall_seconds - self._waited, 0.001)
 
     def _send_frames(self, questions: bytes) -> None:
-        with self._timed() as deadline:
+        with self._account_for_wire_time() as deadline:
             self._child.wire.send(random_token(), frames.TOGETHER, questions, deadline)
 
     def _receive(self, called: int, kinds: frozenset[int]) -> tuple[int, bytes]:
@@ -135,7 +135,7 @@ class ChildConnection:
                 reply = self.course_calls.answer()
             except ForgedAnswer:
                 self._raise_forged()
-            with self._timed() as deadline:
+            with self._account_for_wire_time() as deadline:
                 self._child.wire.reply(called, frames.VALUE, reply, deadline)
         return came
 
@@ -150,13 +150,13 @@ class ChildConnection:
             except AnswerBudgetExceeded:
                 self._terminate(lambda _: diagnosis.answers_too_big_fault("bytes", self._policy))
         else:
-            with self._timed() as deadline:
+            with self._account_for_wire_time() as deadline:
                 kind, payload = wire.receive(called, kinds, limit, deadline, self._bytes_left)
         self._bytes_left -= len(payload)
         return kind, payload
 
     @contextmanager
-    def _timed(self) -> Iterator[float]:
+    def _account_for_wire_time(self) -> Iterator[float]:
         """Account for the time spent on the wire; terminate the child when it runs out of time or forges."""
         start = self._clock()
         self._deadline = start + self._seconds_left

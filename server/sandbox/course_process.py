@@ -41,7 +41,7 @@ class CourseProcess(ChildConnection):
         self._on_failure = on_failure
         self._hold_token = random_token()
 
-    def hold(self, kit: Kit) -> None:
+    def send_course_files(self, kit: Kit) -> None:
         """Send it the course's files. Raises TemplateFault when the child was not sound."""
         question: dict[str, Value] = {
             "library": encode_library(kit.sealed_files),
@@ -51,13 +51,13 @@ class CourseProcess(ChildConnection):
         configure, hold = random_token(), self._hold_token
         self._join_seat()
         try:
-            self._expect(0, frames.READY)
+            self._expect_start_stage(0, frames.READY)
             self._send_setup(
                 frames.pack_frame(configure, frames.CONFIGURE, encode_configuration(kit))
                 + frames.pack_frame(hold, frames.HOLD, codec.encode(question, frames.QUESTION_LIMITS))
             )
-            self._expect(configure, frames.CONFIGURED)
-            self._expect(hold, frames.CONFIGURED)
+            self._expect_start_stage(configure, frames.CONFIGURED)
+            self._expect_start_stage(hold, frames.CONFIGURED)
         except TemplateFault:
             self._on_failure()
             raise
@@ -136,7 +136,7 @@ class CourseCalls:
     def _start(self) -> None:
         process, self._process = self._process or self._order(self._channel), None
         try:
-            process.hold(self._kit)
+            process.send_course_files(self._kit)
         except BaseException:
             process.close()
             raise

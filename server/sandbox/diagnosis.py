@@ -37,12 +37,12 @@ def wall_timeout_fault(policy: Policy, frames: tuple[Frame, ...] = ()) -> Progra
 
 
 def _fatal_fault(kind: FaultKind, message: str) -> ProgramFault:
-    return ProgramFault(kind, messages.typeset(message), fatal=True)
+    return ProgramFault(kind, messages.add_no_break_spaces(message), fatal=True)
 
 
 def _timeout_fault(what: str, policy: Policy, frames: tuple[Frame, ...]) -> ProgramFault:
     line = frames[-1].line if frames else None
-    message = messages.typeset(messages.timeout(what, policy, line, frames))
+    message = messages.add_no_break_spaces(messages.timeout(what, policy, line, frames))
     return ProgramFault(FaultKind.TIMEOUT, message, line=line, frames=frames, fatal=True)
 
 
@@ -55,11 +55,17 @@ def parse_last_frames(words: str, filename: str, lines: Sequence[str]) -> tuple[
     for entry in _FRAME_LINE.finditer(words):
         line = int(entry[2])
         if entry[1] == filename and 0 < line <= len(lines):
-            frames.append(Frame(line, messages.clean(_unescaped(entry[3])), messages.clean(lines[line - 1].strip())))
+            frames.append(
+                Frame(
+                    line,
+                    messages.remove_control_characters(_decode_name_escapes(entry[3])),
+                    messages.remove_control_characters(lines[line - 1].strip()),
+                )
+            )
     return tuple(reversed(frames[:MAX_FRAMES]))
 
 
-def _unescaped(name: str) -> str:
+def _decode_name_escapes(name: str) -> str:
     """Decode the escapes by which the interpreter writes non-ASCII letters of a name."""
     return re.sub(r"\\x([0-9a-f]{2})|\\u([0-9a-f]{4})", lambda escape: chr(int(escape[1] or escape[2], 16)), name)
 
@@ -98,11 +104,11 @@ def parse_fault(fault: Any, policy: Policy, file_lines: Sequence[str] = ()) -> P
         line = None
     if not all(_is_text(fault[name], longest) for name, longest in _LENGTHS.items()):
         return None
-    exception, text, detail = (messages.clean(fault[name]) for name in _LENGTHS)
-    message = _message(FaultKind(kind), exception, text, detail, line, frames, policy, file_lines)
+    exception, text, detail = (messages.remove_control_characters(fault[name]) for name in _LENGTHS)
+    message = _fault_message(FaultKind(kind), exception, text, detail, line, frames, policy, file_lines)
     return ProgramFault(
         FaultKind(kind),
-        messages.typeset(message),
+        messages.add_no_break_spaces(message),
         line=line,
         frames=frames,
         exception=exception or None,
@@ -131,11 +137,13 @@ def _parse_frames(reported: object) -> tuple[Frame, ...] | None:
         if not (_is_text(function, MAX_NAME) and _is_text(source, MAX_SOURCE)):
             return None
         if _is_line(line):
-            frames.append(Frame(line, messages.clean(function), messages.clean(source)))
+            frames.append(
+                Frame(line, messages.remove_control_characters(function), messages.remove_control_characters(source))
+            )
     return tuple(frames)
 
 
-def _message(
+def _fault_message(
     kind: FaultKind,
     exception: str,
     text: str,

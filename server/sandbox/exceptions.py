@@ -108,11 +108,13 @@ def describe_exception(
     """
     source = frames[-1].source if frames else ""
     system = next((advice for words, advice in _SYSTEM.items() if words in text), None)
-    if system is None and _OWN.search(source) and not _is_of_python(exception, text):
-        return f"{_own_exception(exception, text)} [{exception}]"
+    if system is None and _OWN.search(source) and not _is_message_of_python(exception, text):
+        return f"{_describe_student_exception(exception, text)} [{exception}]"
     sentence = explain_error(exception, text, values, frames, file_lines) if text else None
     if sentence is None:
-        advice = system or _special_advice(exception, text) or _ADVICE.get(exception) or _by_family(exception)
+        advice = (
+            system or _special_advice(exception, text) or _ADVICE.get(exception) or _explain_by_name_ending(exception)
+        )
         if system is None and _FRENCH.search(text):  # a function of the course, or the program's own
             advice = f"« {text.splitlines()[0]} ». {advice}"
         # Some exceptions have a name or a path where others have values.
@@ -120,14 +122,14 @@ def describe_exception(
     return f"{sentence} [{exception}]"
 
 
-def _is_of_python(exception: str, text: str) -> bool:
+def _is_message_of_python(exception: str, text: str) -> bool:
     """Whether the text is Python's own, about the statement that raises: « raise 3 », « raise ValuError »."""
     return (exception == "TypeError" and text.startswith("exceptions must")) or (
         exception == "NameError" and text.startswith("name '")
     )
 
 
-def _own_exception(exception: str, text: str) -> str:
+def _describe_student_exception(exception: str, text: str) -> str:
     """Return the sentence of an exception that the program raised itself."""
     if exception == "NotImplementedError":
         return f"Cette fonction reste à écrire{f' (« {text} »)' if text else ''}."
@@ -152,7 +154,7 @@ def _special_advice(exception: str, text: str) -> str | None:
     return None
 
 
-def _by_family(exception: str) -> str:
+def _explain_by_name_ending(exception: str) -> str:
     """Return what an exception without advice of its own means, by the end of its name."""
     for end, advice in _FAMILIES.items():
         if exception.endswith(end):

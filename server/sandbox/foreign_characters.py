@@ -15,7 +15,7 @@ from dataclasses import dataclass
 from itertools import islice
 
 from server.sandbox.piled_marks import has_piled_marks
-from server.sandbox.program_text import after_string, find_or_end
+from server.sandbox.program_text import find_end_of_string, find_or_end
 
 _SPACES = {
     "\u00a0": "une espace insécable",
@@ -106,20 +106,20 @@ def find_foreign_characters(lines: Sequence[str]) -> list[ForeignCharacter]:
     text = "\n".join(lines)
     places = islice(_foreign_places(text), _MOST_FOUND)
     found = [
-        ForeignCharacter(text.count("\n", 0, index) + 1, index, text[index], _candidates(text, index)[0])
+        ForeignCharacter(text.count("\n", 0, index) + 1, index, text[index], _replacement_candidates(text, index)[0])
         for index in places
     ]
-    return _tried_out(text, found)
+    return _choose_working_replacements(text, found)
 
 
-def repair(lines: Sequence[str], found: Iterable[ForeignCharacter]) -> str:
+def replace_foreign_characters(lines: Sequence[str], found: Iterable[ForeignCharacter]) -> str:
     """Return the text with each of these characters replaced as it is advised."""
-    return _replaced("\n".join(lines), found)
+    return _replace_in_text("\n".join(lines), found)
 
 
 def is_readable(text: str) -> bool:
     """Whether Python can parse the text."""
-    return _progress(text) == _READABLE
+    return _first_syntax_error_position(text) == _READABLE
 
 
 def describe_foreign_characters(found: Sequence[ForeignCharacter]) -> str:
@@ -127,13 +127,15 @@ def describe_foreign_characters(found: Sequence[ForeignCharacter]) -> str:
     kinds: dict[tuple[str, str], list[int]] = {}
     for foreign in found:
         kinds.setdefault((foreign.character, foreign.replacement), []).append(foreign.line)
-    sentences = [f"{_at_lines(at)}{_advice(*kind)}" for kind, at in list(kinds.items())[:_MOST_TOLD]]
+    sentences = [
+        f"{_line_numbers_in_words(at)}{_replacement_advice(*kind)}" for kind, at in list(kinds.items())[:_MOST_TOLD]
+    ]
     return "\n".join(sentences)
 
 
 def show_foreign_characters(line: str) -> str:
     """Return a line with its unseen characters spelled out, ⟦U+00A0⟧."""
-    return "".join(f"⟦{_code(character)}⟧" if _is_unseen(character) else character for character in line)
+    return "".join(f"⟦{_code_point_text(character)}⟧" if _is_unseen(character) else character for character in line)
 
 
 def latin_spelling(name: str) -> str | None:
@@ -150,18 +152,20 @@ def describe_odd_letters(name: str) -> str:
     """Return which letters of a name are not the Latin ones that they look like, in French."""
     odd = [letter for letter in dict.fromkeys(name) if letter in _LOOK_ALIKES or _is_unseen(letter)]
     described = [
-        f"un caractère invisible ({_code(letter)})" if _is_unseen(letter) else f"« {letter} » {_alphabet(letter)}"
+        f"un caractère invisible ({_code_point_text(letter)})"
+        if _is_unseen(letter)
+        else f"« {letter} » {_alphabet_of_letter(letter)}"
         for letter in odd
     ]
     return " et ".join(described)
 
 
-def _alphabet(letter: str) -> str:
+def _alphabet_of_letter(letter: str) -> str:
     script = "grec" if "GREEK" in unicodedata.name(letter, "") else "cyrillique"
-    return f"de l’alphabet {script} ({_code(letter)})"
+    return f"de l’alphabet {script} ({_code_point_text(letter)})"
 
 
-def _code(character: str) -> str:
+def _code_point_text(character: str) -> str:
     return f"U+{ord(character):04X}"
 
 
@@ -202,7 +206,7 @@ def _foreign_places(text: str) -> Iterator[int]:
         if character == "#":
             at = find_or_end(text, "\n", at)
         elif character in "\"'":
-            at = after_string(text, at)
+            at = find_end_of_string(text, at)
         elif character in _CLOSING:
             yield at
             closing = _closing_quote(text, at)
@@ -231,7 +235,7 @@ def _closing_quote(text: str, start: int) -> int:
     return closing if closing < stop else 0
 
 
-def _candidates(text: str, index: int) -> tuple[str, ...]:
+def _replacement_candidates(text: str, index: int) -> tuple[str, ...]:
     """Return what may replace a character, the likeliest first."""
     character = text[index]
     if character in _SPACES or character in _LINE_ENDS:
@@ -246,10 +250,10 @@ def _candidates(text: str, index: int) -> tuple[str, ...]:
         return (plain, "", " ")
     if _is_digit(character):
         return (str(unicodedata.decimal(character)), "", " ")
-    return (" ", "") if _parts_keyword(text, index) else ("", " ")
+    return (" ", "") if _separates_keyword_from_name(text, index) else ("", " ")
 
 
-def _parts_keyword(text: str, index: int) -> bool:
+def _separates_keyword_from_name(text: str, index: int) -> bool:
     """Whether a character without width stands between a keyword and a name, which would become one word."""
     before = text[max(0, index - _LONGEST_WORD) : index].rsplit("\n", 1)[-1]
     after = text[index + 1 : index + 1 + _LONGEST_WORD].split("\n", 1)[0]
@@ -263,7 +267,7 @@ _LONGEST_WORD = 20
 _WORD = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_"
 
 
-def _replaced(text: str, found: Iterable[ForeignCharacter]) -> str:
+def _replace_in_text(text: str, found: Iterable[ForeignCharacter]) -> str:
     pieces, last = [], 0
     for foreign in found:
         pieces += [text[last : foreign.index], foreign.replacement]
@@ -274,7 +278,7 @@ def _replaced(text: str, found: Iterable[ForeignCharacter]) -> str:
 _READABLE = (1 << 60, 0)
 
 
-def _progress(text: str) -> tuple[int, int]:
+def _first_syntax_error_position(text: str) -> tuple[int, int]:
     """Return how far Python can read a text: the line and the column of its first syntax error; nowhere where marks are
     piled on a letter."""
     if has_piled_marks(text):
@@ -290,42 +294,44 @@ def _progress(text: str) -> tuple[int, int]:
     return _READABLE
 
 
-def _tried_out(text: str, found: list[ForeignCharacter]) -> list[ForeignCharacter]:
+def _choose_working_replacements(text: str, found: list[ForeignCharacter]) -> list[ForeignCharacter]:
     """Return the characters with the replacements by which Python reads farthest, the first to last."""
     if not found or len(text) > _LONGEST_TRIED:
         return found
-    best, tried = _progress(_replaced(text, found)), 1
+    best, tried = _first_syntax_error_position(_replace_in_text(text, found)), 1
     for rank, foreign in enumerate(found):
-        for other in _candidates(text, foreign.index)[1:]:
+        for other in _replacement_candidates(text, foreign.index)[1:]:
             if best == _READABLE or tried >= _MOST_TRIED:
                 return found
             changed = [*found]
             changed[rank] = ForeignCharacter(foreign.line, foreign.index, foreign.character, other)
-            progress, tried = _progress(_replaced(text, changed)), tried + 1
+            progress, tried = _first_syntax_error_position(_replace_in_text(text, changed)), tried + 1
             if progress > best:
                 best, found = progress, changed
     return found
 
 
-def _at_lines(lines: Sequence[int]) -> str:
+def _line_numbers_in_words(lines: Sequence[int]) -> str:
     different = list(dict.fromkeys(lines))
     shown = ", ".join(map(str, different[:_MOST_LINES])) + (", …" if len(different) > _MOST_LINES else "")
     return f"Ligne{'s' if len(different) > 1 else ''} {shown} : "
 
 
-def _advice(character: str, replacement: str) -> str:
+def _replacement_advice(character: str, replacement: str) -> str:
     if character in _LOOK_ALIKES:
-        what = f"« {character} » est {_alphabet(character).replace('de l’alphabet', 'une lettre de l’alphabet')}"
+        what = (
+            f"« {character} » est {_alphabet_of_letter(character).replace('de l’alphabet', 'une lettre de l’alphabet')}"
+        )
         return f"{what} : retapez la lettre latine « {replacement} »." if replacement else f"{what}, à effacer."
     kind = _SPACES.get(character) or _LINE_ENDS.get(character) or _ERASED.get(character)
     if kind is None and _is_unseen(character):
         kind = "un caractère invisible"
     if kind is not None:
-        what = f"{kind} ({_code(character)})"
+        what = f"{kind} ({_code_point_text(character)})"
     elif character in _SIGNS:
-        what = f"« {character} » ({_SIGNS[character][0]}, {_code(character)})"
+        what = f"« {character} » ({_SIGNS[character][0]}, {_code_point_text(character)})"
     else:
-        what = f"le caractère « {character} » ({_code(character)}), qui n’existe pas en Python,"
+        what = f"le caractère « {character} » ({_code_point_text(character)}), qui n’existe pas en Python,"
     if not replacement:
         return f"{what} est à effacer (copier-coller ?)."
     if replacement == " ":

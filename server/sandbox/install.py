@@ -32,28 +32,28 @@ class Installation:
 
 
 @cache
-def installation(imports: str = "numpy") -> Installation:
+def find_installation(imports: str = "numpy") -> Installation:
     """Return the paths that the template of an import set sees.
 
     Finds numpy (needed: raises ModuleNotFoundError), scipy and matplotlib (optional) without importing them.
     """
-    sets = {name: path for name in IMPORT_SETS if (path := _package(name))}
+    sets = {name: path for name in IMPORT_SETS if (path := _find_package_path(name))}
     if "numpy" not in sets:
         raise ModuleNotFoundError("numpy is not installed", name="numpy")
     paths = {name: path for name, path in sets.items() if name != DRAWING or imports == DRAWING}
     if DRAWING in paths:
-        paths |= {name: path for name in _MATPLOTLIB_PACKAGES if (path := _package(name))}
+        paths |= {name: path for name in _MATPLOTLIB_PACKAGES if (path := _find_package_path(name))}
     sites = tuple(dict.fromkeys(os.path.dirname(path) for path in paths.values()))
-    packages = [part for name, path in paths.items() for part in _with_libraries(name, path)]
+    packages = [part for name, path in paths.items() for part in _package_and_library_paths(name, path)]
     return Installation(sys.executable, sites, tuple(packages), tuple(sets))
 
 
-def _with_libraries(name: str, path: str) -> list[str]:
+def _package_and_library_paths(name: str, path: str) -> list[str]:
     libraries = os.path.join(os.path.dirname(path), _LIBRARY_FOLDERS.get(name, f"{name}.libs"))
     return [path, libraries] if os.path.isdir(libraries) else [path]
 
 
-def _package(name: str) -> str | None:
+def _find_package_path(name: str) -> str | None:
     """Return the folder of a package, or the file of a module."""
     spec = importlib.util.find_spec(name)
     if spec is None:
@@ -64,7 +64,7 @@ def _package(name: str) -> str | None:
 
 def import_set_of(source: bytes, *, drawing: bool = False) -> str:
     """Return the import set that a source needs; matplotlib's only where `drawing` is allowed."""
-    sets = installation().sets
+    sets = find_installation().sets
     if drawing and DRAWING in sets and b"matplotlib" in source:
         return DRAWING
     return "scipy" if b"scipy" in source and "scipy" in sets else "numpy"

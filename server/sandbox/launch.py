@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from server.sandbox.child import codec
 from server.sandbox.child.codec import Value
 from server.sandbox.child.template import CONTROL_LIMITS
-from server.sandbox.install import installation
+from server.sandbox.install import find_installation
 
 _BOOT = (
     "import sys; sys.path.insert(0, sys.argv[1]); from child.boot import main; del sys.path[0]; "
@@ -38,13 +38,13 @@ class TemplateConfig:
     lifted_walls: frozenset[str] = frozenset()
 
 
-def launch(setting: TemplateConfig, control: int, log: int) -> subprocess.Popen[bytes]:
+def launch_template_process(setting: TemplateConfig, control: int, log: int) -> subprocess.Popen[bytes]:
     """Start the first process of a template; `control` is its end of the socket, `log` its standard error."""
     configuration = _write_configuration(setting)
     try:
         return subprocess.Popen(
-            _command(setting, control, configuration),
-            env=_environment(setting),
+            _build_command(setting, control, configuration),
+            env=_build_environment(setting),
             cwd="/",
             stdin=subprocess.DEVNULL,
             stdout=log,
@@ -56,13 +56,13 @@ def launch(setting: TemplateConfig, control: int, log: int) -> subprocess.Popen[
         os.close(configuration)
 
 
-def _environment(setting: TemplateConfig) -> dict[str, str]:
+def _build_environment(setting: TemplateConfig) -> dict[str, str]:
     whole = "environment" in setting.lifted_walls
     return {k: v for k, v in os.environ.items() if whole or k == "LD_LIBRARY_PATH"} | _ENVIRONMENT
 
 
-def _command(setting: TemplateConfig, control: int, configuration: int) -> list[str]:
-    installed = installation(setting.imports)
+def _build_command(setting: TemplateConfig, control: int, configuration: int) -> list[str]:
+    installed = find_installation(setting.imports)
     mode = "namespaces" if setting.namespaces else "plain"
     numbers = (str(control), str(configuration), str(os.getpid()))
     here = os.path.dirname(os.path.abspath(__file__))
@@ -75,7 +75,7 @@ def _kit_files(name: str, files: KitFiles) -> dict[str, Value]:
 
 
 def _write_configuration(setting: TemplateConfig) -> int:
-    installed = installation(setting.imports)
+    installed = find_installation(setting.imports)
     message: dict[str, Value] = {
         "kits": {name: _kit_files(name, files) for name, files in setting.kits.items()},
         "imports": setting.imports,

@@ -27,7 +27,7 @@ def process_state(pid: int) -> str:
         return ""
 
 
-def children(pid: int) -> list[int]:
+def child_process_ids(pid: int) -> list[int]:
     """The processes that this one has started; empty where the kernel does not tell."""
     try:
         return [int(child) for child in Path(f"/proc/{pid}/task/{pid}/children").read_text(encoding="ascii").split()]
@@ -56,13 +56,15 @@ class HangDetector:
 
     def hangs_at_start(self, pid: int) -> bool:
         """Whether a process that comes up, or what it has started, is stopped."""
-        return self._count(any(process_state(process) in _STOPPED for process in (pid, *children(pid))))
+        return self._count_idle_checks(
+            any(process_state(process) in _STOPPED for process in (pid, *child_process_ids(pid)))
+        )
 
     def hangs_while_serving(self, pid: int, control: int) -> bool:
         """Whether a process leaves what was sent to it on this socket unread for nothing."""
-        return self._count(has_unread_data(control) and process_state(pid) in _IDLE)
+        return self._count_idle_checks(has_unread_data(control) and process_state(pid) in _IDLE)
 
-    def _count(self, idle: bool) -> bool:
+    def _count_idle_checks(self, idle: bool) -> bool:
         self._idle_polls = self._idle_polls + 1 if idle else 0
         return self._idle_polls >= _IDLE_POLLS_TO_HANG
 

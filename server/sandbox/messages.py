@@ -17,7 +17,7 @@ from server.sandbox.foreign_characters import (
     describe_foreign_characters,
     find_foreign_characters,
     is_readable,
-    repair,
+    replace_foreign_characters,
     show_foreign_characters,
 )
 from server.sandbox.piled_marks import MAX_MARKS
@@ -38,13 +38,13 @@ _SIGNALS = {
 }  # fmt: skip
 
 
-def typeset(text: str) -> str:
+def add_no_break_spaces(text: str) -> str:
     """Puts the no-break spaces of French typography."""
     text = re.sub(r" ([:;?!»])", _NO_BREAK_SPACE + r"\1", text)
     return text.replace("« ", "«" + _NO_BREAK_SPACE)
 
 
-def clean(text: str) -> str:
+def remove_control_characters(text: str) -> str:
     """A student's text without control characters (they could act on a terminal or a page), line ends aside."""
     return "".join(c if c == "\n" or (c.isprintable() and not _is_bidi(c)) else "\ufffd" for c in text)
 
@@ -53,18 +53,18 @@ def _is_bidi(character: str) -> bool:
     return character in "\u202a\u202b\u202c\u202d\u202e\u2066\u2067\u2068\u2069\u200e\u200f\u061c"
 
 
-def size(count: int) -> str:
+def format_byte_size(count: int) -> str:
     for unit, name in ((GIB, "Gio"), (MIB, "Mio"), (KIB, "Kio")):
         if count >= unit:
             return f"{count / unit:.4g} {name}".replace(".", ",")
     return f"{count} octets"
 
 
-def seconds(duration: float) -> str:
+def format_seconds(duration: float) -> str:
     return f"{duration:.3g} s".replace(".", ",")
 
 
-def at_line(line: int | None, frames: tuple[Frame, ...], sentence: str) -> str:
+def prefix_with_line(line: int | None, frames: tuple[Frame, ...], sentence: str) -> str:
     """« Ligne 12, dans « f » (return a[3]) : … », or the sentence alone when the line is unknown."""
     if line is None:
         return sentence[:1].upper() + sentence[1:]
@@ -77,9 +77,9 @@ def at_line(line: int | None, frames: tuple[Frame, ...], sentence: str) -> str:
 def syntax_error(text: str, source: str, line: int | None, lines: Sequence[str] = ()) -> str:
     """Return the sentence of a syntax error; `lines` are those of the file, where they are known."""
     foreign = find_foreign_characters(lines)
-    if foreign and (_OF_A_CHARACTER.search(text) or is_readable(repair(lines, foreign))):
+    if foreign and (_OF_A_CHARACTER.search(text) or is_readable(replace_foreign_characters(lines, foreign))):
         shown = show_foreign_characters(lines[line - 1].strip())[:_LONGEST_LINE] if line else source
-        return f"{describe_foreign_characters(foreign)}\nLigne lue : {clean(shown)}"
+        return f"{describe_foreign_characters(foreign)}\nLigne lue : {remove_control_characters(shown)}"
     where = f"Ligne {line} : " if line else ""
     sentence = explain_syntax(text, source)
     quoted = f"\nLigne lue : {source}" if source else ""
@@ -101,7 +101,7 @@ def piled_marks() -> str:
 
 def source_too_big(length: int, policy: Policy) -> str:
     return (
-        f"Votre fichier fait {size(length)}, et la limite est de {size(policy.source_bytes)}. "
+        f"Votre fichier fait {format_byte_size(length)}, et la limite est de {format_byte_size(policy.source_bytes)}. "
         "N’y laissez que vos fonctions, sans données recopiées."
     )
 
@@ -115,18 +115,18 @@ def runtime_error(
     file_lines: Sequence[str] = (),
 ) -> str:
     """Return the sentence of an exception with its line; see `describe_exception`."""
-    return at_line(line, frames, describe_exception(exception, text, frames, values, file_lines))
+    return prefix_with_line(line, frames, describe_exception(exception, text, frames, values, file_lines))
 
 
 def import_error(exception: str, module: str, text: str, line: int | None, frames: tuple[Frame, ...]) -> str:
     if exception != "ModuleNotFoundError" and module == library.NAME and (name := _MISSING_NAME.match(text)):
-        return at_line(line, frames, f"{library.NAME} ne donne pas « {name[1]} » ici. {_NOT_GIVEN}")
+        return prefix_with_line(line, frames, f"{library.NAME} ne donne pas « {name[1]} » ici. {_NOT_GIVEN}")
     if explained := explain_import(exception, module, text):
-        return at_line(line, frames, f"{explained} [{exception}]")
+        return prefix_with_line(line, frames, f"{explained} [{exception}]")
     if exception != "ModuleNotFoundError":
         what = f"Une partie du module « {module} »" if module else "Une partie d’un module"
-        return at_line(line, frames, f"{what} ne s’importe pas ici. [{exception}]")
-    return at_line(line, frames, f"le module « {module} » n’est pas disponible ici. {_module_advice(module)}")
+        return prefix_with_line(line, frames, f"{what} ne s’importe pas ici. [{exception}]")
+    return prefix_with_line(line, frames, f"le module « {module} » n’est pas disponible ici. {_module_advice(module)}")
 
 
 _MISSING_NAME = re.compile("cannot import name '(.+?)'")
@@ -149,7 +149,7 @@ def _module_advice(module: str) -> str:
 
 def missing_function(name: str, present: Iterable[str], exit_line: int | None = None, *, written: bool = True) -> str:
     """`exit_line`: where the file stopped by itself; `written`: whether it holds anything."""
-    functions = sorted(map(clean, present))
+    functions = sorted(map(remove_control_characters, present))
     by_lower_case = {function.casefold(): function for function in functions}
     near = [by_lower_case[close] for close in difflib.get_close_matches(name.casefold(), by_lower_case, 1, 0.6)]
     sentence = f"La fonction « {name} » est attendue et n’est pas dans votre fichier. "
@@ -164,16 +164,18 @@ def missing_function(name: str, present: Iterable[str], exit_line: int | None = 
 
 def timeout(what: str, policy: Policy, line: int | None, frames: tuple[Frame, ...]) -> str:
     if what == "cpu":
-        limit = f"votre programme a calculé pendant plus de {seconds(policy.cpu_seconds)}, la limite"
+        limit = f"votre programme a calculé pendant plus de {format_seconds(policy.cpu_seconds)}, la limite"
     else:
-        limit = f"votre programme n’a pas répondu en {seconds(policy.wall_seconds)}, la limite"
-    return at_line(line, frames, f"{limit}. Une boucle ne se termine-t-elle jamais, ou fait-elle un travail inutile ?")
+        limit = f"votre programme n’a pas répondu en {format_seconds(policy.wall_seconds)}, la limite"
+    return prefix_with_line(
+        line, frames, f"{limit}. Une boucle ne se termine-t-elle jamais, ou fait-elle un travail inutile ?"
+    )
 
 
 def memory_limit(policy: Policy, line: int | None, frames: tuple[Frame, ...]) -> str:
-    sentence = f"votre programme demande plus de mémoire que la limite de {size(policy.memory_bytes)}. "
+    sentence = f"votre programme demande plus de mémoire que la limite de {format_byte_size(policy.memory_bytes)}. "
     advice = "Un tableau a-t-il des dimensions démesurées, une liste grandit-elle sans fin ?"
-    return at_line(line, frames, sentence + advice)
+    return prefix_with_line(line, frames, sentence + advice)
 
 
 def forbidden(text: str, line: int | None, frames: tuple[Frame, ...]) -> str:
@@ -181,7 +183,7 @@ def forbidden(text: str, line: int | None, frames: tuple[Frame, ...]) -> str:
     path = re.search(r": '([^']{1,80})'", text)
     what = f" sur « {path[1]} »" if path else ""
     advice = "Fichiers, réseau, processus et fils d’exécution sont hors d’atteinte : tout arrive par les arguments."
-    return at_line(line, frames, f"opération interdite{what}. {advice}")
+    return prefix_with_line(line, frames, f"opération interdite{what}. {advice}")
 
 
 def exited(code: int) -> str:
@@ -204,17 +206,17 @@ def forged() -> str:
     )
 
 
-def _values(count: int) -> str:
+def _count_values_in_french(count: int) -> str:
     return f"{count:,} valeurs".replace(",", "\u202f")
 
 
 def answer_too_big(what: str, function: str, policy: Policy) -> str:
-    limit = _values(policy.items) if what == "items" else size(policy.frame_bytes)
+    limit = _count_values_in_french(policy.items) if what == "items" else format_byte_size(policy.frame_bytes)
     return f"Le résultat de « {function} » est trop gros : la limite est de {limit}."
 
 
 def answers_too_big(what: str, policy: Policy) -> str:
-    limit = _values(policy.session_items) if what == "items" else size(policy.session_bytes)
+    limit = _count_values_in_french(policy.session_items) if what == "items" else format_byte_size(policy.session_bytes)
     return (
         f"Ce que vos fonctions ont renvoyé dépasse, en tout, la limite de {limit} : le programme est arrêté là. "
         "Ne renvoyez que ce qui est demandé : ni liste ni tableau qui grandit d’un appel à l’autre."
@@ -223,8 +225,8 @@ def answers_too_big(what: str, policy: Policy) -> str:
 
 def judging_too_long(policy: Policy) -> str:
     return (
-        f"Lire et comparer ce que vos fonctions renvoient a pris plus de {seconds(policy.judging_seconds)} de calcul, "
-        "la limite : ce sont des valeurs bien plus grandes que celles qui sont demandées."
+        f"Lire et comparer ce que vos fonctions renvoient a pris plus de {format_seconds(policy.judging_seconds)} de "
+        "calcul, la limite : ce sont des valeurs bien plus grandes que celles qui sont demandées."
     )
 
 
@@ -249,13 +251,14 @@ def not_a_value(reason: str, culprit: str, where: str, function: str, policy: Po
     predicate = (
         f"contient, en {inside}, une valeur" if inside else "est" if where.startswith("[0]") else "contient une valeur"
     )
-    return f"{subject} {predicate} de type « {culprit} » : ni nombre, ni tableau, ni liste. {_cure(culprit)}"
+    advice = _advice_for_unsendable_type(culprit)
+    return f"{subject} {predicate} de type « {culprit} » : ni nombre, ni tableau, ni liste. {advice}"
 
 
 _ITERABLES = ("generator", "map", "filter", "zip", "enumerate", "reversed", "dict_keys", "dict_values", "dict_items")
 
 
-def _cure(culprit: str) -> str:
+def _advice_for_unsendable_type(culprit: str) -> str:
     if culprit in _ITERABLES:
         return "Entourez-la de « list(…) » ou de « np.array(…) »."
     if culprit in ("set", "frozenset"):

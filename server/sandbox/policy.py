@@ -26,7 +26,7 @@ class LimitSpec:
     maximum: float
 
 
-def _limit(default: Any, words: str, unit: Unit, least: float, most: float) -> Any:
+def _limit_field(default: Any, words: str, unit: Unit, least: float, most: float) -> Any:
     return field(default=default, metadata={"row": LimitSpec(words, unit, least, most)})
 
 
@@ -43,21 +43,23 @@ class Policy:
     `judging_seconds` is the processor time that it may take itself between a program's first line and its last answer.
     """
 
-    cpu_seconds: float = _limit(5.0, "Temps de calcul", "seconds", 0.01, 120)
-    wall_seconds: float = _limit(12.0, "Durée, attentes comprises", "seconds", 0.01, 300)
-    memory_bytes: int = _limit(512 * MIB, "Mémoire, sans les bibliothèques", "bytes", 64 * MIB, 4 * GIB)
-    source_bytes: int = _limit(64 * KIB, "Taille de votre fichier", "bytes", KIB, MIB)
-    stdout_bytes: int = _limit(64 * KIB, "Texte affiché par print", "bytes", KIB, MIB)
-    frame_bytes: int = _limit(4 * MIB, "Taille d’une réponse", "bytes", KIB, 64 * MIB)
-    items: int = _limit(10_000, "Valeurs d’une réponse, hors tableaux", "count", 1000, 1_000_000)
-    session_bytes: int = _limit(8 * MIB, "Taille des réponses, en tout", "bytes", KIB, 256 * MIB)
-    session_items: int = _limit(100_000, "Valeurs des réponses, en tout, hors tableaux", "count", 1000, 10_000_000)
-    depth: int = _limit(16, "Imbrication d’une réponse", "levels", 4, 60)
-    judging_seconds: float = _limit(8.0, "Temps pour lire et comparer vos réponses", "seconds", 1, 60)
-    threads: int = _limit(1, "Fils d’exécution (threads)", "threads", 1, 16)
-    files: int = _limit(64, "Fichiers ouverts en même temps", "count", 16, 1024)
-    file_bytes: int = _limit(4 * MIB, "Taille d’un fichier écrit", "bytes", KIB, 64 * MIB)
-    folder_bytes: int = _limit(16 * MIB, "Fichiers écrits, en tout", "bytes", 64 * KIB, 256 * MIB)
+    cpu_seconds: float = _limit_field(5.0, "Temps de calcul", "seconds", 0.01, 120)
+    wall_seconds: float = _limit_field(12.0, "Durée, attentes comprises", "seconds", 0.01, 300)
+    memory_bytes: int = _limit_field(512 * MIB, "Mémoire, sans les bibliothèques", "bytes", 64 * MIB, 4 * GIB)
+    source_bytes: int = _limit_field(64 * KIB, "Taille de votre fichier", "bytes", KIB, MIB)
+    stdout_bytes: int = _limit_field(64 * KIB, "Texte affiché par print", "bytes", KIB, MIB)
+    frame_bytes: int = _limit_field(4 * MIB, "Taille d’une réponse", "bytes", KIB, 64 * MIB)
+    items: int = _limit_field(10_000, "Valeurs d’une réponse, hors tableaux", "count", 1000, 1_000_000)
+    session_bytes: int = _limit_field(8 * MIB, "Taille des réponses, en tout", "bytes", KIB, 256 * MIB)
+    session_items: int = _limit_field(
+        100_000, "Valeurs des réponses, en tout, hors tableaux", "count", 1000, 10_000_000
+    )
+    depth: int = _limit_field(16, "Imbrication d’une réponse", "levels", 4, 60)
+    judging_seconds: float = _limit_field(8.0, "Temps pour lire et comparer vos réponses", "seconds", 1, 60)
+    threads: int = _limit_field(1, "Fils d’exécution (threads)", "threads", 1, 16)
+    files: int = _limit_field(64, "Fichiers ouverts en même temps", "count", 16, 1024)
+    file_bytes: int = _limit_field(4 * MIB, "Taille d’un fichier écrit", "bytes", KIB, 64 * MIB)
+    folder_bytes: int = _limit_field(16 * MIB, "Fichiers écrits, en tout", "bytes", 64 * KIB, 256 * MIB)
 
     def __post_init__(self) -> None:
         for name, value in asdict(self).items():

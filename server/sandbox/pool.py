@@ -140,9 +140,9 @@ class Sandbox:
     def prepare(self, source: bytes, children: int, *, kit: Kit | None = None, policy: Policy | None = None) -> None:
         """Order spare children for a file that is about to be opened `children` times, without waiting for them."""
         imports = sources.import_set_of_program(source, kit)
-        self._prepare(imports, policy or self.policy, children)
+        self._order_spare_children(imports, policy or self.policy, children)
 
-    def _prepare(self, imports: str, policy: Policy, children: int) -> None:
+    def _order_spare_children(self, imports: str, policy: Policy, children: int) -> None:
         slot = self._slots[imports]
         with slot.lock, contextlib.suppress(TemplateFault):  # `open` replaces a template that has failed
             waiting = slot.spares.setdefault(policy, deque())

@@ -55,7 +55,7 @@ def probe(*, slow: bool = True) -> list[WallReport]:
             templates.close()
 
 
-def safe_to_serve(reports: list[WallReport]) -> bool:
+def is_safe_to_serve(reports: list[WallReport]) -> bool:
     """Whether every required wall was tried and stands."""
     required = [report for report in reports if report.required]
     return bool(required) and all(report.status == WallStatus.STANDING for report in required)
@@ -99,7 +99,7 @@ def _last_line(error: TemplateFault) -> str:
 
 
 @contextmanager
-def _session(template: TemplateProcess, source: str, policy: Policy) -> Iterator[Session]:
+def _open_session(template: TemplateProcess, source: str, policy: Policy) -> Iterator[Session]:
     session = Session(template.fork(policy), policy)
     try:
         session.load(source.encode(), "solution.py", None)
@@ -130,8 +130,8 @@ def run_assault(assault: Assault, template: TemplateProcess) -> str:
     with ExitStack() as stack:
         argument = assault.argument(stack)
         if assault.accomplice:
-            stack.enter_context(_session(template, assault.accomplice, assault.policy)).call("prepare", argument)
-        session = stack.enter_context(_session(template, assault.source, assault.policy))
+            stack.enter_context(_open_session(template, assault.accomplice, assault.policy)).call("prepare", argument)
+        session = stack.enter_context(_open_session(template, assault.source, assault.policy))
         try:
             return str(session.call("essai", argument).value)
         except ProgramFault as fault:
@@ -142,5 +142,5 @@ def run_assault(assault: Assault, template: TemplateProcess) -> str:
 
 def _wall_report(assault: Assault, status: WallStatus, why: str) -> WallReport:
     detail = f"{assault.detail} : {why}" if why else assault.detail
-    mend = "" if status == WallStatus.STANDING else messages.typeset(assault.remedy)
-    return WallReport(assault.name, status, messages.typeset(detail), assault.required, mend)
+    mend = "" if status == WallStatus.STANDING else messages.add_no_break_spaces(assault.remedy)
+    return WallReport(assault.name, status, messages.add_no_break_spaces(detail), assault.required, mend)

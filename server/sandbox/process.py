@@ -23,7 +23,7 @@ from server.sandbox.child import codec, orders, outer
 from server.sandbox.child.template import CONTROL_LIMITS
 from server.sandbox.course_pipes import CourseChannel, make_course_channel
 from server.sandbox.faults import NamespacesRefused, SandboxFault, TemplateFault
-from server.sandbox.launch import TemplateConfig, launch
+from server.sandbox.launch import TemplateConfig, launch_template_process
 from server.sandbox.output import CapturedOutput
 from server.sandbox.policy import Policy
 from server.sandbox.wire import Wire
@@ -57,7 +57,7 @@ class Child:
     ) -> None:
         self._template, self._number = template, number
         self.wire, self.output, self.channel = wire, output, channel
-        self._exit: Future[ChildExit] = template.exit_of(number)
+        self._exit: Future[ChildExit] = template.exit_future(number)
         self._killed = False
         #: Callback after `close`.
         self.on_close: Callable[[], object] = lambda: None
@@ -65,16 +65,16 @@ class Child:
     def kill(self) -> None:
         if not (self._killed or self.has_exited()):
             self._killed = True
-            self._template.order(self._number, orders.pack_kill)
+            self._template.order(self._number, orders.pack_kill_order)
 
     def stop(self) -> None:
         """Stop it until `go_on`."""
-        self._template.order(self._number, orders.pack_stop)
+        self._template.order(self._number, orders.pack_stop_order)
 
     def go_on(self, alarm_at: float) -> None:
         """Let it go on; its time of the wall runs out at `alarm_at` of `time.monotonic`, if a call runs."""
         self.output.set_alarm(alarm_at)
-        self._template.order(self._number, orders.pack_go_on)
+        self._template.order(self._number, orders.pack_continue_order)
 
     def wait_exit(self, timeout: float) -> ChildExit:
         """Wait for the exit. Raises TemplateFault when the template died first, TimeoutError while the child lives."""
@@ -117,7 +117,9 @@ class TemplateProcess:
         try:
             with theirs:
                 self._control.setsockopt(socket.SOL_SOCKET, socket.SO_PASSCRED, 1)
-                self._process = spawner.submit(launch, self._config, theirs.fileno(), self._log).result()
+                self._process = spawner.submit(
+                    launch_template_process, self._config, theirs.fileno(), self._log
+                ).result()
             self._await_greeting()
         except BaseException:
             self._control.close()
@@ -202,24 +204,24 @@ class TemplateProcess:
                     *near.descriptors,
                     *(group.descriptors if group else ()),
                 ]
-                self._send_order(orders.pack_fork(number, _limits(policy)), descriptors)
+                self._send_order(orders.pack_fork_order(number, _child_limits(policy)), descriptors)
         except TemplateFault:
             child.close()
-            self._forget(number)
+            self._unregister_child(number)
             raise
         finally:
             if near is not caller:
                 near.close()
         return child
 
-    def _forget(self, number: int) -> None:
+    def _unregister_child(self, number: int) -> None:
         """Undo the registration of a child that could not be ordered."""
         with self._lock:
             self._exits.pop(number, None)
         if group := self._groups_in_use.pop(number, None):
             self._groups.release(group)
 
-    def exit_of(self, number: int) -> Future[ChildExit]:
+    def exit_future(self, number: int) -> Future[ChildExit]:
         return self._exits[number]
 
     def order(self, number: int, pack: Callable[[int], bytes]) -> None:
@@ -255,7 +257,7 @@ class TemplateProcess:
         except Exception:
             _log.exception("a template reports nonsense, and is ended")
         finally:
-            self._end()
+            self._kill_and_fail_pending()
 
     def _receive_report(self, watch: liveness.HangDetector) -> bytes:
         """Wait for the next report; empty when the template is gone or hangs."""
@@ -288,7 +290,7 @@ class TemplateProcess:
         self._groups.release(group)
         return exhausted
 
-    def _end(self) -> None:
+    def _kill_and_fail_pending(self) -> None:
         """Kill the template, then its parent, and fail all pending exits."""
         if not self._handle.kill_and_wait(_END_SECONDS):
             _log.error("the template %d cannot be killed", self._handle.pid)
@@ -329,7 +331,7 @@ def try_twice(action: Callable[[], Done]) -> Done:
         raise SandboxFault(str(error)) from error
 
 
-def _limits(policy: Policy) -> orders.ChildLimits:
+def _child_limits(policy: Policy) -> orders.ChildLimits:
     answer = policy.answer_limits
     return orders.ChildLimits(
         cpu_seconds=policy.cpu_seconds,

@@ -10,7 +10,7 @@ def find_or_end(text: str, sought: str, start: int, end: int | None = None) -> i
     return end if found < 0 else found
 
 
-def after_string(text: str, start: int) -> int:
+def find_end_of_string(text: str, start: int) -> int:
     """Return the index behind the string that begins at a quote."""
     quote = text[start] * 3 if text.startswith(text[start] * 3, start) else text[start]
     at = start + len(quote)

@@ -33,14 +33,14 @@ def parse_loaded(reported: Any) -> LoadedProgram | None:
         case (tuple() as names, tuple() as notes) if len(names) <= program.MAX_NAMES and len(notes) <= _MAX_NOTES:
             if not all(isinstance(name, str) and len(name) <= program.MAX_NAME for name in names):
                 return None
-            if not all(map(_is_note, notes)):
+            if not all(map(_is_valid_note, notes)):
                 return None
             exits = [line for kind, line in notes if kind == program.EXIT]
-            return LoadedProgram(frozenset(names), tuple(_remarks(notes)), exits[0] if exits else None)
+            return LoadedProgram(frozenset(names), tuple(_note_sentences(notes)), exits[0] if exits else None)
     return None
 
 
-def _is_note(note: Any) -> bool:
+def _is_valid_note(note: Any) -> bool:
     match note:
         case (program.DRAWING, str() as library):
             return library in drawing_stand_ins.ROOTS
@@ -49,12 +49,12 @@ def _is_note(note: Any) -> bool:
     return False
 
 
-def _remarks(notes: tuple[tuple[str, Any], ...]) -> Iterator[str]:
+def _note_sentences(notes: tuple[tuple[str, Any], ...]) -> Iterator[str]:
     """Yield a sentence for each note, and one for all libraries that draw."""
     libraries = dict.fromkeys(library for kind, library in notes if kind == program.DRAWING)
     for kind, line in notes:
         if kind != program.DRAWING:
-            yield messages.typeset(_SENTENCES[kind].format(line))
+            yield messages.add_no_break_spaces(_SENTENCES[kind].format(line))
     if libraries:
         named = ", ".join(f"« {library} »" for library in libraries)
-        yield messages.typeset(_SENTENCES[program.DRAWING].format(named))
+        yield messages.add_no_break_spaces(_SENTENCES[program.DRAWING].format(named))

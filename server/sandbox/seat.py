@@ -51,7 +51,7 @@ class SeatPrograms:
             stopped_at = self._stopped_at
             return 0.0 if stopped_at is None or self._job != job else time.monotonic() - stopped_at
 
-    def clock(self) -> float:
+    def clock_without_stops(self) -> float:
         """Return the seconds of `time.monotonic`, without those for which the programs were stopped."""
         stopped_at = self._stopped_at
         return (time.monotonic() if stopped_at is None else stopped_at) - self._stopped_seconds
@@ -121,7 +121,7 @@ class SeatPrograms:
 def seat_clock() -> Callable[[], float]:
     """Return the clock of the programs that this thread executes: that of its seat, else `time.monotonic`."""
     seat = current_seat()
-    return time.monotonic if seat is None else seat.clock
+    return time.monotonic if seat is None else seat.clock_without_stops
 
 
 def current_seat() -> SeatPrograms | None:

@@ -69,7 +69,7 @@ class Session(ChildConnection):
         sound to begin with.
         """
         self._join_seat()
-        self._expect(0, frames.READY)
+        self._expect_start_stage(0, frames.READY)
         self._filename, self._lines = filename, re.split("\r\n|\r|\n", source.decode("utf-8-sig", "replace"))
         configure, load = random_token(), random_token()
         more = group_batches(first_calls)
@@ -79,7 +79,7 @@ class Session(ChildConnection):
             + frames.pack_frame(load, frames.LOAD, self._encode_file(source, kit, shows_last=echo_last, waits=deferred))
             + first.payload(None)
         )
-        self._expect(configure, frames.CONFIGURED)
+        self._expect_start_stage(configure, frames.CONFIGURED)
         loaded = parse_loaded(self._decode_outcome(*self._receive(load, _ANSWERS)))
         if loaded is None:
             self._raise_forged()
@@ -179,7 +179,7 @@ class Session(ChildConnection):
     def _missing_function_fault(self, function: str) -> ProgramFault:
         written = any(line.strip() for line in self._lines)
         message = messages.missing_function(function, self.functions, self._exit_line, written=written)
-        return ProgramFault(FaultKind.MISSING_FUNCTION, messages.typeset(message))
+        return ProgramFault(FaultKind.MISSING_FUNCTION, messages.add_no_break_spaces(message))
 
     def describe_missing(self, functions: Iterable[str]) -> str:
         """Return what to tell of the first of these functions that the file lacks; empty if it has them all."""
@@ -324,9 +324,9 @@ class Session(ChildConnection):
         if not limit:
             return NO_VALUES
         if not wire.has_whole_answer:
-            with self._timed() as deadline:
+            with self._account_for_wire_time() as deadline:
                 wire.wait_for_answer(form, deadline)
-        if not (tokens := batch.pending_tokens(min(limit, wire.capacity(form)))):
+        if not (tokens := batch.pending_tokens(min(limit, wire.buffered_answer_capacity(form)))):
             return NO_VALUES
         values = wire.receive_same_shape(tokens, frames.VALUE, form, batch.end_frame(len(tokens)))
         batch.mark_answered(len(values))

@@ -31,17 +31,27 @@ def require_text(source: bytes, policy: Policy, *, cell: bool = False) -> None:
     """Raise ProgramFault for a source that is too big, or no text of a program; a `cell` may be a value alone."""
     if len(source) > policy.source_bytes:
         message = messages.source_too_big(len(source), policy)
-        raise ProgramFault(FaultKind.SYNTAX_ERROR, messages.typeset(message), fatal=True)
+        raise ProgramFault(FaultKind.SYNTAX_ERROR, messages.add_no_break_spaces(message), fatal=True)
     if not cell and (foreign := describe_foreign_file(source)):
-        raise ProgramFault(FaultKind.SYNTAX_ERROR, messages.typeset(foreign), exception="SyntaxError", fatal=True)
+        raise ProgramFault(
+            FaultKind.SYNTAX_ERROR, messages.add_no_break_spaces(foreign), exception="SyntaxError", fatal=True
+        )
     if (piled := find_piled_marks(source)) is not None:
         message = messages.unreadable_line(messages.piled_marks(), piled)
         raise ProgramFault(
-            FaultKind.SYNTAX_ERROR, messages.typeset(message), line=piled, exception="SyntaxError", fatal=True
+            FaultKind.SYNTAX_ERROR,
+            messages.add_no_break_spaces(message),
+            line=piled,
+            exception="SyntaxError",
+            fatal=True,
         )
     if b"\0" in source:
         line = source[: source.index(b"\0")].count(b"\n") + 1
         message = messages.unreadable_line(messages.null_byte(), line)
         raise ProgramFault(
-            FaultKind.SYNTAX_ERROR, messages.typeset(message), line=line, exception="SyntaxError", fatal=True
+            FaultKind.SYNTAX_ERROR,
+            messages.add_no_break_spaces(message),
+            line=line,
+            exception="SyntaxError",
+            fatal=True,
         )

@@ -89,7 +89,7 @@ class Wire:
         self._offset += end
         return kind, payload
 
-    def capacity(self, shape: AnswerShape) -> int:
+    def buffered_answer_capacity(self, shape: AnswerShape) -> int:
         """Return how many answers of this shape the buffer may hold."""
         return (len(self._buffer) - self._offset) // (HEADER.size + shape.answer_bytes) if shape.answer_bytes > 0 else 0
 
@@ -98,7 +98,7 @@ class Wire:
 
         The last answer counts only if the frame `end`, where received_token, follows it.
         """
-        values = shape.values_in(self._buffer, self._offset, tokens, kind)
+        values = shape.read_consecutive_values(self._buffer, self._offset, tokens, kind)
         after = self._offset + len(values) * (HEADER.size + shape.answer_bytes)
         if end and len(values) == len(tokens):
             if self._buffer.startswith(end, after):

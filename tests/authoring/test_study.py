@@ -100,7 +100,7 @@ def test_shrinking_stops_at_what_it_may_cost() -> None:
 def test_the_command_tells_the_groups_and_refuses_one_that_is_not_there(
     sqlite: Database, settings: Settings, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    monkeypatch.setenv("BALISE_DATABASE_URL", settings.url)
+    monkeypatch.setenv("BALISE_DATABASE_URL", settings.sqlalchemy_url)
     monkeypatch.setattr(command, "load_unrendered_course", the_course)
     monkeypatch.setattr(command, "start_probing_walls", lambda **_: None)
     monkeypatch.setattr(command, "local_grader", lambda *_: nullcontext(InThisProcess()))

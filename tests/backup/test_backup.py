@@ -28,7 +28,13 @@ from server.base.settings import Settings
 from server.cli import main
 from server.cli.data_lock import lock_data_folder
 from server.database import END_OF_TIME, Database, utc_now
-from server.database.migrate import WrongSchema, alembic_config, missing_migrations, require_current, upgrade
+from server.database.migrate import (
+    WrongSchemaError,
+    alembic_config,
+    missing_migrations,
+    require_current_schema,
+    upgrade,
+)
 from server.gradebook.models import Grading
 from server.identity.models import Account
 from server.queue.models import Job
@@ -98,7 +104,7 @@ def test_what_was_acknowledged_before_a_backup_under_load_is_restored(
     database.close()
     restored, kept = service.restore_backup(both, file, TABLES, replace=True, now=utc_now())
     assert restored == manifest
-    again = Database(both.url)
+    again = Database(both.sqlalchemy_url)
     with again.read() as db:
         found = {row[0]: row[1] for row in db.execute(select(Submission.id, Submission.source))}
         waiting = {UUID(key) for key in db.execute(select(Job.key)).scalars()}
@@ -110,7 +116,7 @@ def test_what_was_acknowledged_before_a_backup_under_load_is_restored(
     assert waiting | graded == found.keys(), "each is graded, or waits"
     assert not waiting & graded
     assert len(names) == 3
-    assert (kept is not None) == both.url.startswith("sqlite")
+    assert (kept is not None) == both.sqlalchemy_url.startswith("sqlite")
 
 
 def test_revisions_are_what_they_were_and_are_drawn_anew_again(
@@ -131,7 +137,7 @@ def test_revisions_are_what_they_were_and_are_drawn_anew_again(
     assert told(database) != before
     database.close()
     service.restore_backup(both, file, TABLES, replace=True, now=utc_now())
-    again = Database(both.url)
+    again = Database(both.sqlalchemy_url)
     assert told(again) == before
     with again.write() as db:
         db.execute(update(Grading).where(Grading.submission_id == graded).values(score=1.0))
@@ -152,7 +158,7 @@ def test_a_backup_says_how_many_rows_there_are_of_what(database: Database, both:
     first = service.back_up(both, tmp_path / "1.zip", TABLE_NAMES)
     assert {name for name, saved in first.tables.items() if saved.rows} == {"account", "alembic_version"}
     assert first.tables.keys() == TABLE_NAMES | {"alembic_version"}
-    if both.url.startswith("sqlite"):
+    if both.sqlalchemy_url.startswith("sqlite"):
         assert service.verify_backup(both, tmp_path / "1.zip") == first
     with database.write() as db:
         db.execute(text("UPDATE account SET name = 'Eve'"))
@@ -183,7 +189,7 @@ def test_a_damaged_backup_changes_nothing(database: Database, both: Settings, tm
     ada = new_account(database, name="Ada Lovelace")
     file = tmp_path / "save.zip"
     service.back_up(both, file, TABLE_NAMES)
-    data = "balise.sqlite3" if both.url.startswith("sqlite") else "tables/account.copy"
+    data = "balise.sqlite3" if both.sqlalchemy_url.startswith("sqlite") else "tables/account.copy"
     (tmp_path / "cut.zip").write_bytes(file.read_bytes()[:-30])
     (tmp_path / "text.zip").write_text("bonjour")
     damaged = [
@@ -233,9 +239,9 @@ def test_a_backup_is_restored_into_the_other_engine(
     other = both.model_copy(update={"database_url": url})
     assert service.verify_backup(other, file).row_count
     service.restore_backup(other, file, TABLES, replace=is_local, now=utc_now())
-    with closing(Database(other.url)) as restored:
+    with closing(Database(other.sqlalchemy_url)) as restored:
         assert rows_as_stored(restored) == before
-        require_current(restored.engine)
+        require_current_schema(restored.engine)
         with restored.write() as db:
             db.execute(Account.__table__.delete())
     member = "balise.sqlite3" if is_local else "tables/account.copy"
@@ -275,7 +281,7 @@ def test_the_commands_save_and_restore_beside_what_was_there(
         assert sqlite3.connect(path).execute("SELECT count(*) FROM account").fetchone() == (count,)
     shutil.rmtree(settings.data_dir)
     assert main(["restore", str(file), *data]) == 0, "to a new machine"
-    migrated_one = Database(settings.url)
+    migrated_one = Database(settings.sqlalchemy_url)
     with migrated_one.read() as db:
         assert len(db.execute(select(Account.id)).all()) == 1
     migrated_one.close()
@@ -301,13 +307,13 @@ def test_what_is_no_database_of_ours_is_not_saved(settings: Settings, tmp_path: 
 
 
 def test_an_older_backup_comes_to_the_current_schema(settings: Settings, tmp_path: Path) -> None:
-    old = Database(settings.url)
+    old = Database(settings.sqlalchemy_url)
     upgrade(old.engine, "0016")
     old.close()
     assert service.back_up(settings, tmp_path / "old.zip", TABLE_NAMES).revision == "0016"
     service.restore_backup(settings, tmp_path / "old.zip", TABLES, replace=True, now=utc_now())
-    now = Database(settings.url)
-    require_current(now.engine)
+    now = Database(settings.sqlalchemy_url)
+    require_current_schema(now.engine)
     now.close()
 
 
@@ -316,7 +322,7 @@ def test_a_database_is_saved_before_its_schema_changes(
 ) -> None:
     assert service.back_up_before_upgrade(both, database, TABLE_NAMES, utc_now()) is None, "nothing is missing"
     old = both.model_copy(update={"data_dir": tmp_path / "old", "upgrade_backup_dir": tmp_path})
-    with closing(Database(old.url)) as older:
+    with closing(Database(old.sqlalchemy_url)) as older:
         if older.is_local_file:
             upgrade(older.engine, "0016")
         else:
@@ -329,8 +335,8 @@ def test_a_database_is_saved_before_its_schema_changes(
         assert str(copy) in caplog.text, "the administrator reads where"
         assert stat.S_IMODE(copy.stat().st_mode) == 0o600
         if older.is_local_file:
-            with closing(Database(f"sqlite:///{copy}")) as saved, pytest.raises(WrongSchema, match="0016"):
-                require_current(saved.engine)
+            with closing(Database(f"sqlite:///{copy}")) as saved, pytest.raises(WrongSchemaError, match="0016"):
+                require_current_schema(saved.engine)
         else:
             assert service.verify_backup(old, copy).revision == "0029"
             unset = old.model_copy(update={"upgrade_backup_dir": None})
@@ -341,7 +347,7 @@ def test_a_database_is_saved_before_its_schema_changes(
 
 
 def test_a_copy_that_does_not_fit_changes_nothing(settings: Settings, monkeypatch: pytest.MonkeyPatch) -> None:
-    with closing(Database(settings.url)) as older:
+    with closing(Database(settings.sqlalchemy_url)) as older:
         upgrade(older.engine, "0016")
         monkeypatch.setattr(Path, "touch", _disk_is_full)
         with pytest.raises(BackupError, match="No space left"):

@@ -121,7 +121,7 @@ def test_strangers_come_at_intervals_while_a_member_is_served() -> None:
     loop.now += INTERVAL
     assert len(loop.turn()) == 1
     assert loop.turn() == []
-    loop.admission.end(member)
+    loop.admission.note_request_ended(member)
     assert len(loop.turn()) == 1
     assert len(loop.turn()) == 1, "a pass each: a page that a member opens now stands behind one"
 

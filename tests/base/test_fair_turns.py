@@ -22,7 +22,7 @@ from server.base.turns import (
     ProcessorUsage,
     RequestFlow,
     RequestTurns,
-    flow_of,
+    flow_of_request,
     out_of_turn,
     record_sender,
 )
@@ -187,11 +187,11 @@ def test_a_flow_is_an_account_or_the_visitors_of_an_address() -> None:
     ada, guest = uuid4(), uuid4()
     record_sender("of-ada", ada, is_guest=False)
     record_sender("of-a-guest", guest, is_guest=True)
-    assert flow_of(scope_of(cookie="a=b; balise_session=of-ada")) == RequestFlow(ada.hex)
-    assert flow_of(scope_of(authorization="Bearer of-ada")) == RequestFlow(ada.hex)
-    assert flow_of(scope_of(cookie="balise_session=of-a-guest")) == RequestFlow(guest.hex, CROWD)
+    assert flow_of_request(scope_of(cookie="a=b; balise_session=of-ada")) == RequestFlow(ada.hex)
+    assert flow_of_request(scope_of(authorization="Bearer of-ada")) == RequestFlow(ada.hex)
+    assert flow_of_request(scope_of(cookie="balise_session=of-a-guest")) == RequestFlow(guest.hex, CROWD)
     for strange in ({}, {"cookie": "balise_session=made-up"}, {"authorization": "Basic of-ada"}):
-        assert flow_of(scope_of(**strange)) == RequestFlow(f"visitors of {SCHOOL}", CROWD)
+        assert flow_of_request(scope_of(**strange)) == RequestFlow(f"visitors of {SCHOOL}", CROWD)
 
 
 def test_a_session_is_known_from_its_first_request_on(site: Site) -> None:
@@ -226,7 +226,7 @@ def test_a_turn_ends_as_the_answer_begins_or_as_the_request_waits(monkeypatch: p
     async def scene() -> None:
         fair = FairTurnsMiddleware(app, lambda request, error: pytest.fail(str(error)))
         for _ in range(IN_PROGRESS):
-            await fair._turns.begin(flow_of(scope_of()))
+            await fair._turns.begin(flow_of_request(scope_of()))
 
         async def receive() -> Any:
             await asyncio.Event().wait()
@@ -257,8 +257,8 @@ def test_a_page_that_nobody_waits_for_any_more_is_not_made(monkeypatch: pytest.M
 
     async def scene() -> None:
         fair = FairTurnsMiddleware(app, lambda request, error: pytest.fail(str(error)))
-        ends = [await fair._turns.begin(flow_of(scope_of())) for _ in range(IN_PROGRESS)]
-        ends.append(await fair._turns.begin(flow_of(scope_of())))
+        ends = [await fair._turns.begin(flow_of_request(scope_of())) for _ in range(IN_PROGRESS)]
+        ends.append(await fair._turns.begin(flow_of_request(scope_of())))
 
         def come(path: str, *messages: str, method: str = "GET") -> asyncio.Task[None]:
             left = iter(messages)
@@ -334,11 +334,11 @@ def test_who_has_waited_for_something_else_takes_a_turn_again(monkeypatch: pytes
     async def scene() -> None:
         fair = FairTurnsMiddleware(app, lambda request, error: pytest.fail(str(error)))
         for _ in range(IN_PROGRESS):
-            await fair._turns.begin(flow_of(scope_of()))
+            await fair._turns.begin(flow_of_request(scope_of()))
         request = asyncio.create_task(fair({**scope_of(), "method": "POST"}, lambda: pytest.fail("read"), None))  # type: ignore[arg-type]
         for _ in range(9):
             await asyncio.sleep(0)
-        other = await fair._turns.begin(flow_of(scope_of()))
+        other = await fair._turns.begin(flow_of_request(scope_of()))
         waited.set()
         for _ in range(9):
             await asyncio.sleep(0)

@@ -144,7 +144,7 @@ def test_what_cannot_be_traced_is_told_in_words(
     assert main(["serve", "--port", "0", "--data", str(tmp_path)]) == 2
     assert "http/protobuf" in capsys.readouterr().err
     monkeypatch.setitem(sys.modules, "opentelemetry.sdk.trace", None)
-    with pytest.raises(traces.CannotTrace, match=r"balise\[traces\]"):
+    with pytest.raises(traces.TracingConfigurationError, match=r"balise\[traces\]"):
         traces.start_tracing("web")
 
 
@@ -153,11 +153,11 @@ def test_a_collector_gets_them_as_the_variables_say(monkeypatch: pytest.MonkeyPa
     monkeypatch.setenv("OTEL_RESOURCE_ATTRIBUTES", "deployment.environment=lycée")
     traces.start_tracing("web")
     try:
-        provider = traces._State.provider
+        provider = traces._TracingState.provider
         assert provider is not None
         attributes = provider.resource.attributes
         assert (attributes["service.name"], attributes["service.instance.id"]) == ("balise", "web")
         assert attributes["deployment.environment"] == "lycée"
     finally:
         traces.stop_tracing()
-    assert traces._State.tracer is None
+    assert traces._TracingState.tracer is None

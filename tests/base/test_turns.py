@@ -92,7 +92,7 @@ def test_a_flood_gives_way_to_others_and_to_nobody_of_its_own() -> None:
         assert queue.refused == ["a5", "a4"]
         await queue.come("b2")
         assert queue.refused == ["a5", "a4", "b2"]
-        assert queue.turns.waiting == 3
+        assert queue.turns.waiting_count == 3
         await queue.end(3)
         assert queue.served == ["a1", "a2", "b1", "a3"]
 
@@ -132,7 +132,7 @@ def test_who_leaves_keeps_no_turn(leave: Callable[[Queue, asyncio.Task[None]], A
         await leave(queue, leaving)
         await settled()
         assert queue.served == ["a1", "c1"]
-        assert queue.turns.waiting == 0
+        assert queue.turns.waiting_count == 0
         await queue.end()
         await queue.come("d1", "d2")
         assert queue.served == ["a1", "c1", "d1"]

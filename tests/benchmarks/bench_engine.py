@@ -56,7 +56,7 @@ class Noting:
 def work(settings: Settings) -> None:
     """The other process, until it is killed."""
     tasks: Mapping[str, Any] = {KIND: Noting()}
-    database = Database(settings.url)
+    database = Database(settings.sqlalchemy_url)
     if not settings.nats_url:
         print("ready", flush=True)
         Worker(database, TableQueue(NullNotifier()), settings, tasks).run(PollingSource())
@@ -92,13 +92,13 @@ def delays(settings: Settings, jobs: int, burst: int, workers: int) -> list[floa
         "-m",
         "tests.benchmarks.bench_engine",
         "--work",
-        settings.url,
+        settings.sqlalchemy_url,
         settings.nats_url,
     ]
     started = [subprocess.Popen(command, stdout=subprocess.PIPE, text=True) for _ in range(workers)]
     engine = NatsEngine(settings, LANES) if settings.nats_url else None
     queue = TableQueue(engine.notifier if engine else NullNotifier())
-    database, committed = Database(settings.url), dict[str, float]()
+    database, committed = Database(settings.sqlalchemy_url), dict[str, float]()
     try:
         for one in started:
             assert one.stdout
@@ -138,7 +138,7 @@ def begun(database: Database, started: list[subprocess.Popen[str]]) -> Iterator[
 
 
 def calibration(settings: Settings) -> Iterator[tuple[str, list[float]]]:
-    database, engine = Database(settings.url), NatsEngine(settings, LANES)
+    database, engine = Database(settings.sqlalchemy_url), NatsEngine(settings, LANES)
     with database.write() as db:
         db.execute(text("CREATE TABLE IF NOT EXISTS bench (n int)"))
 
@@ -186,7 +186,7 @@ def main() -> None:
         work(Settings(database_url=url.replace("+psycopg", ""), nats_url=nats_url, poll_seconds=30.0))
         return
     with servers() as settings:
-        database = Database(settings.url)
+        database = Database(settings.sqlalchemy_url)
         upgrade(database.engine)
         database.close()
         rows = [(f"calibration: {name}", taken) for name, taken in calibration(settings)]

@@ -102,7 +102,7 @@ def main() -> None:
     parser.add_argument("--url")
     with tempfile.TemporaryDirectory() as folder:
         settings = Settings(data_dir=Path(folder), workers=0, database_url=parser.parse_args().url)
-        with closing(Database(settings.url)) as database:
+        with closing(Database(settings.sqlalchemy_url)) as database:
             upgrade(database.engine)
             for waiting in (5, 300, 6000):
                 told = "  ".join(f"{name} {taken:5.0f} µs" for name, taken in measure(database, waiting).items())

@@ -21,7 +21,7 @@ import numpy as np
 
 from server.sandbox import Policy, Sandbox
 from server.sandbox.child.walls import WALLS
-from server.sandbox.install import installation
+from server.sandbox.install import find_installation
 from tests.benchmarks.footprint import weigh
 from tests.benchmarks.measure import Contender, figure, interleave, median, p95, table
 from tests.benchmarks.peers import peers
@@ -125,7 +125,7 @@ def main() -> None:
     parser.add_argument("--peers-venv", type=Path, help="a virtual environment that holds the other graders")
     parser.add_argument("--only", choices=("latency", "memory", "throughput"))
     options = parser.parse_args()
-    if "scipy" not in installation().sets:
+    if "scipy" not in find_installation().sets:
         raise SystemExit("this benchmark needs scipy")
     print(f"Python {platform.python_version()}, Linux {platform.release()}, {os.cpu_count()} cores")
     parts: dict[str, Callable[[], None]] = {

@@ -62,7 +62,7 @@ def widened(course: Course, module: str, exercises: int) -> Course:
 @contextmanager
 def site(data: Path, course: Course) -> Iterator[tuple[TestClient, Database, Account]]:
     settings = Settings(data_dir=data, workers=0, warm_figures=False)
-    database = Database(settings.url)
+    database = Database(settings.sqlalchemy_url)
     upgrade(database.engine)
     database.close()
     app = create_app(settings, course=course)

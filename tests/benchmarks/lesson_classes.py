@@ -39,7 +39,7 @@ class Lesson:
 
 def prepared(data: Path, course: Course, count: int, students: int) -> list[Lesson]:
     """Write the database of this folder: so many classes that have worked for weeks, and whose lessons have begun."""
-    database = Database(Settings(data_dir=data).url)
+    database = Database(Settings(data_dir=data).sqlalchemy_url)
     upgrade(database.engine)
     names = [one.id for one in course.modules[MODULE].exercises if one.slug not in TODAY][:EARLIER]
     mistakes = {name: sorted(course.exercises[name].grader.mistake_ids())[:6] for name in names}

@@ -47,7 +47,7 @@ class School:
 
 def school(data: Path, course: Course) -> School:
     """Writes the database of this folder, which is not there yet."""
-    database = Database(Settings(data_dir=data).url)
+    database = Database(Settings(data_dir=data).sqlalchemy_url)
     upgrade(database.engine)
     with database.write() as db:
         teacher = Account(role=Role.teacher, name="Banc", login="banc@example.org")

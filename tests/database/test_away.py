@@ -48,10 +48,10 @@ def test_what_is_away_is_told_from_what_is_wrong(postgres_url: str, settings: Se
     shared = settings.model_copy(update={"database_url": postgres_url})
     for url, statement, expected in [
         (NOWHERE, "SELECT 1", True),
-        (shared.url, "SELECT pg_terminate_backend(pg_backend_pid())", True),
-        (shared.url, "SELECT 1/0", False),
-        (shared.url, "SELECT * FROM nothing_of_that_name", False),
-        (settings.url, "SELECT * FROM nothing_of_that_name", False),
+        (shared.sqlalchemy_url, "SELECT pg_terminate_backend(pg_backend_pid())", True),
+        (shared.sqlalchemy_url, "SELECT 1/0", False),
+        (shared.sqlalchemy_url, "SELECT * FROM nothing_of_that_name", False),
+        (settings.sqlalchemy_url, "SELECT * FROM nothing_of_that_name", False),
     ]:
         with closing(Database(url)) as database:
             assert is_unavailable(failure(database, statement)) is expected, (url, statement)
@@ -92,7 +92,7 @@ def test_a_transaction_frozen_with_the_lock_of_all_is_undone(
 
 
 def test_every_transaction_has_its_bound(postgres_url: str, settings: Settings) -> None:
-    with closing(Database(settings.model_copy(update={"database_url": postgres_url}).url)) as database:
+    with closing(Database(settings.model_copy(update={"database_url": postgres_url}).sqlalchemy_url)) as database:
         for _ in range(2):
             with database.read() as db:
                 assert db.execute(text("SHOW idle_in_transaction_session_timeout")).scalar_one() == "1min"
@@ -123,7 +123,7 @@ def test_who_asks_meanwhile_is_told_to_come_back(site: Site) -> None:
 
 def test_who_starts_meanwhile_waits_for_a_while(postgres_url: str, settings: Settings) -> None:
     shared = settings.model_copy(update={"database_url": postgres_url})
-    with closing(Database(shared.url)) as database:
+    with closing(Database(shared.sqlalchemy_url)) as database:
         refusals, real = [away(), away()], database.engine.connect
 
         def connect() -> Connection:

@@ -25,11 +25,11 @@ from server.base.settings import Settings
 from server.cli import main
 from server.database import Database, engine, run_after_commit, table_of
 from server.database.migrate import (
-    WrongSchema,
+    WrongSchemaError,
     alembic_config,
     head_revision,
     is_known_revision,
-    require_current,
+    require_current_schema,
     upgrade,
 )
 from server.gradebook.models import Grading
@@ -127,7 +127,7 @@ def test_processes_that_start_together_migrate_once(postgres_url: str, tmp_path:
             with closing(Database(url)) as database:
                 together.wait()
                 upgrade(database.engine)
-                require_current(database.engine)
+                require_current_schema(database.engine)
 
         with ThreadPoolExecutor(4) as pool:
             for done in [pool.submit(start) for _ in range(4)]:
@@ -191,14 +191,14 @@ import sqlite3
 import sys
 from alembic import command
 from server.database import Database
-from server.database.migrate import require_current, upgrade
+from server.database.migrate import require_current_schema, upgrade
 
 migrate = command.upgrade
 command.upgrade = lambda *args: (migrate(*args), print("migrated"))
 database = Database(sys.argv[1])
 sys.stdin.readline()  # all at the same time
 upgrade(database.engine)
-require_current(database.engine)
+require_current_schema(database.engine)
 """
 
 
@@ -232,7 +232,7 @@ def test_what_is_current_needs_no_alembic(tmp_path: Path, monkeypatch: pytest.Mo
     with closing(migrated(Settings(data_dir=tmp_path))) as database:
         monkeypatch.setitem(sys.modules, "alembic", None)
         upgrade(database.engine)
-        require_current(database.engine)
+        require_current_schema(database.engine)
 
 
 def test_the_database_of_a_newer_version_is_refused_and_left_as_it_is(
@@ -241,7 +241,7 @@ def test_the_database_of_a_newer_version_is_refused_and_left_as_it_is(
     with database.write() as db:
         db.execute(text("UPDATE alembic_version SET version_num = '9999'"))
     try:
-        with pytest.raises(WrongSchema, match=rf"plus récente.*9999.*{head_revision()}"):
+        with pytest.raises(WrongSchemaError, match=rf"plus récente.*9999.*{head_revision()}"):
             upgrade(database.engine)
         if both.database_url:
             monkeypatch.setenv("BALISE_DATABASE_URL", both.database_url)
@@ -256,8 +256,8 @@ def test_the_database_of_a_newer_version_is_refused_and_left_as_it_is(
 
 def test_who_does_not_migrate_refuses_an_older_database(tmp_path: Path) -> None:
     with closing(Database(f"sqlite:///{tmp_path / 'balise.sqlite3'}")) as database:
-        with pytest.raises(WrongSchema, match="absent"):
-            require_current(database.engine)
+        with pytest.raises(WrongSchemaError, match="absent"):
+            require_current_schema(database.engine)
         upgrade(database.engine, "0001")
-        with pytest.raises(WrongSchema, match=r"plus ancienne.*0001"):
-            require_current(database.engine)
+        with pytest.raises(WrongSchemaError, match=r"plus ancienne.*0001"):
+            require_current_schema(database.engine)

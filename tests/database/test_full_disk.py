@@ -95,7 +95,7 @@ def test_a_verdict_waits_for_room(site: Site, disk: Disk, monkeypatch: pytest.Mo
 def test_a_start_on_a_full_disk_is_one_clear_line(
     settings: Settings, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    with closing(Database(settings.url)) as older:
+    with closing(Database(settings.sqlalchemy_url)) as older:
         upgrade(older.engine, "0016")
         Disk(older).fill()
         monkeypatch.setattr("server.cli.serve.Database", lambda _url: older)

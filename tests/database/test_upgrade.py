@@ -77,14 +77,14 @@ def upgraded(
         if database_url is None:
             landed, content = request.getfixturevalue("of_sqlite")
             mine = settings
-            path = Path(str(make_url(mine.url).database))
+            path = Path(str(make_url(mine.sqlalchemy_url).database))
             path.parent.mkdir(parents=True)
             path.write_bytes(content)
         else:
             landed, name = request.getfixturevalue("of_postgresql")
             own = stack.enter_context(new_database(database_url, f"{name}_copy", name))
             mine = settings.model_copy(update={"database_url": own})
-        yield Upgraded(stack.enter_context(closing(Database(mine.url))), mine, landed, course)
+        yield Upgraded(stack.enter_context(closing(Database(mine.sqlalchemy_url))), mine, landed, course)
 
 
 def test_every_row_is_kept(upgraded: Upgraded) -> None:

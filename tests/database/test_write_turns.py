@@ -12,7 +12,7 @@ from pathlib import Path
 import pytest
 
 from server.database import write_turns
-from server.database.write_turns import BEGIN_AND_LOCK, Turnstile, begin_in_turn
+from server.database.write_turns import BEGIN_AND_LOCK, FairLock, begin_in_turn
 from tests.support.live import until
 
 WRITERS = 8
@@ -33,7 +33,7 @@ def start(run: Callable[[], None]) -> threading.Thread:
 
 
 def test_nobody_is_overtaken(tmp_path: Path) -> None:
-    turnstile, order = Turnstile(), list[int]()
+    turnstile, order = FairLock(), list[int]()
     holder = connect(tmp_path / "data.sqlite3")
     holder.execute(BEGIN_AND_LOCK)
 
@@ -59,7 +59,7 @@ def test_a_lock_that_another_process_keeps_is_an_error_in_time(tmp_path: Path, m
     monkeypatch.setattr(write_turns, "BUSY_TIMEOUT_SECONDS", 0.01)
     holder, other = (connect(tmp_path / "data.sqlite3") for _ in range(2))
     holder.execute(BEGIN_AND_LOCK)
-    turnstile = Turnstile()
+    turnstile = FairLock()
     for _ in range(2):
         with pytest.raises(sqlite3.OperationalError, match="locked"):
             begin_in_turn(turnstile, other, lambda: other.execute(BEGIN_AND_LOCK))
@@ -69,7 +69,7 @@ def test_a_lock_that_another_process_keeps_is_an_error_in_time(tmp_path: Path, m
 
 
 def test_who_is_interrupted_leaves_its_place(monkeypatch: pytest.MonkeyPatch) -> None:
-    turnstile = Turnstile()
+    turnstile = FairLock()
 
     class Interrupted(BaseException):
         """Raised by a signal."""

@@ -168,7 +168,7 @@ def test_a_failure_is_told_to_all_who_wait_and_not_remembered(tmp_path: Path) ->
 
 
 async def until_waiting(pictures: PictureRenderer, number: int) -> None:
-    while pictures._limiter.waiting != number:
+    while pictures._limiter.waiting_count != number:
         await asyncio.sleep(0.001)
 
 

@@ -97,7 +97,7 @@ def test_a_worker_told_to_stop_as_it_claims_gives_its_work_back_too(
 
     class Claiming(GradingTask):
         def read(self, db: Session, lease: Lease) -> GradingInput | None:
-            stopping.request()
+            stopping.request_stop()
             return super().read(db, lease)
 
     def grade(sent: GradingInput) -> Judgement:
@@ -119,7 +119,7 @@ def test_a_worker_told_to_stop_as_it_records_ends_what_it_has_done(
 
     class Recording(GradingTask):
         def record(self, db: Session, work: GradingInput, result: GradingResult) -> None:
-            stopping.request()
+            stopping.request_stop()
             super().record(db, work, result)
 
     submitted(database, both, ada)
@@ -215,7 +215,7 @@ def test_a_worker_outlives_a_locked_database(
     submitted(sqlite, settings, account)
     monkeypatch.setattr("server.database.write_turns.BUSY_TIMEOUT_SECONDS", 0.001)
     monkeypatch.setattr("server.queue.job_runner.LOCKED_PAUSE", 0.01)
-    impatient = Database(settings.url)
+    impatient = Database(settings.sqlalchemy_url)
     with closing(impatient), ThreadPoolExecutor(1) as thread:
         with sqlite.write() as db:
             db.add(Account(name="Bob"))

@@ -66,7 +66,7 @@ def test_cluster_check_reports_a_nearly_full_database(
     environment: Settings, machines: list[Machine], monkeypatch: pytest.MonkeyPatch, capsys: Any
 ) -> None:
     machines.append(Machine(environment).start().up())
-    with closing(Database(environment.url)) as database, database.read() as db:
+    with closing(Database(environment.sqlalchemy_url)) as database, database.read() as db:
         opened, most = repository.count_open_and_allowed_connections(db)
         with database.read() as other:
             other.execute(select(1))

@@ -113,7 +113,7 @@ def test_the_screen_is_plain_and_fits_eighty_columns(site: Site, shown: Any) -> 
 def test_it_is_read_in_the_database_too_and_told_where_there_is_none(
     site: Site, capsys: Any, monkeypatch: pytest.MonkeyPatch, tmp_path: Any
 ) -> None:
-    monkeypatch.setenv("BALISE_DATABASE_URL", site.settings.url)
+    monkeypatch.setenv("BALISE_DATABASE_URL", site.settings.sqlalchemy_url)
     site.submit(site.token())
     assert main(["top", "--once"]) == 0
     assert "corrections" in capsys.readouterr().out

@@ -22,7 +22,7 @@ from server.gradebook import service as gradebook
 from server.grading.grading_task import give_up_handlers
 from server.identity.models import Account
 from server.queue.interfaces import JobNotification, Lease, Sender
-from server.queue.lease_owner import is_dead, parse_owner, process_owner
+from server.queue.lease_owner import is_owner_dead, parse_owner, process_owner
 from server.queue.models import Job
 from server.queue.service import MAX_TRIES, TableQueue
 from server.submissions.models import SubmissionState
@@ -268,10 +268,10 @@ def test_lease_owner_of_a_process_is_dead_or_alive() -> None:
     child = subprocess.Popen([sys.executable, "-c", "input()"], stdin=subprocess.PIPE)
     owner = process_owner(child.pid)
     assert parse_owner(str(owner)) == owner
-    assert not is_dead(str(owner), HERE)
+    assert not is_owner_dead(str(owner), HERE)
     child.kill()
     child.wait()
-    assert is_dead(str(owner), HERE)
+    assert is_owner_dead(str(owner), HERE)
 
 
 @pytest.mark.parametrize(
@@ -284,4 +284,4 @@ def test_lease_owner_of_a_process_is_dead_or_alive() -> None:
     ],
 )
 def test_owner_is_dead_only_when_certain(change: dict[str, str], dead: bool) -> None:
-    assert is_dead(str(replace(HERE, **change)), HERE) is dead  # type: ignore[arg-type]
+    assert is_owner_dead(str(replace(HERE, **change)), HERE) is dead  # type: ignore[arg-type]

@@ -18,7 +18,7 @@ from server.database import Database
 from server.queue.interfaces import Lease, PrecedingJobs, Sender, WaitingJob, WorkerCapabilities
 from server.queue.lease_owner import process_owner
 from server.queue.models import Job
-from server.queue.relief import BACKGROUND_TURN, Patience
+from server.queue.relief import BACKGROUND_TURN, ReliefDelays
 from server.queue.worker import Worker
 from server.sandbox.seat import current_seat
 from tests.support.service import QUIET
@@ -26,7 +26,7 @@ from tests.support.service import QUIET
 KIND, BACKGROUND_KIND = "bake", "clean"
 MEMBER, ACCOUNT, GUEST = 0, 1, 2
 #: No time is told: jobs are let in at the second look that sees them.
-AT_ONCE = Patience(look=0.005, rank=0.0, flow=0.0)
+AT_ONCE = ReliefDelays(look=0.005, rank=0.0, flow=0.0)
 HANGING_SECONDS = 120.0  # a test that waits so long hangs
 
 
@@ -149,7 +149,7 @@ class Kitchen:
             QUIET.enqueue(db, kind, key, {}, sender, required_version=needs)
 
     @contextmanager
-    def working(self, patience: Patience = AT_ONCE) -> Iterator[None]:
+    def working(self, patience: ReliefDelays = AT_ONCE) -> Iterator[None]:
         tasks: Any = {KIND: self.oven, BACKGROUND_KIND: self.oven}
         options: Any = {"patience": patience, "background": [BACKGROUND_KIND]}
         worker, bell = Worker(self.database, self.queue, self.settings, tasks, **options), Bell()
@@ -226,7 +226,7 @@ def test_who_holds_the_second_seat_gives_it_to_a_higher_rank_untried(kitchen: Ki
 
 def test_a_job_that_was_stopped_for_long_is_given_back_untried_and_done_later(kitchen: Kitchen) -> None:
     kitchen.put("loop", GUEST, "there")
-    with kitchen.working(Patience(look=0.005, rank=0.0, flow=0.0, stopped=0.05)):
+    with kitchen.working(ReliefDelays(look=0.005, rank=0.0, flow=0.0, stopped=0.05)):
         loop = kitchen.oven.next_beginning(0)
         kitchen.put("answer", MEMBER, "ada")
         answer = kitchen.oven.beginning_of("answer")
@@ -243,7 +243,7 @@ def test_a_job_that_was_stopped_for_long_is_given_back_untried_and_done_later(ki
 def test_a_job_claimed_beside_a_long_one_of_the_second_seat_has_not_been_stopped(kitchen: Kitchen) -> None:
     kitchen.queue = looks = LookCounter()
     kitchen.put("loop", GUEST, "there")
-    with kitchen.working(Patience(look=0.005, rank=0.0, flow=0.0, stopped=0.05)):
+    with kitchen.working(ReliefDelays(look=0.005, rank=0.0, flow=0.0, stopped=0.05)):
         loop = kitchen.oven.next_beginning(0)
         kitchen.put("answer", MEMBER, "ada")
         kitchen.oven.beginning_of("answer")

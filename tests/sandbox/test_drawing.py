@@ -11,7 +11,7 @@ import pytest
 from server.sandbox import FaultKind, ProgramFault, Sandbox, Session, WallStatus
 from server.sandbox.assaults import ASSAULTS, Assault
 from server.sandbox.child import drawing
-from server.sandbox.install import DRAWING, import_set_of, installation
+from server.sandbox.install import DRAWING, find_installation, import_set_of
 from server.sandbox.probe import run_assault
 
 from .conftest import Lifting
@@ -164,7 +164,7 @@ def test_nothing_of_the_machine_is_seen_or_written(studio: Studio) -> None:
 
 def test_the_packages_beside_those_that_draw_are_out_of_sight(without: Lifting) -> None:
     """The project itself may be installed there. (A shared library that something has loaded is there alone.)"""
-    (site, *_) = installation(DRAWING).sites
+    (site, *_) = find_installation(DRAWING).sites
     source = f"""# matplotlib
 import os
 def f(x):
@@ -174,7 +174,7 @@ def f(x):
     with without(frozenset({"landlock", "seccomp"})).open(source.encode(), policy=POLICY, drawing=True) as session:
         seen = session.call("f", 1).value
     assert isinstance(seen, list)
-    packages = {os.path.basename(path) for path in installation(DRAWING).packages}
+    packages = {os.path.basename(path) for path in find_installation(DRAWING).packages}
     assert {"matplotlib", "numpy"} <= set(seen) <= packages
 
 

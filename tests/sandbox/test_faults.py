@@ -26,7 +26,7 @@ def plain(text: str) -> str:
     [(12, "12 octets"), (64 << 10, "64 Kio"), (1536 << 10, "1,5 Mio"), (1000 << 20, "1000 Mio"), (4 << 30, "4 Gio")],
 )
 def test_limits_are_told_in_units_that_people_read(count: int, told: str) -> None:
-    assert messages.size(count) == told
+    assert messages.format_byte_size(count) == told
 
 
 def test_many_values_are_told_with_the_space_of_thousands() -> None:

@@ -12,7 +12,7 @@ from server.sandbox.foreign_characters import (
     find_foreign_characters,
     is_readable,
     latin_spelling,
-    repair,
+    replace_foreign_characters,
     show_foreign_characters,
 )
 from tests.support.tables import folded
@@ -72,7 +72,7 @@ def test_the_advice_repairs_a_program_with_a_character_too_many(character: str) 
         assert [text[it.index] for it in found] == [character]
         assert found[0].line == text.count("\n", 0, index) + 1
         assert f"U+{ord(character):04X}" in describe_foreign_characters(found)
-        mended = repair(text.split("\n"), found)
+        mended = replace_foreign_characters(text.split("\n"), found)
         assert is_readable(mended)
         if character in SPACES + UNSEEN:
             assert ast.dump(ast.parse(mended)) == original
@@ -89,10 +89,10 @@ def test_a_space_that_parts_two_words_is_replaced_by_a_space(space: str) -> None
         if is_readable(text):
             assert not found  # within a string or a comment
         else:
-            assert repair(text.split("\n"), found) == PROGRAM
+            assert replace_foreign_characters(text.split("\n"), found) == PROGRAM
             assert "à remplacer par une espace" in describe_foreign_characters(found)
     lines = SIGNS.replace(" ", space).split("\n")
-    assert repair(lines, find_foreign_characters(lines)) == SIGNS
+    assert replace_foreign_characters(lines, find_foreign_characters(lines)) == SIGNS
 
 
 LOOK_ALIKES = {
@@ -113,15 +113,15 @@ def test_the_key_to_type_brings_the_program_back(plain: str, foreign: str) -> No
     text = SIGNS.replace(plain, foreign)
     assert not is_readable(text)
     found = find_foreign_characters(text.split("\n"))
-    assert ast.dump(ast.parse(repair(text.split("\n"), found))) == ast.dump(ast.parse(SIGNS))
+    assert ast.dump(ast.parse(replace_foreign_characters(text.split("\n"), found))) == ast.dump(ast.parse(SIGNS))
     assert all(it.line == text.count("\n", 0, it.index) + 1 for it in found)
 
 
 def test_an_invisible_character_that_holds_two_words_apart_becomes_a_space() -> None:
     lines = ["def f(x):", "    return\u200bx"]
-    assert repair(lines, find_foreign_characters(lines)) == "def f(x):\n    return x"
+    assert replace_foreign_characters(lines, find_foreign_characters(lines)) == "def f(x):\n    return x"
     lines = ["nom\u200bbre = 1"]
-    assert repair(lines, find_foreign_characters(lines)) == "nombre = 1"
+    assert replace_foreign_characters(lines, find_foreign_characters(lines)) == "nombre = 1"
 
 
 def test_strings_and_comments_hold_any_character() -> None:
@@ -133,7 +133,7 @@ def test_strings_and_comments_hold_any_character() -> None:
 def test_quotes_of_typography_are_told_and_what_they_hold_is_not() -> None:
     lines = ["print(“été – hiver”)", "print(« l’été »)", "x = ‘a’"]
     found = find_foreign_characters(lines)
-    assert repair(lines, found) == 'print("été – hiver")\nprint(" l’été ")\nx = \'a\''
+    assert replace_foreign_characters(lines, found) == 'print("été – hiver")\nprint(" l’été ")\nx = \'a\''
 
 
 def test_the_message_names_every_line_and_shows_the_unseen() -> None:

@@ -39,7 +39,7 @@ def fault_of_line(line: str) -> ProgramFault:
             exec(compile(source, "solution.py", "exec"), names)
             names["f"](2.5, np.arange(3.0), np.ones((2, 3)), [1, 2, 3], {"a": 1}, "abc")  # type: ignore[operator]
         except BaseException as error:
-            fault = parse_fault(report.describe(error, "solution.py", lines), Policy(), lines)
+            fault = parse_fault(report.describe_fault(error, "solution.py", lines), Policy(), lines)
             assert fault is not None
             return fault
     raise AssertionError(f"nothing fails: {line}")
@@ -84,7 +84,7 @@ def unreadable(source: str) -> str:
         try:
             compile(source.encode(), "solution.py", "exec")
         except (SyntaxError, ValueError) as error:
-            fault = parse_fault(report.describe_syntax(error, lines), Policy(), lines)
+            fault = parse_fault(report.describe_syntax_fault(error, lines), Policy(), lines)
             assert fault is not None
             return fault.message.replace("\u00a0", " ").split("\nLigne lue")[0]
     raise AssertionError(f"Python reads {source!r}")

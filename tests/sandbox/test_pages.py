@@ -95,7 +95,7 @@ def test_a_life_that_fails_teaches_nothing(processes: int, capfd: pytest.Capture
 
 
 def test_where_the_kernel_takes_no_list_nothing_is_tried(monkeypatch: pytest.MonkeyPatch, processes: int) -> None:
-    monkeypatch.setattr(libc, "run_call", lambda call: libc._checked(-1, "process_madvise"))
+    monkeypatch.setattr(libc, "run_call", lambda call: libc._raise_on_error(-1, "process_madvise"))
     assert page_prefault.learn_prefault_calls(lambda: pytest.fail("a fork"), lambda: None, processes) == ()
 
 

@@ -67,24 +67,24 @@ def seat_with_program(
 
 def test_a_stopped_program_loses_none_of_its_time(sandbox: Sandbox) -> None:
     with seat_with_program(sandbox) as (seat, call, timers):
-        began, seat_began = time.monotonic(), seat.clock()
+        began, seat_began = time.monotonic(), seat.clock_without_stops()
         for timer in timers:
             timer.start()
         assert call("attendre", STOPPED_SECONDS) == STOPPED_SECONDS
         assert time.monotonic() - began >= STOPPED_SECONDS
-        assert seat.clock() - seat_began < time.monotonic() - began - 0.9 * STOPPED_SECONDS
+        assert seat.clock_without_stops() - seat_began < time.monotonic() - began - 0.9 * STOPPED_SECONDS
 
 
 @pytest.mark.parametrize("function", ["boucler", "sourde", "tricher"])
 def test_a_stopped_program_gains_no_time_either(sandbox: Sandbox, function: str) -> None:
     with seat_with_program(sandbox, BRIEF, 0.5) as (seat, call, timers):
-        began, real_began = seat.clock(), time.monotonic()
+        began, real_began = seat.clock_without_stops(), time.monotonic()
         for timer in timers:
             timer.start()
         with pytest.raises(ProgramFault) as caught:
             call(function)
         assert caught.value.kind is FaultKind.TIMEOUT
-        assert seat.clock() - began < time.monotonic() - real_began - 0.4
+        assert seat.clock_without_stops() - began < time.monotonic() - real_began - 0.4
 
 
 def test_the_line_at_which_time_ran_out_is_known_after_a_stop(sandbox: Sandbox) -> None:

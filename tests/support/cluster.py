@@ -133,7 +133,7 @@ class Machine:
     def __init__(self, settings: Settings, lanes: Mapping[str, str] = JOB_LANES) -> None:
         self.settings, self.told = settings, list[str]()
         self.engine = NatsEngine(settings, lanes, self.told.append)
-        self.database = Database(settings.url)
+        self.database = Database(settings.sqlalchemy_url)
         self.queue = TableQueue(self.engine.notifier)
 
     def start(self) -> Machine:

@@ -52,7 +52,7 @@ def running(command: list[str], address: str) -> Iterator[None]:
 
 
 def read(data: Path, query: Any) -> list[Any]:
-    database = Database(Settings(data_dir=data).url)
+    database = Database(Settings(data_dir=data).sqlalchemy_url)
     with database.read() as db:
         rows = list(db.execute(query).scalars())
     database.engine.dispose()

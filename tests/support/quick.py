@@ -74,19 +74,19 @@ def migrated(settings: Settings) -> Database:
     from server.database import Database
 
     if settings.database_url is None:
-        path = Path(settings.url.removeprefix("sqlite:///"))
+        path = Path(settings.sqlalchemy_url.removeprefix("sqlite:///"))
         path.parent.mkdir(parents=True, exist_ok=True)
         path.write_bytes(_sqlite_file())
     else:
-        _upgrade_once(settings.url)
-    return Database(settings.url)
+        _upgrade_once(settings.sqlalchemy_url)
+    return Database(settings.sqlalchemy_url)
 
 
 @cache
 def _sqlite_file() -> bytes:
     with tempfile.TemporaryDirectory() as folder:
         settings = Settings(data_dir=Path(folder), workers=0)
-        _upgrade_once(settings.url)
+        _upgrade_once(settings.sqlalchemy_url)
         left = [path.read_bytes() for path in Path(folder).iterdir()]
     assert len(left) == 1, "closing a database leaves one file"
     return left[0]

@@ -50,8 +50,8 @@ from server.desk.assignments.forms import parse_assignment, parse_exemption
 from server.desk.rubrics.forms import parse_copy, read_copy
 from server.desk.rubrics.forms import parse_form as parse_rubric_form
 from server.desk.rubrics.forms import read_form as read_rubric_form
-from server.desk.studio.forms import read_form as read_exercise_form
-from server.desk.studio.forms import read_picked
+from server.desk.studio.forms import read_exercise_draft as read_exercise_form
+from server.desk.studio.forms import read_picked_options
 from server.desk.studio.views import render_statement
 from server.federation import registration as servers
 from server.federation import rule_forms
@@ -298,12 +298,12 @@ READERS: tuple[Reader, ...] = (
         "a teacher's exercise",
         _form(
             "titre enonce solution v-0-c-0-appel v-0-fichiers ecart-0 e-0-programme raison-0123456789ab erreur",
-            lambda form: (read_exercise_form(form, ExerciseDraft()).digest, read_picked(form, "erreur")),
+            lambda form: (read_exercise_form(form, ExerciseDraft()).digest, read_picked_options(form, "erreur")),
         ),
         BODY,
         TEXTS,
-        "raw:server.desk.studio.forms.read_form raw:server.desk.studio.forms._text "
-        "raw:server.desk.studio.forms._with_tolerances raw:server.desk.studio.forms.read_picked "
+        "raw:server.desk.studio.forms.read_exercise_draft raw:server.desk.studio.forms._text_field "
+        "raw:server.desk.studio.forms._with_tolerances raw:server.desk.studio.forms.read_picked_options "
         "raw:server.desk.studio.routes.save_exercise",
     ),
     Reader(
@@ -379,7 +379,7 @@ READERS: tuple[Reader, ...] = (
         lambda text: redecode(text, "cp1252", "utf-8"),
         BODY,
         TEXTS,
-        "raw:server.desk.people.list_import._field raw:server.desk.people.list_import.read_list_form "
+        "raw:server.desk.people.list_import._form_text raw:server.desk.people.list_import.read_list_form "
         "raw:server.desk.people.management.import_list",
     ),
     Reader("a list written again", lambda text: to_csv(read_rows(text.encode("utf-8", "replace")).rows), BODY, TEXTS),
@@ -503,8 +503,9 @@ READERS: tuple[Reader, ...] = (
         raw:server.base.middleware.BodyLimitMiddleware.__call__ raw:server.client.routes.download_client
         raw:server.base.http.bearer_token raw:server.base.turns.FairTurnsMiddleware.__call__
         raw:server.base.middleware.BodyLimitMiddleware._read raw:server.base.middleware.RequestLogMiddleware.__call__
-        raw:server.base.middleware._is_forged raw:server.base.middleware._visitor
-        raw:server.base.root_path.RootPathMiddleware.__call__ raw:server.base.root_path.RootPathMiddleware._inside
+        raw:server.base.middleware._is_forged raw:server.base.middleware._visitor_bytes
+        raw:server.base.root_path.RootPathMiddleware.__call__
+        raw:server.base.root_path.RootPathMiddleware._scope_inside_root_path
         raw:server.base.root_path.service_url raw:server.desk.people.routes.show_class
         raw:server.desk.people.management._render_settings raw:server.web.forms.redirect_to_login
         raw:server.health.routes.show_metrics raw:server.pages.drawn.send_film

@@ -30,7 +30,7 @@ class Server:
         return " ".join(astuple(self))
 
     def open_database(self) -> Database:
-        return Database(Settings(data_dir=Path(self.data)).url)
+        return Database(Settings(data_dir=Path(self.data)).sqlalchemy_url)
 
 
 @contextmanager

@@ -60,7 +60,7 @@ def preview_settings(kept: Path) -> Settings:
 
 def create_preview_database(kept: Path) -> None:
     """Makes the database of a preview, once."""
-    with closing(Database(preview_settings(kept).url)) as database:
+    with closing(Database(preview_settings(kept).sqlalchemy_url)) as database:
         upgrade(database.engine)
 
 
@@ -116,6 +116,6 @@ def _run_grading_worker(settings: Settings, course: Course, sandbox: Sandbox, ev
         )
 
     sandbox.warm("numpy")
-    with closing(Database(settings.url)) as database:
+    with closing(Database(settings.sqlalchemy_url)) as database:
         queue = TableQueue(WakeupDispatcher(events.job_changed))
         Worker(database, queue, settings, {GRADE: GradingTask(course, grade)}).run(PollingSource(POLL_SECONDS))

@@ -212,21 +212,21 @@ def assignment_texts(values: AssignmentValues) -> Mapping[str, str]:
         "Ouverture": values.opens.replace("T", " "),
         "Date limite": values.due.replace("T", " "),
         "Fermeture": values.closes.replace("T", " "),
-        "Retard": _word(words.LATE_POLICY_WORDS, values.late),
+        "Retard": _choice_in_words(words.LATE_POLICY_WORDS, values.late),
         "Points perdus par jour": values.per_day,
-        "Essai retenu": _word(words.SELECTION_WORDS, values.counts),
+        "Essai retenu": _choice_in_words(words.SELECTION_WORDS, values.counts),
         "Coefficient du devoir": values.weight,
-        "Indices montrés": _word(words.VISIBILITY_WORDS, values.hints),
-        "Diagnostic montré": _word(words.VISIBILITY_WORDS, values.diagnosis),
-        "Corrigé montré": _word(words.VISIBILITY_WORDS, values.solution),
-        "Mode": _word(words.MODE_WORDS, values.mode),
+        "Indices montrés": _choice_in_words(words.VISIBILITY_WORDS, values.hints),
+        "Diagnostic montré": _choice_in_words(words.VISIBILITY_WORDS, values.diagnosis),
+        "Corrigé montré": _choice_in_words(words.VISIBILITY_WORDS, values.solution),
+        "Mode": _choice_in_words(words.MODE_WORDS, values.mode),
         "Rendu à": values.team_size,
         "Équipes formées par les élèves": values.teams_by_students or "non",
         "Durée, en minutes": values.duration,
     }
 
 
-def _word(texts: Mapping[ChoiceEnum, str], value: str) -> str:
+def _choice_in_words(texts: Mapping[ChoiceEnum, str], value: str) -> str:
     return next((text for choice, text in texts.items() if choice.value == value), value)
 
 

@@ -33,7 +33,7 @@ def board_events(page: OpenBoard, before: Board | None, board: Board) -> str:
     elif (before.list_shown_students, before.exercises) != (board.list_shown_students, board.exercises):
         events = [(OUTDATED, "")]
     else:
-        events = _changes(page, before, board)
+        events = _board_change_events(page, before, board)
     # The id comes last: a browser that lost some of this begins again from before it.
     return (
         "".join(format_sse(name, text) for name, text in events)
@@ -42,7 +42,7 @@ def board_events(page: OpenBoard, before: Board | None, board: Board) -> str:
     )
 
 
-def _changes(page: OpenBoard, before: Board, board: Board) -> list[tuple[str, str]]:
+def _board_change_events(page: OpenBoard, before: Board, board: Board) -> list[tuple[str, str]]:
     events = []
     for cell in board.cells_changed_since(before):
         html = root_path.with_external_paths(render_cell(page.href, board, cell))

@@ -51,11 +51,11 @@ def misconception_page(
             exercise.render_paragraphs(paragraph) if exercise.answers else paragraph for paragraph in paragraphs
         ),
         prose=exercise.answers is not None,
-        extracts=_extracts(db, progress, exercise, known, misconception),
+        extracts=_source_extracts(db, progress, exercise, known, misconception),
         still=links.people(stats.students, exercise_id),
         freed=links.people(had - set(stats.students), exercise_id),
         after=_improvement_text(stats),
-        lesson=_lesson(course, exercise),
+        lesson=_lesson_link(course, exercise),
         project_href=f"{misconception_href(href, exercise_id, misconception)}/projeter",
         word_href=_word_href(href, stats) if access.has(Right.comment) and stats.now else "",
     )
@@ -72,14 +72,14 @@ def _improvement_text(stats: MisconceptionStats) -> str:
     return share_text(ImprovementStats(stats.exercise, stats.title, stats.followed, stats.improved))
 
 
-def _lesson(course: Course, exercise: Exercise) -> tuple[str, str] | None:
+def _lesson_link(course: Course, exercise: Exercise) -> tuple[str, str] | None:
     """Return address and title of the lesson to read again."""
     lessons = course.modules[exercise.module].lessons
     lesson = next((lesson for lesson in lessons if lesson.slug == exercise.seance), None)
     return None if lesson is None else (lesson_href(lesson), lesson.title)
 
 
-def _extracts(
+def _source_extracts(
     db: Session, progress: ClassProgress, exercise: Exercise, known: CataloguedMisconception, misconception: str
 ) -> tuple[str, ...]:
     """Return the shortest of the latest programs that show it, one a student; none for answers without code."""
@@ -89,10 +89,10 @@ def _extracts(
     people = folded_name_words(student.name for student in progress.students)
     rows = repository.load_sources_with_misconception(db, progress.scope, exercise.id, misconception, MAX_SOURCES)
     by_student = {row.account: row.source for row in reversed(rows)}
-    texts = {_extract(source, functions, people) for source in by_student.values()} - {""}
+    texts = {_source_extract(source, functions, people) for source in by_student.values()} - {""}
     return tuple(sorted(texts, key=lambda text: (len(text), text))[:EXTRACTS])
 
 
-def _extract(source: bytes, functions: Sequence[str], people: Collection[str]) -> str:
+def _source_extract(source: bytes, functions: Sequence[str], people: Collection[str]) -> str:
     code = source.decode("utf-8-sig", errors="replace").replace("\r\n", "\n").replace("\r", "\n")
     return anonymise_extract(extract_function(code, functions), people)

@@ -78,7 +78,7 @@ class ProjectionPage:
 
 
 @dataclass(frozen=True)
-class Programs:
+class ProjectedPrograms:
     """The programs to compare: a wrong one of a submission, with the id of its failed check, and right ones."""
 
     submission: UUID
@@ -90,7 +90,7 @@ class Programs:
 
 def prepare_projection(
     reader: Reader, account: Account, access: ClassAccess, exercise_id: str, misconception: str, *, chosen: bool
-) -> tuple[ProjectionPage, Programs | None]:
+) -> tuple[ProjectionPage, ProjectedPrograms | None]:
     """Build the page without its programs, and the programs to compare; none for answers or where few had it.
 
     `chosen`: the explanation alone may be projected, however few had it. Raise NotFound where nobody had it.
@@ -113,7 +113,7 @@ def prepare_projection(
         title=known.diagnosis.title,
         exercise=exercise.title,
         question=exercise.render_line(known.question) if is_prose else known.question,
-        paragraphs=_paragraphs(exercise, known),
+        paragraphs=_explanation_paragraphs(exercise, known),
         prose=is_prose,
         href=misconception_href(href, exercise_id, misconception),
         refusal=rules.refusal,
@@ -125,7 +125,7 @@ def prepare_projection(
     )
     if rules.refusal or not is_shared or is_prose:
         return page, None
-    return page, _programs(db, account, progress, exercise, known, shows_solution=rules.shows_solution)
+    return page, _choose_programs(db, account, progress, exercise, known, shows_solution=rules.shows_solution)
 
 
 def _count_today(progress: ClassProgress, lesson: LiveLesson, exercise: str, misconception: str) -> int:
@@ -142,14 +142,14 @@ def _other_hrefs(progress: ClassProgress, lesson: LiveLesson, href: str) -> tupl
     return tuple(f"{misconception_href(href, mistake.exercise, mistake.id)}/projeter" for mistake in shared)
 
 
-def _paragraphs(exercise: Exercise, known: CataloguedMisconception) -> tuple[str, ...]:
+def _explanation_paragraphs(exercise: Exercise, known: CataloguedMisconception) -> tuple[str, ...]:
     """Return the explanation without its question."""
     parts = [part.strip() for part in known.diagnosis.explanation.split("\n\n")]
     told = [part for part in parts if part and part != known.question.strip()]
     return tuple(exercise.render_paragraphs(part) if exercise.answers is not None else part for part in told)
 
 
-def _programs(
+def _choose_programs(
     db: Session,
     account: Account,
     progress: ClassProgress,
@@ -157,25 +157,25 @@ def _programs(
     known: CataloguedMisconception,
     *,
     shows_solution: bool,
-) -> Programs | None:
+) -> ProjectedPrograms | None:
     people = folded_name_words(student.name for student in progress.students)
     wrong = repository.load_sources_with_misconception(db, progress.scope, exercise.id, known.diagnosis.id, MAX_SOURCES)
     right = repository.load_successful_sources(db, progress.scope, exercise.id, MAX_RIGHT_SOURCES)
     for function in dict.fromkeys((*known.functions, *(wanted.name for wanted in exercise.functions))):
-        right_extracts = [_extract(row, function, people) for row in right]
+        right_extracts = [_source_extract(row, function, people) for row in right]
         right_texts = {tuple(extract.texts) for extract in right_extracts}
-        found = [(row, _extract(row, function, people)) for row in wrong]
+        found = [(row, _source_extract(row, function, people)) for row in wrong]
         # A function that stands in a right program too is not where the mistake is.
         shown = [(row, extract) for row, extract in found if extract.lines and tuple(extract.texts) not in right_texts]
         if shown:
             smallest, lines = min(shown, key=lambda pair: (len("".join(pair[1].texts)), str(pair[0].submission)))
             check = _failed_check(db, account, exercise, smallest.submission)
             others = tuple(extract for extract in right_extracts if extract.lines) if shows_solution else ()
-            return Programs(smallest.submission, known.diagnosis.id, check, lines, others)
+            return ProjectedPrograms(smallest.submission, known.diagnosis.id, check, lines, others)
     return None
 
 
-def _extract(row: SubmittedSource, function: str, people: Collection[str]) -> Extract:
+def _source_extract(row: SubmittedSource, function: str, people: Collection[str]) -> Extract:
     code = row.source.decode("utf-8-sig", errors="replace").replace("\r\n", "\n").replace("\r", "\n")
     return extract_lines(code, (function,), people)
 
@@ -188,22 +188,22 @@ def _failed_check(db: Session, account: Account, exercise: Exercise, submission:
 
 
 async def complete_projection(
-    page: ProjectionPage, programs: Programs | None, steps: StepService, account: Account, address: str
+    page: ProjectionPage, programs: ProjectedPrograms | None, steps: StepService, account: Account, address: str
 ) -> ProjectionPage:
     """Add the programs, with the lines that are proven wrong."""
     if programs is None:
         return page
-    line = await _locate(programs, steps, account, address)
+    line = await _find_mending_line(programs, steps, account, address)
     contrast = contrast_with_most_alike(programs.wrong, line or None, programs.right)
-    return replace(page, wrong=_coloured(contrast.wrong), right=_coloured(contrast.right))
+    return replace(page, wrong=_colour_lines(contrast.wrong), right=_colour_lines(contrast.right))
 
 
-def _coloured(lines: Sequence[ProgramLine]) -> tuple[ColouredLine, ...]:
+def _colour_lines(lines: Sequence[ProgramLine]) -> tuple[ColouredLine, ...]:
     html = colour_python_lines("\n".join(line.text for line in lines)) if lines else []
     return tuple(ColouredLine(text, line.marked) for text, line in zip(html, lines, strict=True))
 
 
-async def _locate(programs: Programs, steps: StepService, account: Account, address: str) -> int:
+async def _find_mending_line(programs: ProjectedPrograms, steps: StepService, account: Account, address: str) -> int:
     """Return the line of the wrong program at which undoing the mistake mends the check; 0 where none is proven."""
     key = programs.submission, programs.misconception
     located = _LOCATED.get(key)

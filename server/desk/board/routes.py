@@ -17,7 +17,7 @@ from server.course.dependencies import CourseOf
 from server.database.dependencies import DatabaseOf
 from server.desk.board.changes import OpenBoard, board_events
 from server.desk.board.misconception_views import misconception_page
-from server.desk.board.projection import Programs, ProjectionPage, complete_projection, prepare_projection
+from server.desk.board.projection import ProjectedPrograms, ProjectionPage, complete_projection, prepare_projection
 from server.desk.live_parts import SIGN_OF_LIFE, require_watched_class
 from server.desk.views import class_href
 from server.identity.dependencies import SignedIn
@@ -36,7 +36,9 @@ Text = Annotated[str, Query(max_length=200)]
 
 
 @router.get("/classes/{class_id}/erreurs/{module}/{slug}/{mistake}")
-def mistake(request: Request, class_id: str, module: str, slug: str, mistake: str, reader: CurrentReader) -> Response:
+def show_mistake(
+    request: Request, class_id: str, module: str, slug: str, mistake: str, reader: CurrentReader
+) -> Response:
     if reader.account is None:
         return redirect_to_login(request)
     access = rights.require_right(reader.db, reader.account, Right.read_work, class_id)
@@ -45,7 +47,7 @@ def mistake(request: Request, class_id: str, module: str, slug: str, mistake: st
 
 
 @router.get("/classes/{class_id}/erreurs/{module}/{slug}/{mistake}/projeter")
-async def project(
+async def show_projection(
     request: Request,
     class_id: str,
     module: str,
@@ -57,7 +59,7 @@ async def project(
 ) -> Response:
     """Show a misconception to the whole class, without names; of few students, only where the teacher chose so."""
 
-    def prepare() -> tuple[Account, ProjectionPage, Programs | None] | None:
+    def prepare() -> tuple[Account, ProjectionPage, ProjectedPrograms | None] | None:
         account = reader.account
         if account is None:
             return None
@@ -73,7 +75,7 @@ async def project(
 
 
 @router.get("/classes/{class_id}/evenements")
-async def events(
+async def stream_board_events(
     class_id: str, account: SignedIn, database: DatabaseOf, course: CourseOf, boards: LiveBoardsOf, version: Text = "",
     erreurs: Text = "", last_event_id: Annotated[str, Header(max_length=200)] = "",
 ) -> StreamingResponse:  # fmt: skip

@@ -41,8 +41,8 @@ def side_panel(links: BoardLinks, insights: BoardStatistics, *, may_regrade: boo
         ),
         exercises=tuple(_exercise_row(links, stats, may_regrade=may_regrade) for stats in insights.items),
         charts=(
-            _chart("Ces deux dernières heures, par tranche de cinq minutes", insights.lesson, times=True),
-            _chart("Ces deux dernières semaines, par jour", insights.days, times=False),
+            _activity_chart("Ces deux dernières heures, par tranche de cinq minutes", insights.lesson, times=True),
+            _activity_chart("Ces deux dernières semaines, par jour", insights.days, times=False),
         ),
     )
 
@@ -108,14 +108,14 @@ def _discrimination_text(stats: ExerciseStats) -> str:
     return NO_VALUE if stats.discrimination is None else f"{format_points(stats.discrimination)} (n = {stats.paired})"
 
 
-def _chart(title: str, slots: Sequence[ActivitySlot], *, times: bool) -> ActivityChart:
+def _activity_chart(title: str, slots: Sequence[ActivitySlot], *, times: bool) -> ActivityChart:
     highest = max((slot.attempts for slot in slots), default=0)
-    bars = [_bar(index, slot, highest, times=times) for index, slot in enumerate(slots)]
+    bars = [_activity_bar(index, slot, highest, times=times) for index, slot in enumerate(slots)]
     width = len(slots) * (BAR + GAP) - GAP
     return ActivityChart(title, tuple(bars), sum(slot.attempts for slot in slots), highest, width)
 
 
-def _bar(index: int, slot: ActivitySlot, highest: int, *, times: bool) -> ActivityBar:
+def _activity_bar(index: int, slot: ActivitySlot, highest: int, *, times: bool) -> ActivityBar:
     height = round(HEIGHT * slot.attempts / highest, 2) if highest else 0.0
     begin = format_iso_time(slot.begins_at) if times else ""
     begin_text = format_short_time(slot.begins_at) if times else slot.begins_at.strftime("%d/%m/%Y")

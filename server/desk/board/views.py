@@ -111,7 +111,7 @@ def board_page(reader: Reader, access: ClassAccess, query: BoardQuery, base: str
         code=join_code_view(school_class, base) if not progress.students and access.has(Right.see_code) else None,
         version=inputs.version_text,
         stream=f"{links.href}/evenements{'?erreurs=toutes' if query.everything else ''}",
-        again=_href(links, query),
+        again=_board_href(links, query),
         generated=format_iso_time(progress.now),
         generated_text=format_short_time(progress.now),
         counts=FRAGMENTS.get_or_render(("board counts", inputs.version), lambda: render_counts(inputs.board)),
@@ -141,7 +141,7 @@ def render_misconceptions(links: BoardLinks, board: Board, *, everything: bool) 
 
 def _board_body(board: Board, links: BoardLinks, query: BoardQuery) -> BoardBody:
     chosen = list(filter(query.matches, board.students))
-    ordered = _ordered(board, chosen, query)
+    ordered = _sort_students(board, chosen, query)
     first = (query.page - 1) * STUDENTS_PER_PAGE
     page_count = -(-len(ordered) // STUDENTS_PER_PAGE)
     return BoardBody(
@@ -151,32 +151,32 @@ def _board_body(board: Board, links: BoardLinks, query: BoardQuery) -> BoardBody
         solved=_sort_link(links, query, BY_SUCCESS, "Réussis"),
         columns=tuple(_sort_link(links, query, name, links.title(name)) for name in board.exercises),
         sorts=tuple(
-            BoardLink(label, _href(links, query, sort=sort, page=1), query.sort == sort)
+            BoardLink(label, _board_href(links, query, sort=sort, page=1), query.sort == sort)
             for sort, label in ((BY_NAME, "par nom"), (BY_TROUBLE, "bloqués d’abord"), (BY_SUCCESS, "par réussites"))
         ),
         groups=_group_links(links, query),
         rows=tuple(_render_row(links, board, student) for student in ordered[first : first + STUDENTS_PER_PAGE]),
         student_count=len(ordered),
         pages=tuple(
-            BoardLink(str(number), _href(links, query, page=number), number == query.page)
+            BoardLink(str(number), _board_href(links, query, page=number), number == query.page)
             for number in range(1, page_count + 1)
         ),
         search=query.search,
         search_href=f"{links.href}/tableau#avancement",
-        search_fields=tuple(_fields(query, q="", page=1).items()),
-        unsearched=_href(links, query, q="", page=1),
+        search_fields=tuple(_query_fields(query, q="", page=1).items()),
+        unsearched=_board_href(links, query, q="", page=1),
         is_long=len(board.students) > FEW_STUDENTS,
         leaves_out=not all(cell.is_concerned for row in board.rows.values() for cell in row),
     )
 
 
-def _href(links: BoardLinks, query: BoardQuery, **changes: str | int) -> str:
+def _board_href(links: BoardLinks, query: BoardQuery, **changes: str | int) -> str:
     """Return the address of the board with this query, but for `changes`."""
-    fields, address = _fields(query, **changes), f"{links.href}/tableau"
+    fields, address = _query_fields(query, **changes), f"{links.href}/tableau"
     return f"{address}?{urlencode(fields)}#avancement" if fields else f"{address}#avancement"
 
 
-def _fields(query: BoardQuery, **changes: str | int) -> dict[str, str | int]:
+def _query_fields(query: BoardQuery, **changes: str | int) -> dict[str, str | int]:
     """Return the fields of the address that are not the usual ones, but for `changes`."""
     fields: dict[str, str | int] = {"groupe": query.group, "tri": query.sort, "page": query.page, "q": query.search}
     fields |= {{"sort": "tri", "group": "groupe"}.get(name, name): value for name, value in changes.items()}
@@ -190,32 +190,32 @@ def _sort_link(links: BoardLinks, query: BoardQuery, column: str, label: str) ->
     here = query.column == column
     order = "none" if not here else "descending" if query.backwards else "ascending"
     wanted = f"-{column}" if order == "ascending" else column
-    return SortLink(label, _href(links, query, sort=wanted, page=1), order)
+    return SortLink(label, _board_href(links, query, sort=wanted, page=1), order)
 
 
-def _ordered(board: Board, students: Sequence[BoardStudent], query: BoardQuery) -> Sequence[BoardStudent]:
+def _sort_students(board: Board, students: Sequence[BoardStudent], query: BoardQuery) -> Sequence[BoardStudent]:
     rows = board.rows
     if query.column == BY_SUCCESS:
-        ordered = sorted(students, key=lambda student: -_solved(rows[student.id]))
+        ordered = sorted(students, key=lambda student: -_count_solved(rows[student.id]))
     elif query.column == BY_TROUBLE:
-        ordered = sorted(students, key=lambda student: -_stuck(rows[student.id]))
+        ordered = sorted(students, key=lambda student: -_count_stuck(rows[student.id]))
     elif query.column in board.exercises:
         place = board.exercises.index(query.column)
-        ordered = sorted(students, key=lambda student: _trouble(rows[student.id][place]))
+        ordered = sorted(students, key=lambda student: _trouble_sort_key(rows[student.id][place]))
     else:
         ordered = list(students)
     return ordered[::-1] if query.backwards else ordered
 
 
-def _trouble(cell: ProgressCell) -> tuple[int, float]:
+def _trouble_sort_key(cell: ProgressCell) -> tuple[int, float]:
     return TROUBLE_ORDER[cell.state], cell.points or 0.0
 
 
-def _solved(cells: Sequence[ProgressCell]) -> int:
+def _count_solved(cells: Sequence[ProgressCell]) -> int:
     return sum(cell.state is ProgressState.solved for cell in cells)
 
 
-def _stuck(cells: Sequence[ProgressCell]) -> int:
+def _count_stuck(cells: Sequence[ProgressCell]) -> int:
     return sum(cell.state is ProgressState.stuck for cell in cells)
 
 
@@ -223,9 +223,9 @@ def _group_links(links: BoardLinks, query: BoardQuery) -> tuple[BoardLink, ...]:
     sizes = count_students_by_label(student.groups for student in links.students)
     if not sizes:
         return ()
-    everyone = BoardLink("Tous", _href(links, query, group="", page=1), not query.group)
+    everyone = BoardLink("Tous", _board_href(links, query, group="", page=1), not query.group)
     return everyone, *(
-        BoardLink(f"{label} ({size})", _href(links, query, group=label, page=1), query.group == label)
+        BoardLink(f"{label} ({size})", _board_href(links, query, group=label, page=1), query.group == label)
         for label, size in sizes.items()
     )
 
@@ -233,16 +233,16 @@ def _group_links(links: BoardLinks, query: BoardQuery) -> tuple[BoardLink, ...]:
 def _render_row(links: BoardLinks, board: Board, student: BoardStudent) -> Markup:
     """Return the row of a student, rendered only where it is not cached: most are as they were before a verdict."""
     key = ("board row", links.course, links.href, student.id, student.name, board.rows[student.id])
-    return FRAGMENTS.get_or_render(key, lambda: str(_macros("board_parts").row(_row(links.href, board, student))))
+    return FRAGMENTS.get_or_render(key, lambda: str(_macros("board_parts").row(_board_row(links.href, board, student))))
 
 
-def _row(class_href: str, board: Board, student: BoardStudent) -> BoardRow:
+def _board_row(class_href: str, board: Board, student: BoardStudent) -> BoardRow:
     cells = board.rows[student.id]
     return BoardRow(
         key=str(student.id),
         name=student.name,
         href=f"{class_href}/eleves/{student.id}",
-        solved=_solved(cells),
+        solved=_count_solved(cells),
         cells=tuple(board_cell(class_href, board, cell) for cell in cells),
     )
 

@@ -47,7 +47,7 @@ class GroupPath:
     def exercise(self) -> str:
         return f"{self.module}/{self.slug}"
 
-    def find(self, db: Db, access: ClassAccess) -> BehaviourGroup:
+    def find_group(self, db: Db, access: ClassAccess) -> BehaviourGroup:
         """Raises NotFound."""
         return service.find_group(db, access.school_class, self.exercise, self.group)
 
@@ -108,7 +108,7 @@ def name_group(
 ) -> Response:
     """Names the group, or takes its name back, as an emptied form does."""
     access = rights.require_right(db, account, Right.name_behaviours, which.class_id)
-    group = which.find(db, access)
+    group = which.find_group(db, access)
     require_not_archived(access.school_class)
     stored = name_texts(find_behaviour_name(db, access.school_class.id, group.id) or GroupNameForm())
     require_unchanged_values(fields, account, SUBJECT, stored, name_texts(GroupNameForm(title, explanation, question)))

@@ -83,7 +83,7 @@ class ReviewMails:
         if is_over or not access.has(Right.read_work):
             return None
         if sending.key == service.CONFIRMATION:
-            return self._write(sending, access, "confirm", "Confirmer l’envoi de « Après la séance »", now, {})
+            return self._write_mail(sending, access, "confirm", "Confirmer l’envoi de « Après la séance »", now, {})
         if sending.key.startswith(WEEK):
             page = review_page(db, self._course, access, now, None)
             tells = bool(page.to_see or page.to_explain or page.at_fault or page.overcome)
@@ -100,16 +100,16 @@ class ReviewMails:
         if not tells:
             return None
         subject = f"{name}, {access.school_class.name}, {title}"
-        return self._write(
+        return self._write_mail(
             sending,
             access,
             "review",
             subject,
             now,
-            {"page": page, "href": href, "started": format_short_time(page.since), **_counts(page)},
+            {"page": page, "href": href, "started": format_short_time(page.since), **_review_counts_in_words(page)},
         )
 
-    def _write(
+    def _write_mail(
         self, sending: OutgoingMail, access: ClassAccess, template: str, subject: str, now: datetime,
         values: Mapping[str, object],
     ) -> EmailMessage:  # fmt: skip
@@ -140,7 +140,7 @@ class ReviewMails:
         return message
 
 
-def _counts(page: ReviewPage) -> Mapping[str, Sequence[str]]:
+def _review_counts_in_words(page: ReviewPage) -> Mapping[str, Sequence[str]]:
     """Return the first line of a mail: what the page holds, in numbers."""
     counts = (
         (len(page.to_see) + len(page.more_to_see), "élève à voir", "élèves à voir"),

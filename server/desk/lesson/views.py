@@ -81,7 +81,7 @@ def start_page(
     past = repository.load_lessons(db, school_class.id)[:SHOWN_LESSONS]
     return StartPage(
         head=class_head(course, access, "/seance"),
-        form=refused or _form(course, available, proposed, ""),
+        form=refused or _build_lesson_form(course, available, proposed, ""),
         may_run=access.has(Right.run_lessons) and school_class.archived_at is None,
         has_students=bool(progress.students),
         past=tuple((f"{class_href(school_class)}/seance/{row.id}", row.started_at) for row in past),
@@ -92,19 +92,19 @@ def lesson_form(
     db: Session, course: Course, school_class: SchoolClass, now: datetime, plan: LessonPlan, problem: str = ""
 ) -> LessonForm:
     available = service.list_available_exercises(db, course, school_class, now)
-    return _form(course, available, plan, problem)
+    return _build_lesson_form(course, available, plan, problem)
 
 
-def _form(course: Course, available: Sequence[str], plan: LessonPlan, problem: str) -> LessonForm:
+def _build_lesson_form(course: Course, available: Sequence[str], plan: LessonPlan, problem: str) -> LessonForm:
     listed = [*available, *(name for name in plan.exercises if name not in available)]
     choices = [
-        ExerciseChoice(name, course.title_of_exercise(name), name in plan.exercises, _stars(course, name))
+        ExerciseChoice(name, course.title_of_exercise(name), name in plan.exercises, _stars_of_exercise(course, name))
         for name in listed
     ]
     return LessonForm(tuple(choices), plan.next_step, plan.challenge, problem)
 
 
-def _stars(course: Course, exercise: str) -> int:
+def _stars_of_exercise(course: Course, exercise: str) -> int:
     served = course.exercises.get(exercise)
     return served.stars if served else 0
 

@@ -46,10 +46,10 @@ def show_columns(request: Request, class_id: str, reader: CurrentReader) -> Resp
     if reader.account is None:
         return redirect_to_login(request)
     access = rights.require_right(reader.db, reader.account, Right.read_marks, class_id)
-    return _list_page(request, reader.account, reader.db, reader.course, access)
+    return _render_columns_page(request, reader.account, reader.db, reader.course, access)
 
 
-def _list_page(
+def _render_columns_page(
     request: Request, account: Account, db: Db, course: CourseOf, access: ClassAccess, form: ColumnForm | None = None
 ) -> HTMLResponse:
     view = column_views.build_columns_page(db, course, access, form)
@@ -65,14 +65,16 @@ def create_column(
     access = rights.require_right(db, account, Right.change_marks, class_id)
     form = ColumnForm(titre, sur, date, coefficient, bool(bonus))
     try:
-        column = columns.create_column(db, access.school_class, account, _read(form))
+        column = columns.create_column(db, access.school_class, account, _parse_column_form(form))
     except Invalid as refused:
         roll_back_then_read(db)
-        return _list_page(request, account, db, course, access, form.with_problems(_problems(refused)))
+        return _render_columns_page(
+            request, account, db, course, access, form.with_problems(_problems_by_field(refused))
+        )
     return redirect(f"{class_href(access.school_class)}/carnet/colonnes/{column.id}")
 
 
-def _read(form: ColumnForm) -> ColumnInput:
+def _parse_column_form(form: ColumnForm) -> ColumnInput:
     """Read the fields of a column. Raise InvalidFields."""
     problems: dict[str, str] = {}
 
@@ -94,7 +96,7 @@ def _read(form: ColumnForm) -> ColumnInput:
     return ColumnInput(form.title, out_of, taken_on, weight, form.bonus)
 
 
-def _problems(refused: Invalid) -> dict[str, str]:
+def _problems_by_field(refused: Invalid) -> dict[str, str]:
     return refused.problems if isinstance(refused, InvalidFields) else {"": refused.detail}
 
 
@@ -105,11 +107,11 @@ def show_column(
     if reader.account is None:
         return redirect_to_login(request)
     access = rights.require_right(reader.db, reader.account, Right.read_marks, class_id)
-    view = column_views.build_column_page(reader.db, reader.course, access, _id(column_id))
+    view = column_views.build_column_page(reader.db, reader.course, access, _parse_column_id(column_id))
     return render_page(request, "classes/column.html", reader.account, page=view, saved=fait)
 
 
-def _id(column_id: str) -> UUID:
+def _parse_column_id(column_id: str) -> UUID:
     return parse_uuid(column_id, columns.UNKNOWN)
 
 
@@ -120,7 +122,7 @@ def change_column(
 ) -> Response:  # fmt: skip
     """Store marks, paste them, or change the column itself."""
     access = rights.require_right(db, account, Right.change_marks, class_id)
-    school_class, name = access.school_class, _id(column_id)
+    school_class, name = access.school_class, _parse_column_id(column_id)
     listing = f"{class_href(school_class)}/carnet/colonnes"
     if action in {"enregistrer", "coller"}:
         return _save_marks(request, account, db, course, access, name, fields, pasting=action == "coller")
@@ -153,10 +155,10 @@ def _save_column(
     stored = column_views.stored_form(column)
     require_unchanged_values(fields, account, SUBJECT, stored.texts, form.texts)
     try:
-        columns.change_column(db, access.school_class, account, name, _read(form))
+        columns.change_column(db, access.school_class, account, name, _parse_column_form(form))
     except Invalid as refused:
         roll_back_then_read(db)
-        form = form.with_problems(_problems(refused))
+        form = form.with_problems(_problems_by_field(refused))
         view = column_views.build_column_page(db, course, access, name, form=form)
         return render_page(request, "classes/column.html", account, status=422, page=view, saved=False)
     return redirect(request.url.path)

@@ -112,7 +112,7 @@ class EnteredMarks:
             students = count_with_noun(len(self.rows), "élève")
             return replace(self, general_problem=TOO_LONG.format(pasted=pasted, students=students))
         filled = [
-            replace(row, text=line.strip(), problem=_problem(line, row.comment, self.out_of))
+            replace(row, text=line.strip(), problem=_mark_problem(line, row.comment, self.out_of))
             for row, line in zip(self.rows, lines, strict=False)
         ]
         return replace(self, rows=(*filled, *self.rows[len(lines) :]), notice=PASTED.format(pasted=pasted))
@@ -189,7 +189,7 @@ def read_marks(db: Session, access: ClassAccess, column: ManualColumn, fields: F
         drawn = str(fields.get(f"a-{student.id}", current_text))
         problem = ""
         if _cell_text(text, comment) != drawn:
-            problem = _problem(text, comment, column.out_of)
+            problem = _mark_problem(text, comment, column.out_of)
             if not problem:
                 typed, tidied = parse_typed_mark(text, column.out_of), parse_mark_comment(comment)
                 entries.append(MarkEntry(student.id, typed, tidied))
@@ -207,7 +207,7 @@ def _is_same(typed: TypedMark, comment: str, current: TypedMark) -> bool:
     return (typed.points, typed.state, comment) == (current.points, current.state, current.comment)
 
 
-def _problem(text: str, comment: str, out_of: float) -> str:
+def _mark_problem(text: str, comment: str, out_of: float) -> str:
     try:
         parse_typed_mark(text, out_of)
         parse_mark_comment(comment)

@@ -56,11 +56,11 @@ def show_log(
     if reader.account is None:
         return redirect_to_login(request)
     access = rights.require_right(reader.db, reader.account, Right.read_audit_log, class_id)
-    view = _log_page(reader.db, reader.course, access, _parse_filter(eleve, genre), p)
+    view = _build_log_page(reader.db, reader.course, access, _parse_filter(eleve, genre), p)
     return render_page(request, "classes/log.html", reader.account, page=view)
 
 
-def _log_page(db: Db, course: Course, access: ClassAccess, filter: AuditFilter, page_number: int) -> LogPage:
+def _build_log_page(db: Db, course: Course, access: ClassAccess, filter: AuditFilter, page_number: int) -> LogPage:
     class_id, offset = access.school_class.id, (page_number - 1) * ENTRIES_PER_PAGE
     entries = repository.load_entries(db, class_id, filter, limit=ENTRIES_PER_PAGE, offset=offset)
     total = repository.count_entries(db, class_id, filter)
@@ -106,7 +106,7 @@ def _entry_view(entry: AuditEntry) -> LogEntryView:
 
 
 @router.get("/classes/{class_id}/journal/fichier")
-def download(
+def download_log(
     class_id: str, account: SignedIn, database: DatabaseOf, format: Text = "csv", eleve: Text = "", genre: Text = ""
 ) -> StreamingResponse:
     """Stream the entries while they are read."""
@@ -133,10 +133,10 @@ def _json_lines(entries: Iterable[AuditEntry]) -> Iterator[bytes]:
     before = b"[\n"
     for entry in entries:
         content: dict[str, Any] = {**asdict(entry), "words": entry.words}
-        yield before + json.dumps(content, ensure_ascii=False, default=_text_of).encode()
+        yield before + json.dumps(content, ensure_ascii=False, default=_value_as_text).encode()
         before = b",\n"
     yield b"[]\n" if before == b"[\n" else b"\n]\n"
 
 
-def _text_of(value: Any) -> str:
+def _value_as_text(value: Any) -> str:
     return str(value) if isinstance(value, UUID) else str(value.isoformat())

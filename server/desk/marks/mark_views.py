@@ -60,7 +60,7 @@ def mark_page(course: Course, access: ClassAccess, gradebook: Gradebook, assignm
         assignment=titles[index],
         cell=assignment_cell(mark, ""),
         mark=mark,
-        notes=_notes(mark),
+        notes=_mark_notes(mark),
         exercises=tuple(
             ExerciseView(
                 title=gradebook.exercise_title(exercise.exercise),
@@ -77,7 +77,7 @@ def mark_page(course: Course, access: ClassAccess, gradebook: Gradebook, assignm
     )
 
 
-def _notes(mark: AssignmentMark) -> tuple[str, ...]:
+def _mark_notes(mark: AssignmentMark) -> tuple[str, ...]:
     """Return the state in full, the dates in force for this student, and how late the work is."""
     sent_ahead = mark.state is MarkState.upcoming and mark.points is not None
     detail = SENT_AHEAD if sent_ahead else STATE_DETAILS.get(mark.state, "")

@@ -61,7 +61,7 @@ def show_gradebook(
 
 
 @router.get("/classes/{class_id}/carnet/fichier")
-def download(
+def download_gradebook(
     class_id: str, account: SignedIn, db: Db, course: CourseOf, format: GradebookFormat = GradebookFormat.xlsx,
     identifiant: MoodleIdentifier = MoodleIdentifier.email,
 ) -> Response:  # fmt: skip

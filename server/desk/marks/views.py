@@ -125,11 +125,11 @@ def gradebook_page(db: Session, access: ClassAccess, inputs: GradebookInputs, qu
         search=query.search,
         search_href=f"{home}/carnet",
         search_fields=tuple(query.fields(q="").items()),
-        unsearched=_address(f"{home}/carnet", query, q=""),
+        unsearched=_gradebook_href(f"{home}/carnet", query, q=""),
         is_long=len(inputs.students) > FEW_STUDENTS,
         assignment=titles.get(query.assignment, ""),
         assignment_href="" if about is None else about[1],
-        back=_address(f"{home}/carnet", query, devoir="", tri=""),
+        back=_gradebook_href(f"{home}/carnet", query, devoir="", tri=""),
         rules_href=f"{home}/reglages#moyenne" if access.has(Right.configure_class) else "",
         rules_unchosen=not inputs.marking.is_chosen,
         columns_href=f"{home}/carnet/colonnes" if may_change else "",
@@ -137,7 +137,7 @@ def gradebook_page(db: Session, access: ClassAccess, inputs: GradebookInputs, qu
     )
 
 
-def _address(path: str, query: GradebookQuery, **changes: str) -> str:
+def _gradebook_href(path: str, query: GradebookQuery, **changes: str) -> str:
     """Return the address of the gradebook with this query, but for `changes`."""
     fields = urlencode(query.fields(**changes))
     return f"{path}?{fields}" if fields else path
@@ -199,7 +199,7 @@ class _BodyBuilder:
         )
 
     def _href(self, **changes: str) -> str:
-        return _address(f"{self._class_href}/carnet", self._query, **changes)
+        return _gradebook_href(f"{self._class_href}/carnet", self._query, **changes)
 
     def _pages(self) -> tuple[GradebookOption, ...]:
         """Return links to the pages, none where one page is enough."""

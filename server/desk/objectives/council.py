@@ -91,14 +91,14 @@ def describe_student(course: Course, loaded: ClassObjectives, student: UUID, sin
     lines = [f"{first} ; {work}."]
     weak = [found for found in states if found.state is Mastery.weak]
     if weak:
-        names = [_lowered(found.objective.objective.short) for found in weak]
+        names = [_lower_first_letter(found.objective.objective.short) for found in weak]
         others = f" et {len(names) - MAX_WEAK} autres" if len(names) > MAX_WEAK + 1 else ""
         shown = names[:MAX_WEAK] if others else names
         lines.append(f"À retravailler : {', '.join(shown)}{others}.{_remaining_mistake(course, weak)}")
     return tuple(lines)
 
 
-def _lowered(short: str) -> str:
+def _lower_first_letter(short: str) -> str:
     return short[0].lower() + short[1:]
 
 

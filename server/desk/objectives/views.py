@@ -137,12 +137,14 @@ def _render_body(loaded: ClassObjectives, school_class: SchoolClass) -> str:
 
     groups = [
         ClassObjectiveGroup(lesson_title(lesson), lesson.kind is SEANCE, tuple(map(render, own)))
-        for lesson, own in _by_lesson(progress.course, school_class.module, loaded.summarise_objectives(week_ends))
+        for lesson, own in _group_by_lesson(
+            progress.course, school_class.module, loaded.summarise_objectives(week_ends)
+        )
     ]
     return str(macros.class_objectives(groups, RULE))
 
 
-def _by_lesson(
+def _group_by_lesson(
     course: Course, module: str, rows: Sequence[ClassObjective]
 ) -> Iterator[tuple[Lesson, Sequence[ClassObjective]]]:
     for slug, own in groupby(rows, key=lambda row: row.practised.objective.lesson):

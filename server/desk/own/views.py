@@ -112,7 +112,7 @@ def _build_page(
         [] if known is None else [(assigned, _own_assignment(course, assigned, known, suffix)) for assigned in found]
     )
     own = OwnMembership(views.ROLES[ClassRole(seat.role)], seat.status == Status.pending, tuple(seat.groups), may_leave)
-    running = sorted((pair for pair in shown if pair[1].stage.kind in OPEN_STAGES), key=_urgency)
+    running = sorted((pair for pair in shown if pair[1].stage.kind in OPEN_STAGES), key=_urgency_sort_key)
     return OwnClassPage(
         head=views.class_head(course, access, "/eleves" if watched else ""),
         seat=own,
@@ -121,7 +121,7 @@ def _build_page(
         done=tuple(view for _, view in running if view.stage.kind == ALL_DONE.kind),
         upcoming=tuple(view for _, view in shown if view.stage.kind == "upcoming"),
         past=tuple(view for _, view in reversed(shown) if view.stage.kind == "closed"),
-        next=_next_step(running),
+        next=_choose_next_step(running),
         average="" if own_marks is None or own_marks.average is None else format_points(own_marks.average),
         marks=own_marks,
         zone=school_time.time_zone_name(),
@@ -157,7 +157,7 @@ def _load_student_work(
     )
 
 
-def _urgency(pair: tuple[StudentAssignment, OwnAssignment]) -> tuple[bool, bool, str]:
+def _urgency_sort_key(pair: tuple[StudentAssignment, OwnAssignment]) -> tuple[bool, bool, str]:
     """Whoever sits a test finishes it; then what is due first."""
     view = pair[1]
     date = view.due.iso or (view.closes.iso if view.is_test else "")
@@ -200,7 +200,7 @@ def _own_assignment(course: Course, assigned: StudentAssignment, known: _Student
         differs=bool(assigned.exemptions),
         test=test.for_viewer(watched=known.watched) if test else None,
         mark=_final_mark_text(known.marks.get(assignment.id), over=stage.kind == "closed"),
-        decision=_decision(known.marks.get(assignment.id)),
+        decision=_active_decision(known.marks.get(assignment.id)),
         rubric=RubricNotice(*known.rubrics[assignment.id]) if assignment.id in known.rubrics else None,
         team=_own_team(assigned, "" if known.watched else href.replace("/pourquoi", "/mon-equipe")),
         copy_href="" if exercises is None or known.watched else href.replace("/pourquoi", "/copie"),
@@ -226,7 +226,7 @@ def _final_mark_text(found: VisibleMark | None, *, over: bool) -> str:
     return f"{text} ({'compte 0' if mark.points_in_average is not None else 'ne compte pas'} dans la moyenne)"
 
 
-def _decision(found: VisibleMark | None) -> ActiveDecision | None:
+def _active_decision(found: VisibleMark | None) -> ActiveDecision | None:
     return None if found is None or found.mark is None else found.mark.decision
 
 
@@ -286,7 +286,7 @@ def exercise_standing(found: ExerciseMark, *, over: bool) -> tuple[str, str, str
     return "begun", "½", f"{format_mark(counted.points)} / 20"
 
 
-def _next_step(running: Sequence[tuple[StudentAssignment, OwnAssignment]]) -> NextStep | None:
+def _choose_next_step(running: Sequence[tuple[StudentAssignment, OwnAssignment]]) -> NextStep | None:
     """The test that is open; the first exercise that is not solved, of the assignment that is due first."""
     for assigned, view in running:
         if assigned.rules.excused and not (view.test and view.test.running):

@@ -35,10 +35,10 @@ def show_preview(
     if reader.account is None:
         return redirect_to_login(request)
     access = rights.require_right(reader.db, reader.account, Right.erase_students, class_id)
-    return _render(request, reader.db, reader.course, settings, reader.account, access, student)
+    return _render_erasure_preview(request, reader.db, reader.course, settings, reader.account, access, student)
 
 
-def _render(
+def _render_erasure_preview(
     request: Request, db: Db, course: CourseOf, settings: Settings, account: Account, access: ClassAccess,
     student: UUID, changed: bool = False,
 ) -> HTMLResponse:  # fmt: skip
@@ -82,6 +82,8 @@ def erase_student(
             return redirect(f"{address}/{student}/effacer")
         if attendu != preview.digest:
             roll_back_then_read(db)
-            return _render(request, db, course, settings, account, access, student, changed=bool(attendu))
+            return _render_erasure_preview(
+                request, db, course, settings, account, access, student, changed=bool(attendu)
+            )
     done = personal.erase_on_request(student, by=account.id, class_id=scope)
     return redirect(address if done else f"{address}/{student}/effacer")

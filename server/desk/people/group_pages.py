@@ -80,13 +80,13 @@ def show_groups(
         return redirect_to_login(request)
     access = rights.require_right(reader.db, reader.account, Right.see_students, class_id)
     members = classes.load_members(reader.db, access.school_class.id)
-    chosen = [_line(member) for member in members if member.id in (eleve or ()) and member.is_active_student]
+    chosen = [_member_line(member) for member in members if member.id in (eleve or ()) and member.is_active_student]
     forms = GroupForms(action="liste", name=nom, names="\n".join(chosen)) if chosen else GroupForms()
     view = _build_page(reader.db, reader.course, access, members, forms)
     return render_page(request, "classes/class_groups.html", reader.account, page=view)
 
 
-def _line(member: Member) -> str:
+def _member_line(member: Member) -> str:
     """Return the name, or the login where namesakes are told apart by it."""
     is_ambiguous = member.name != member.plain_name and member.account.login
     return member.account.login or "" if is_ambiguous else member.plain_name
@@ -109,7 +109,7 @@ def _build_page(
             for label in labels
         ),
         students=len(students),
-        present=len(_present(students)),
+        present=len(_present_students(students)),
         without_group=sum(not student.groups for student in students),
         forms=forms,
         may_change=access.has(Right.manage_roster) and access.school_class.archived_at is None,
@@ -117,7 +117,7 @@ def _build_page(
     )
 
 
-def _present(students: Sequence[Member]) -> Sequence[Member]:
+def _present_students(students: Sequence[Member]) -> Sequence[Member]:
     """Return the students who were seen today, on the school's clock."""
     today = school_time.to_local(utc_now()).date()
     seen = ((student, student.membership.last_seen_at) for student in students)
@@ -137,7 +137,7 @@ def change_groups(
             groups.create_group(db, school_class, account.id, nom, groups.find_named_students(members, noms))
         elif action == "hasard":
             students = [member for member in members if member.is_active_student]
-            dealt = [student.id for student in (_present(students) if presents else students)]
+            dealt = [student.id for student in (_present_students(students) if presents else students)]
             count = int(combien) if combien.isdecimal() and len(combien) < 4 else 0
             groups.create_random_groups(db, school_class, account.id, nom, count, dealt, SystemRandom())
         elif action == "renommer":

@@ -46,32 +46,32 @@ class ListForm:
 
 def read_list_form(fields: FormData) -> ListForm:
     """Read the form. Raises Invalid."""
-    upload, text = fields.get("fichier"), _field(fields, "texte", longest=None)
+    upload, text = fields.get("fichier"), _form_text(fields, "texte", longest=None)
     is_uploaded = isinstance(upload, UploadFile) and bool(upload.filename)
     content = upload.file.read() if is_uploaded and isinstance(upload, UploadFile) else b""
-    read_as, wanted = _field(fields, "lu"), _field(fields, "accents")
+    read_as, wanted = _form_text(fields, "lu"), _form_text(fields, "accents")
     if not is_uploaded and read_as in ENCODINGS and wanted in ENCODINGS and wanted != read_as:
         text, read_as = redecode(text, read_as, wanted), wanted
     columns = tuple(str(name)[:MAX_FIELD] for name in fields.getlist("colonne"))[:MAX_COLUMNS]
-    first_line = _field(fields, "premiere")
+    first_line = _form_text(fields, "premiere")
     choice = ReadingChoice(
         columns=() if is_uploaded else columns,
         first_line=int(first_line) if first_line.isdecimal() and int(first_line) <= MAX_LINES else 0,
         encoding="" if is_uploaded or not read_as else AS_IS,
-        class_value=_field(fields, "valeur"),
-        only_here=bool(_field(fields, "ici")),
+        class_value=_form_text(fields, "valeur"),
+        only_here=bool(_form_text(fields, "ici")),
     )
     return ListForm(
         content=content or text.encode(errors="replace"),
         text=text,
         choice=choice,
-        replace=_field(fields, "mode") == REPLACE,
+        replace=_form_text(fields, "mode") == REPLACE,
         read_as="" if is_uploaded else read_as,
-        expected=_field(fields, "attendu"),
+        expected=_form_text(fields, "attendu"),
     )
 
 
-def _field(fields: FormData, name: str, longest: int | None = MAX_FIELD) -> str:
+def _form_text(fields: FormData, name: str, longest: int | None = MAX_FIELD) -> str:
     value = fields.get(name, "")
     return value[:longest] if isinstance(value, str) else ""
 

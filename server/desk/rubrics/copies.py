@@ -99,7 +99,9 @@ def build_copy(
     assert reader.account is not None
     own = reader.account.id == student
     mark, exercises = (_load_own_mark if own else _load_mark)(reader, access, assignment, student)
-    parts = tuple(_part(reader, reader.account, student, own_mark, mark, with_threads) for own_mark in exercises)
+    parts = tuple(
+        _build_copy_part(reader, reader.account, student, own_mark, mark, with_threads) for own_mark in exercises
+    )
     return CopyView(
         name=name,
         mark="" if mark is None else describe_assignment_mark(mark),
@@ -129,7 +131,7 @@ def _load_own_mark(
     raise NotFound(UNKNOWN)  # it is for other groups
 
 
-def _part(
+def _build_copy_part(
     reader: Reader,
     account: Account,
     student: UUID,
@@ -137,7 +139,7 @@ def _part(
     whole: AssignmentMark | None,
     with_threads: bool,
 ) -> CopyPart:
-    title = _title(reader.course, mark.exercise)
+    title = _title_of_exercise(reader.course, mark.exercise)
     if mark.points is not None:
         points = f"{format_points(mark.points)} / 20"
     else:
@@ -159,7 +161,7 @@ def _part(
         sent_at=attempt.submission.created_at,
         late=f"{count_with_noun(mark.days_late, 'jour')} de retard" if mark.days_late else "",
         code=code,
-        verdict=_verdict(reader, attempt),
+        verdict=_build_attempt_verdict_view(reader, attempt),
         threads=build_thread_views([talk for talk in talks if talk.thread.id not in on_lines], talker),
         held=attempt.held_text,
         partner=find_teammate_name(reader.db, student, attempt.submission.account_id)
@@ -168,12 +170,12 @@ def _part(
     )
 
 
-def _title(course: Course, exercise: str) -> str:
+def _title_of_exercise(course: Course, exercise: str) -> str:
     known = course.exercises.get(exercise)
     return exercise if known is None else known.title
 
 
-def _verdict(reader: Reader, attempt: Attempt) -> VerdictView | None:
+def _build_attempt_verdict_view(reader: Reader, attempt: Attempt) -> VerdictView | None:
     verdict = attempt.verdict
     if verdict is None or attempt.grading is None:
         return None

@@ -89,7 +89,9 @@ def list_copies(
 
 
 @router.post(f"{ASSIGNMENT}/noter")
-def publish(class_id: str, aid: str, account: SignedIn, reader: CurrentReader, action: Field = "") -> Response:
+def change_publication(
+    class_id: str, aid: str, account: SignedIn, reader: CurrentReader, action: Field = ""
+) -> Response:
     """Publish the marks of all finished copies together, or hide them again."""
     access = rights.require_right(reader.db, account, Right.change_marks, class_id)
     assignment = editing.find_assignment(reader.db, access.school_class, aid)

@@ -282,7 +282,7 @@ def build_marking_page(
         copy=build_copy(
             reader, access, assignment, row.student, row.name, with_threads=not hides_names(rubric, column)
         ),
-        criteria=tuple(_criterion(item, shown) for item in items),
+        criteria=tuple(_criterion_view(item, shown) for item in items),
         overall=shown.remarks.get(OVERALL, ""),
         version=0 if row.marking is None else row.marking.version,
         problem=shown.problems.get(OVERALL, ""),
@@ -300,7 +300,7 @@ def _stored_copy(marking: RubricMarking | None) -> TypedCopy:
     return TypedCopy({item: format_number(points) for item, points in marks.points.items()}, marks.remarks)
 
 
-def _criterion(item: RubricItem, typed: TypedCopy) -> CriterionView:
+def _criterion_view(item: RubricItem, typed: TypedCopy) -> CriterionView:
     text = typed.points.get(item.id, "").strip()
     by_words = {format_number(level.points): index for index, level in reversed([*enumerate(item.levels)])}
     picked = by_words.get(text.replace(".", ","), -1)

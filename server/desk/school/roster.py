@@ -50,7 +50,9 @@ async def import_roster(
 ) -> Response:
     """Shows what the list would change; with `attendu`, the digest of what was shown, gives the seats."""
     context, provider = await run_in_threadpool(_require_course, database, account, class_id, cours)
-    people, problem = await federation.threads.run(provider.id, lambda: _ask(database, federation, provider, context))
+    people, problem = await federation.threads.run(
+        provider.id, lambda: _fetch_roster(database, federation, provider, context)
+    )
 
     def answer() -> Response:
         if attendu and not problem:
@@ -64,7 +66,7 @@ async def import_roster(
             access = rights.require_right(db, account, Right.manage_roster, class_id)
             plan = roster_plan.plan_roster(db, provider, access.school_class, people)
             head = class_head(course, access, "/reglages")
-        page = _page(head, context, provider, plan, problem, is_again=bool(attendu))
+        page = _render_roster_page(head, context, provider, plan, problem, is_again=bool(attendu))
         return render_page(request, "classes/school_list.html", account, status=422 if problem else 200, page=page)
 
     return await run_in_threadpool(answer)
@@ -83,7 +85,7 @@ def _require_course(
         return context, provider
 
 
-def _ask(
+def _fetch_roster(
     database: Database, federation: Federation, provider: IdentityProvider, context: ProviderContext
 ) -> tuple[list[SignedPerson], str]:
     """Return the people of a course, or the reason why the platform does not list them."""
@@ -93,16 +95,16 @@ def _ask(
     except OutgoingError as error:
         problem = error.reason
     with database.write() as db:
-        _record(db, provider.id, len(people), problem)
+        _record_roster_reading(db, provider.id, len(people), problem)
     return people, problem
 
 
-def _record(db: Any, provider_id: UUID, people: int, problem: str) -> None:
+def _record_roster_reading(db: Any, provider_id: UUID, people: int, problem: str) -> None:
     detail = problem or f"{people} personnes"
     repository.record_activity(db, provider_id, ActivityKind.roster, utc_now(), detail, succeeded=not problem)
 
 
-def _page(
+def _render_roster_page(
     head: Any, context: ProviderContext, provider: IdentityProvider, plan: RosterPlan, problem: str, *, is_again: bool
 ) -> dict[str, Any]:
     rows = [(person.name or person.given_name or "sans nom", ROLE_WORDS[person.role]) for person in plan.entering]

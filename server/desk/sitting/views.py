@@ -86,14 +86,14 @@ def _sitting_exercises(reader: Reader, own: StudentTest, account: Account) -> tu
             exercise,
             sent.get(exercise.id, 0),
             failed.get(exercise.id, 0),
-            exercise.id not in sent or _last_runs(reader, account, exercise.id),
+            exercise.id not in sent or _does_last_file_run(reader, account, exercise.id),
             saved.get(exercise.id),
         )
         for exercise in known
     )
 
 
-def _last_runs(reader: Reader, account: Account, exercise_id: str) -> bool:
+def _does_last_file_run(reader: Reader, account: Account, exercise_id: str) -> bool:
     last = gradebook.find_latest_attempt(reader.db, account, exercise_id)
     return last is None or not last.load_error
 

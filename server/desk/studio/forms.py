@@ -42,9 +42,9 @@ _MISTAKE_TEXTS = {"title": "titre", "explanation": "explication", "question": "q
 _REASON = re.compile(rf"{REASON_FIELD}([0-9a-f]{{12}}(?:-[0-9a-f]{{12}})*)")
 
 
-def read_form(fields: FormData, before: ExerciseDraft) -> ExerciseDraft:
+def read_exercise_draft(fields: FormData, before: ExerciseDraft) -> ExerciseDraft:
     """Return what is typed; reasons that the form does not show stay as they were `before`."""
-    texts = {name: _text(fields, field) for name, field in _EXERCISE_TEXTS.items()}
+    texts = {name: _text_field(fields, field) for name, field in _EXERCISE_TEXTS.items()}
     reasons = dict(before.reasons)
     for name, value in fields.multi_items():
         shown = _REASON.fullmatch(name)
@@ -52,24 +52,24 @@ def read_form(fields: FormData, before: ExerciseDraft) -> ExerciseDraft:
             reasons |= dict.fromkeys(shown[1].split("-"), value.strip())
     return ExerciseDraft(
         **texts,
-        hints=tuple(_text(fields, f"indice-{number}") for number in range(1, HINTS + 1)),
-        checks=tuple(_with_tolerances(fields, tuple(_checks(fields)), before)),
-        mistakes=tuple(_mistakes(fields)),
+        hints=tuple(_text_field(fields, f"indice-{number}") for number in range(1, HINTS + 1)),
+        checks=tuple(_with_tolerances(fields, tuple(_read_check_drafts(fields)), before)),
+        mistakes=tuple(_read_mistake_drafts(fields)),
         reasons=dict([(name, reason) for name, reason in reasons.items() if reason][-MAX_REASONS:]),
     ).without_empty_parts()
 
 
-def _text(fields: FormData, name: str) -> str:
+def _text_field(fields: FormData, name: str) -> str:
     value = fields.get(name, "")
     return value.replace("\r\n", "\n") if isinstance(value, str) else ""
 
 
-def _checks(fields: FormData) -> Iterator[CheckDraft]:
+def _read_check_drafts(fields: FormData) -> Iterator[CheckDraft]:
     for at in range(ROOM * MAX_CHECKS):
-        texts = {name: _text(fields, f"v-{at}-{field}") for name, field in _CHECK_TEXTS.items()}
+        texts = {name: _text_field(fields, f"v-{at}-{field}") for name, field in _CHECK_TEXTS.items()}
         texts |= {name: texts[name] or usual for name, usual in CHECK_CHOICES.values()}
-        flags = {name: _text(fields, f"v-{at}-{field}") == YES for name, field in _CHECK_FLAGS.items()}
-        yield CheckDraft(**texts, **flags, cases=tuple(_cases(fields, at)))  # type: ignore[arg-type]
+        flags = {name: _text_field(fields, f"v-{at}-{field}") == YES for name, field in _CHECK_FLAGS.items()}
+        yield CheckDraft(**texts, **flags, cases=tuple(_read_case_drafts(fields, at)))  # type: ignore[arg-type]
 
 
 def _with_tolerances(fields: FormData, checks: tuple[CheckDraft, ...], before: ExerciseDraft) -> Iterator[CheckDraft]:
@@ -80,21 +80,21 @@ def _with_tolerances(fields: FormData, checks: tuple[CheckDraft, ...], before: E
         yield replace(check, tolerance=typed) if isinstance(typed, str) and typed != was else check
 
 
-def read_picked(fields: FormData, name: str) -> frozenset[str]:
+def read_picked_options(fields: FormData, name: str) -> frozenset[str]:
     """Return the values of the ticked proposals of this name."""
     return frozenset(value for value in fields.getlist(name) if isinstance(value, str))
 
 
-def _cases(fields: FormData, at: int) -> Iterator[CaseDraft]:
+def _read_case_drafts(fields: FormData, at: int) -> Iterator[CaseDraft]:
     for row in range(ROOM * MAX_CASES):
-        case = CaseDraft(_text(fields, f"v-{at}-c-{row}-appel"), _text(fields, f"v-{at}-c-{row}-attendu"))
+        case = CaseDraft(_text_field(fields, f"v-{at}-c-{row}-appel"), _text_field(fields, f"v-{at}-c-{row}-attendu"))
         if not case.is_empty:
             yield case
 
 
-def _mistakes(fields: FormData) -> Iterator[MistakeDraft]:
+def _read_mistake_drafts(fields: FormData) -> Iterator[MistakeDraft]:
     for at in range(ROOM * MAX_MISTAKES):
-        yield MistakeDraft(**{name: _text(fields, f"e-{at}-{field}") for name, field in _MISTAKE_TEXTS.items()})
+        yield MistakeDraft(**{name: _text_field(fields, f"e-{at}-{field}") for name, field in _MISTAKE_TEXTS.items()})
 
 
 def read_upload(fields: FormData) -> tuple[str, bytes]:

@@ -30,7 +30,7 @@ _FIELD_WORDS = {
 }  # fmt: skip
 
 
-def read_report(report: TrialReport, completed: Mapping[str, Any], draft: ExerciseDraft) -> dict[str, Any]:
+def build_report_view(report: TrialReport, completed: Mapping[str, Any], draft: ExerciseDraft) -> dict[str, Any]:
     """Build what stands below the state of an exercise; `completed` is what was tried, `draft` what is saved."""
     checks = completed["declaration"]["verifications"]
     titles = {each["id"]: each["titre"] or "sans titre" for each in completed["declaration"]["erreurs"]}
@@ -42,13 +42,13 @@ def read_report(report: TrialReport, completed: Mapping[str, Any], draft: Exerci
     return {
         "report": report,
         "place": describe_place(report.place),
-        "answers": [_answer(checks[case.check], case) for case in report.cases],
+        "answers": [_case_answer(checks[case.check], case) for case in report.cases],
         "right": sum(case.agrees for case in report.cases),
         "mistakes": [
             (titles.get(tried.id, tried.id), tried, titles.get(tried.instead, "")) for tried in report.mistakes
         ],
         "untried": len(titles) if not holds else 0,
-        "tolerances": _tolerances(report, draft, checks),
+        "tolerances": _proposed_tolerances(report, draft, checks),
         "missing_cases": any(tried.case for tried in report.mistakes),
         "offered": _offered_mistakes(changes, draft),
         "alive": _survivors(report, draft),
@@ -62,7 +62,7 @@ def read_report(report: TrialReport, completed: Mapping[str, Any], draft: Exerci
     }
 
 
-def _tolerances(
+def _proposed_tolerances(
     report: TrialReport, draft: ExerciseDraft, checks: Sequence[Mapping[str, Any]]
 ) -> list[tuple[int, str, str]]:
     """Return the checks whose answers have decimal numbers, with the tolerance that their author has chosen and the
@@ -85,7 +85,7 @@ def _is_decimal(text: str) -> bool:
     return not text.startswith(("'", '"')) and _DECIMAL.search(text) is not None
 
 
-def _answer(check: Mapping[str, Any], case: TriedCase) -> dict[str, Any]:
+def _case_answer(check: Mapping[str, Any], case: TriedCase) -> dict[str, Any]:
     expected = check.get("attendus", ())
     wanted = expected[case.case] if case.case < len(expected) else ""
     call = check["cas"][case.case]

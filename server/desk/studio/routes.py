@@ -14,7 +14,7 @@ from server.base.errors import Invalid, NotFound
 from server.database import commit_then_read, roll_back_then_read
 from server.desk.requests import ShortQuery
 from server.desk.studio import forms, views
-from server.desk.studio.forms import read_form
+from server.desk.studio.forms import read_exercise_draft
 from server.desk.studio.views import PATH, StudioReader
 from server.identity.dependencies import SignedIn
 from server.rights import service as rights
@@ -193,7 +193,7 @@ def save_exercise(
         service.delete_exercise(reader.db, exercise)
         return redirect(PATH)
     stored = service.read_draft(exercise)
-    typed = read_form(fields, stored)
+    typed = read_exercise_draft(fields, stored)
     require_unchanged_values(fields, account, SUBJECT, stored.texts_by_label, typed.texts_by_label)
     context = StudioReader(reader, studio)
     try:
@@ -225,15 +225,17 @@ def _with_proposals(action: str, draft: ExerciseDraft, exercise: AuthoredExercis
     if placed:
         at = int(placed[2])
         if placed[1] == "attendre":
-            return service.expect_exception(draft, _report(exercise), at, int(placed[3] or 0))
+            return service.expect_exception(draft, _require_trial_report(exercise), at, int(placed[3] or 0))
         return service.remove_part(draft, "mistakes" if placed[1] == "retirer-erreur" else "checks", at)
     if action == "erreurs":
-        picked = forms.read_picked(fields, forms.PICKED_CHANGES)
-        changes = [each for each in _report(exercise).changes if program_digest(each.program) in picked]
+        picked = forms.read_picked_options(fields, forms.PICKED_CHANGES)
+        changes = [each for each in _require_trial_report(exercise).changes if program_digest(each.program) in picked]
         service.require_valid_picks(picked, changes, service.NO_MISTAKE_PICKED)
         return service.add_mistakes(draft, changes)
     if action == "cas":
-        return service.add_cases(draft, _report(exercise), forms.read_picked(fields, forms.PICKED_CASES))
+        return service.add_cases(
+            draft, _require_trial_report(exercise), forms.read_picked_options(fields, forms.PICKED_CASES)
+        )
     if action == "tirages":
         return add_proposed_draws_check(draft, (exercise.trial or {}).get("completed") or {})
     if action not in {"", "enregistrer", "brouillon", "publier", *service.LENDING}:
@@ -241,6 +243,6 @@ def _with_proposals(action: str, draft: ExerciseDraft, exercise: AuthoredExercis
     return draft
 
 
-def _report(exercise: AuthoredExercise) -> TrialReport:
+def _require_trial_report(exercise: AuthoredExercise) -> TrialReport:
     report = (exercise.trial or {}).get("report")
     return TrialReport.from_data(report) if report else TrialReport()

@@ -16,7 +16,7 @@ from server.base.app_services import app_service
 from server.classes.repository import load_taught_classes
 from server.course import Course
 from server.course.functions import FunctionSpec
-from server.desk.studio.report_views import read_report
+from server.desk.studio.report_views import build_report_view
 from server.identity.models import Account
 from server.studio import repository, service
 from server.studio.drafts import CaseDraft, CheckDraft, ExerciseDraft, MistakeDraft
@@ -60,7 +60,7 @@ def build_list_page(
     """Build a page of one's exercises that hold the words of a query; `problem` says why none has the typed `code`."""
     own = repository.list_exercises(reader.db, account.id)
     found = service.search_exercises(own, query)
-    exercises, more = _page_of(found, page)
+    exercises, more = _slice_page(found, page)
     rows = [
         {
             "href": exercise_path(exercise),
@@ -68,20 +68,20 @@ def build_list_page(
             "module": _module_label(reader.course, exercise.module),
             "saved_at": exercise.saved_at,
             "public": public_href(exercise),
-            "state": _state(exercise),
+            "state": _state_in_words(exercise),
         }
         for exercise in exercises
     ]
     taught = load_taught_classes(reader.db, account.id) if not own else ()
     chosen = own[0].module if own else next((each.module for each in taught), "")
     return {
-        "rows": rows, "modules": _modules(reader.course), "chosen": chosen, "code": code, "problem": problem,
+        "rows": rows, "modules": _module_options(reader.course), "chosen": chosen, "code": code, "problem": problem,
         "query": query, "count": len(own), "found": len(found), "number": page, "more": more,
         "searches": len(own) > FEW_ROWS, "address": _page_address(PATH, query),
     }  # fmt: skip
 
 
-def _page_of(exercises: Sequence[AuthoredExercise], page: int) -> tuple[Sequence[AuthoredExercise], bool]:
+def _slice_page(exercises: Sequence[AuthoredExercise], page: int) -> tuple[Sequence[AuthoredExercise], bool]:
     """Return the rows of a page, and whether more come after it."""
     return exercises[(page - 1) * ROWS : page * ROWS], len(exercises) > page * ROWS
 
@@ -95,11 +95,11 @@ def build_import_page(
     reader: Reader, rows: Sequence[tuple[ImportedExercise, str]] = (), *, problem: str = ""
 ) -> dict[str, Any]:
     """Build the form of an import; `rows` are what came over, each with the address of its draft."""
-    return {"modules": _modules(reader.course), "rows": rows, "problem": problem}
+    return {"modules": _module_options(reader.course), "rows": rows, "problem": problem}
 
 
 def build_bank_page(reader: Reader, found: Sequence[AuthoredExercise], *, query: str, page: int) -> dict[str, Any]:
-    exercises, more = _page_of(found, page)
+    exercises, more = _slice_page(found, page)
     rows = [
         {
             "id": exercise.id,
@@ -113,7 +113,7 @@ def build_bank_page(reader: Reader, found: Sequence[AuthoredExercise], *, query:
     return {"rows": rows, "query": query, "number": page, "more": more, "address": address}
 
 
-def _modules(course: Course) -> list[tuple[str, str, str]]:
+def _module_options(course: Course) -> list[tuple[str, str, str]]:
     """Return name, label and title of the modules for which one may write exercises."""
     return [(module.slug, module.label, module.title) for module in course.latest]
 
@@ -123,7 +123,7 @@ def _module_label(course: Course, slug: str) -> str:
     return slug if module is None else module.label
 
 
-def _state(exercise: AuthoredExercise) -> str:
+def _state_in_words(exercise: AuthoredExercise) -> str:
     if not exercise.number:
         return "brouillon"
     state = f"publié, version {exercise.number}" + (
@@ -148,9 +148,9 @@ def build_edit_page(
         "module": _module_label(context.reader.course, exercise.module),
         "slug": exercise.module,
         "draft": draft,
-        "checks": [_with_rows(check, EXAMPLE_ROWS) for check in draft.checks or (CheckDraft(),)],
-        "extras": _extras(draft),
-        "extra_check": _with_rows(CheckDraft(), EXAMPLE_ROWS),
+        "checks": [_check_form_with_rows(check, EXAMPLE_ROWS) for check in draft.checks or (CheckDraft(),)],
+        "extras": _extra_descriptions(draft),
+        "extra_check": _check_form_with_rows(CheckDraft(), EXAMPLE_ROWS),
         "mistakes": [*draft.mistakes, MistakeDraft()],
         "version": form_version_tag(service.read_draft(exercise).texts_by_label),
         "preview": render_statement(context.reader.course, exercise.module, draft.statement),
@@ -186,13 +186,13 @@ def build_tryout_page(context: StudioReader, exercise: AuthoredExercise) -> dict
     }
 
 
-def _with_rows(check: CheckDraft, rows: int) -> dict[str, Any]:
+def _check_form_with_rows(check: CheckDraft, rows: int) -> dict[str, Any]:
     """Return a check with an empty row after its cases, and at least so many rows."""
     empty = [CaseDraft()] * max(1, rows - len(check.cases))
-    return {"check": check, "rows": [*check.cases, *empty], "settings": list(_settings(check))}
+    return {"check": check, "rows": [*check.cases, *empty], "settings": list(_setting_descriptions(check))}
 
 
-def _settings(check: CheckDraft) -> Iterator[str]:
+def _setting_descriptions(check: CheckDraft) -> Iterator[str]:
     """Yield what an author has set of a check, in short: a fold that is closed must not hide it."""
     texts = (
         (check.title, "titre"), (check.points, "points : {}"), (check.tolerance, "écart permis : {}"),
@@ -208,7 +208,7 @@ def _settings(check: CheckDraft) -> Iterator[str]:
     yield from (words for is_set, words in flags if is_set)
 
 
-def _extras(draft: ExerciseDraft) -> list[str]:
+def _extra_descriptions(draft: ExerciseDraft) -> list[str]:
     """Return what an author has set beyond the five-minute form."""
     texts = (
         (draft.starter, "fichier de départ"), (draft.functions, "fonctions"), ("".join(draft.hints), "indices"),
@@ -239,7 +239,7 @@ def build_report(context: StudioReader, exercise: AuthoredExercise) -> dict[str,
         "report": None,
     }
     if "report" in trial:
-        view |= read_report(TrialReport.from_data(trial["report"]), trial["completed"], draft)
+        view |= build_report_view(TrialReport.from_data(trial["report"]), trial["completed"], draft)
     return view
 
 

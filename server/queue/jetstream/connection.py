@@ -242,7 +242,7 @@ class NatsConnection:
         last_error = ""
         while not self._read_only:
             try:
-                await self.layout.ensure(context)
+                await self.layout.create_or_update(context)
                 self._ready.set()
                 return
             except FAILURES as error:

@@ -78,7 +78,7 @@ class StreamLayout:
             max_ack_pending=MAX_ACK_PENDING,
         )
 
-    async def ensure(self, context: JetStreamContext) -> None:
+    async def create_or_update(self, context: JetStreamContext) -> None:
         """Create what is missing, and update what differs. Raises nats.js.errors.APIError."""
         try:
             actual = (await context.stream_info(STREAM)).config
@@ -90,7 +90,7 @@ class StreamLayout:
             await context.add_consumer(STREAM, self.consumer_config(consumer))
 
     async def find_differences(self, context: JetStreamContext) -> list[str]:
-        """Return the differences from the expected state, in French; `ensure` removes them."""
+        """Return the differences from the expected state, in French; `create_or_update` removes them."""
         try:
             actual = (await context.stream_info(STREAM)).config
         except NotFoundError:

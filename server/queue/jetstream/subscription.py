@@ -177,10 +177,12 @@ class PullSubscription:
             if status not in EMPTY_STATUSES:
                 raise NatsUnavailableError(f"{status} {(response.headers or {}).get('Description', '')}")
             return False
-        self._offer(PulledMessage([consumer.kind], response.metadata.num_delivered, response.reply, self._connection))
+        self._offer_message(
+            PulledMessage([consumer.kind], response.metadata.num_delivered, response.reply, self._connection)
+        )
         return True
 
-    def _offer(self, message: PulledMessage) -> None:
+    def _offer_message(self, message: PulledMessage) -> None:
         with self._lock:
             if self._wants_message and self._message is None:
                 self._message = message

@@ -59,7 +59,7 @@ class LostMessageSweeper:
             try:
                 info = await context.consumer_info(STREAM, consumer.consumer_name)
             except NotFoundError:
-                await layout.ensure(context)
+                await layout.create_or_update(context)
                 info = await context.consumer_info(STREAM, consumer.consumer_name)
             messages[consumer.kind] = (info.num_pending or 0) + (info.num_ack_pending or 0)
         return messages

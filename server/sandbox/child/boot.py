@@ -23,7 +23,7 @@ def main(control: int, configuration: int, parent: int, namespaces: bool, lifted
         at_forks = ForkHookRecorder()
         from . import template
 
-        template.start(control, data, at_forks)
+        template.start_template(control, data, at_forks)
 
     if namespaces:
         code = outer.run_in_namespaces(inside, control, lifted)

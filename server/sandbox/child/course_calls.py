@@ -47,23 +47,25 @@ def encode_call(name: str, arguments: tuple[object, ...], named: Mapping[str, ob
         try:
             return encode((name, arguments, dict(named)), ASK_LIMITS)
         except UnsendableValue:
-            return encode((name, _listed(arguments), _listed(dict(named))), ASK_LIMITS)
+            return encode(
+                (name, _replace_iterables_by_lists(arguments), _replace_iterables_by_lists(dict(named))), ASK_LIMITS
+            )
     except UnsendableValue as error:
         raise TypeError(f"{name}() cannot take an object of type '{error.culprit}'") from None
     except ValueTooBig:
         raise ValueError(f"{name}(): arguments too big") from None
 
 
-def _listed(value: Any) -> Any:
+def _replace_iterables_by_lists(value: Any) -> Any:
     """Replace iterables that are no values (sets, generators, queues…) by lists."""
     if isinstance(value, (str, bytes, int, float, complex, np.ndarray, np.generic)) or value is None:
         return value
     if isinstance(value, dict):
-        return {key: _listed(item) for key, item in value.items()}
+        return {key: _replace_iterables_by_lists(item) for key, item in value.items()}
     if isinstance(value, tuple):
-        return tuple(map(_listed, value))
+        return tuple(map(_replace_iterables_by_lists, value))
     if isinstance(value, Iterable) and not hasattr(type(value), "__array__") and not hasattr(value, "toarray"):
-        return [_listed(item) for item in value]
+        return [_replace_iterables_by_lists(item) for item in value]
     return value
 
 
@@ -76,14 +78,14 @@ def read_reply(reply: bytes) -> object:
         return rest[0][0]
     if kind == EXPIRED:
         raise TimeExpired
-    raise _exception(*rest)
+    raise _build_exception(*rest)
 
 
 def _as_tuple(value: Any) -> tuple[Any, ...]:
     return tuple(value)
 
 
-def _exception(name: str, arguments: tuple[Value, ...], text: str) -> Exception:
+def _build_exception(name: str, arguments: tuple[Value, ...], text: str) -> Exception:
     """Return the exception of this name; one of a type made for it where Python has none that says the same."""
     kind: Any = np.linalg.LinAlgError if name == "LinAlgError" else getattr(builtins, name, None)
     if isinstance(kind, type) and issubclass(kind, Exception):

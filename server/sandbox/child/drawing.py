@@ -1,6 +1,7 @@
 """Drawing in a template: matplotlib without a window, and the figures of a program as PNG files.
 
-`figures` bounds honest programs only: a hostile one answers whatever it wants, and the trusted side re-encodes it.
+`render_open_figures` bounds honest programs only: a hostile one answers whatever it wants, and the trusted side
+re-encodes it.
 """
 
 from __future__ import annotations
@@ -30,7 +31,7 @@ RESOLUTION = 150.0
 _NOWHERE = "/dev/null/matplotlib"
 
 
-def prepare() -> None:
+def configure_matplotlib() -> None:
     """Before anything else imports matplotlib: no configuration, no cache, no font but its own, no window."""
     package = importlib.util.find_spec("matplotlib")
     assert package
@@ -41,7 +42,7 @@ def prepare() -> None:
 
     matplotlib.get_cachedir = matplotlib.get_configdir = lambda: _NOWHERE
     matplotlib.set_loglevel("ERROR")
-    with _own_fonts_only(os.path.join(matplotlib.get_data_path(), "fonts", "ttf")):
+    with _restrict_to_bundled_fonts(os.path.join(matplotlib.get_data_path(), "fonts", "ttf")):
         importlib.import_module("matplotlib.font_manager")
     matplotlib.rcParams["savefig.dpi"] = RESOLUTION
     with suppress(ModuleNotFoundError):  # behind the walls, a child finds the rest of it at the first need
@@ -49,7 +50,7 @@ def prepare() -> None:
 
 
 @contextmanager
-def _own_fonts_only(folder: str) -> Iterator[None]:
+def _restrict_to_bundled_fonts(folder: str) -> Iterator[None]:
     """matplotlib looks through the fonts of the machine, which a child cannot read, with a command and a thread.
 
     The metrics of the fonts that printers have are for their files alone; reading them takes as long as all the others.
@@ -80,7 +81,7 @@ def warm_up() -> None:
     axes.legend()
     dated = pyplot.figure(figsize=(3, 2)).add_subplot()
     dated.plot([datetime.date(2000, 1, 1)], [0])  # looks for the time zones, and finds none
-    figures()
+    render_open_figures()
     pyplot.close("all")
 
 
@@ -89,20 +90,20 @@ def is_loaded() -> bool:
     return "get_fignums" in vars(sys.modules.get("matplotlib.pyplot", sys))
 
 
-def figures() -> tuple[Array, ...]:
+def render_open_figures() -> tuple[Array, ...]:
     """The open figures, the first ones at most; says so where that leaves some out, and what drawing them warns of."""
     pyplot: Any = sys.modules["matplotlib.pyplot"]
     opened = pyplot.get_fignums()
     if len(opened) > MAX_FIGURES:
         print(f"({len(opened)} figures sont ouvertes : seules les {MAX_FIGURES} premières sont montrées.)")
     with warnings.catch_warnings(record=True) as heard:
-        files = [_png(pyplot.figure(number)) for number in opened[:MAX_FIGURES]]
+        files = [_render_png_within_bounds(pyplot.figure(number)) for number in opened[:MAX_FIGURES]]
     for warning in dict.fromkeys(f"{record.category.__name__}: {record.message}" for record in heard):
         print(warning)
     return tuple(np.frombuffer(file, np.uint8) for file in files)
 
 
-def _png(figure: Any) -> bytes:
+def _render_png_within_bounds(figure: Any) -> bytes:
     """The figure at its usual resolution, or at a lower one that keeps it within the bounds."""
     width, height = figure.get_size_inches()
     resolution = min(RESOLUTION, (MAX_PIXELS / max(width * height, 1e-9)) ** 0.5 * 0.99)

@@ -65,7 +65,7 @@ class Dessin:
 
     def __iter__(self) -> Any:
         """Give as many of itself as the line that unpacks it wants, as in `fig, (a, b) = subplots(1, 2)`."""
-        return iter((self,) * _wanted(sys._getframe(1)))
+        return iter((self,) * _count_unpacked_values(sys._getframe(1)))
 
     def __setattr__(self, name: str, value: object) -> None: ...
 
@@ -97,7 +97,7 @@ class Dessin:
 NOTHING = Dessin()
 
 
-def _wanted(frame: Any) -> int:
+def _count_unpacked_values(frame: Any) -> int:
     """Return how many values the instruction that iterates unpacks; 1 for a loop."""
     code, at = frame.f_code.co_code, frame.f_lasti
     if code[at] == _UNPACK_SEQUENCE:
@@ -105,7 +105,7 @@ def _wanted(frame: Any) -> int:
     return int(code[at + 1]) + 1 if code[at] == _UNPACK_EX else 1
 
 
-class _StandIn(ModuleType):
+class _StandInModule(ModuleType):
     def __getattr__(self, name: str) -> Any:
         if name.startswith("__"):
             raise AttributeError(name)
@@ -126,7 +126,7 @@ class StandInFinder:
         return ModuleSpec(fullname, loader, is_package=True)
 
     def create_module(self, spec: ModuleSpec) -> ModuleType:
-        return _StandIn(spec.name)
+        return _StandInModule(spec.name)
 
     def exec_module(self, module: ModuleType) -> None:
         names = _NAMES.get(module.__name__, "").split()

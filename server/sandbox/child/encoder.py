@@ -38,7 +38,7 @@ class _Writer:
             raise ValueTooBig("size")
         self.out += data
 
-    def node(self, depth: int) -> None:
+    def count_node(self, depth: int) -> None:
         self.items += 1
         if self.items > self.limits.items:
             raise ValueTooBig("items")
@@ -80,10 +80,10 @@ def _is_within(array: Array, limits: ValueLimits) -> bool:
 
 
 def _encode(writer: _Writer, value: object, depth: int, path: str) -> None:
-    writer.node(depth)
+    writer.count_node(depth)
     encoder = _ENCODERS.get(type(value)) or _encoder_of_base_type(value)
     if encoder is None:
-        _convert(writer, value, depth, path)
+        _convert_and_encode(writer, value, depth, path)
     else:
         encoder(writer, value, depth, path)
 
@@ -199,12 +199,12 @@ def _encode_dict(writer: _Writer, value: dict[object, object], depth: int, path:
     for key, item in dict.items(value):
         if not isinstance(key, str):
             raise UnsendableValue("key", type(key).__name__, path)
-        writer.node(depth)
+        writer.count_node(depth)
         _encode_str(writer, key, depth, path)
         _encode(writer, item, depth + 1, f"{path}[{str.__str__(key)[:40]!r}]")
 
 
-def _convert(writer: _Writer, value: object, depth: int, path: str) -> None:
+def _convert_and_encode(writer: _Writer, value: object, depth: int, path: str) -> None:
     """Encode an object that converts to a value: a range, a sparse matrix, an object with `__array__`."""
     if type(value) is range:
         if len(value) > writer.limits.items:

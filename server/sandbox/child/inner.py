@@ -109,14 +109,14 @@ class WallBuilder:
         seats = tuple(libc.prepare_write(seat, b"0") for seat in self.descriptors.control_groups)
         last = (
             *folder,
-            *self._drop_rights(),
-            *self._resource_limits(limits),
-            *self._landlock(),
+            *self._prepare_rights_drop(),
+            *self._prepare_resource_limits(limits),
+            *self._prepare_landlock(),
             *self._filters[limits.threads > 1],
         )
         return ForkWalls(prepare_descriptors(self.descriptors), seats, self.prefault, self._nest, last, os.getpid())
 
-    def _drop_rights(self) -> Iterator[libc.PreparedCall]:
+    def _prepare_rights_drop(self) -> Iterator[libc.PreparedCall]:
         # Opened anew: the flags of one that all forks of a template shared would be seen by the next student.
         yield libc.prepare_close_range(_NULL, _NULL)
         yield libc.prepare_open("/dev/null", os.O_RDWR)
@@ -128,7 +128,7 @@ class WallBuilder:
         yield libc.prepare_prctl(libc.PR_SET_DUMPABLE, int("dumpable" in self._lifted))
         yield libc.prepare_prctl(libc.PR_SET_NO_NEW_PRIVS, 1)
 
-    def _resource_limits(self, limits: ChildLimits) -> Iterator[libc.PreparedCall]:
+    def _prepare_resource_limits(self, limits: ChildLimits) -> Iterator[libc.PreparedCall]:
         if "rlimits" in self._lifted:
             return
         seconds = int(limits.cpu_seconds) + 1  # the kernel counts whole seconds; the child's own timer comes first
@@ -145,7 +145,7 @@ class WallBuilder:
             ceiling = _hard_limit(kind)
             yield libc.prepare_setrlimit(kind, min(soft, ceiling), min(hard, ceiling))
 
-    def _landlock(self) -> Iterator[libc.PreparedCall]:
+    def _prepare_landlock(self) -> Iterator[libc.PreparedCall]:
         if self._rules:
             if "landlock" not in self._lifted:
                 yield landlock.prepare_restrict_self(RULES)
@@ -176,12 +176,12 @@ def open_memory_statistics() -> int:
     return os.open("/proc/self/statm", os.O_RDONLY | os.O_CLOEXEC)
 
 
-def address_space(account: int) -> int:
+def mapped_address_space_bytes(account: int) -> int:
     """Return the bytes of address space that this process has mapped."""
     return int(os.pread(account, 256, 0).split()[0]) * mmap.PAGESIZE
 
 
-def own_memory(account: int) -> int:
+def resident_anonymous_bytes(account: int) -> int:
     """Return the bytes of resident anonymous memory of this process."""
     _, resident, shared, *_ = os.pread(account, 256, 0).split()
     return (int(resident) - int(shared)) * mmap.PAGESIZE

@@ -28,7 +28,7 @@ class _Attributes(ctypes.Structure):
     _fields_ = (("fs", ctypes.c_uint64), ("net", ctypes.c_uint64), ("scoped", ctypes.c_uint64))
 
 
-def version() -> int:
+def landlock_abi_version() -> int:
     """Version of the interface; 0 when the kernel has no Landlock or has it switched off."""
     try:
         return libc.syscall("landlock_create_ruleset", _CREATE, None, 0, 1)
@@ -41,7 +41,7 @@ def create_ruleset(readable: Iterable[str], devices: Iterable[str] = (), writabl
 
     A rule holds below its folder in mounts that come later too, unless it is on the very folder that they cover.
     """
-    supported = min(version(), max(_FS_RIGHTS))
+    supported = min(landlock_abi_version(), max(_FS_RIGHTS))
     if not supported:
         raise libc.Unsupported(38, "Landlock est absent de ce noyau")
     attributes = _Attributes((1 << _FS_RIGHTS[supported]) - 1, 0, 0)
@@ -77,4 +77,4 @@ def prepare_restrict_self(rules: int) -> libc.PreparedCall:
 
 def scopes_sockets() -> bool:
     """Whether a domain reaches no abstract socket and no TCP port out of it."""
-    return version() >= _SCOPES
+    return landlock_abi_version() >= _SCOPES

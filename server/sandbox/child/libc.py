@@ -29,14 +29,14 @@ class Unsupported(OSError):
     """This machine does not support the request."""
 
 
-def _checked(result: int, what: str) -> int:
+def _raise_on_error(result: int, what: str) -> int:
     if result < 0:
         code = ctypes.get_errno()
         raise OSError(code, f"{what}: {os.strerror(code)}")
     return result
 
 
-def _argument(value: int | bytes | ctypes.Array[ctypes.c_char] | ctypes.Structure | None) -> object:
+def _to_ctypes_argument(value: int | bytes | ctypes.Array[ctypes.c_char] | ctypes.Structure | None) -> object:
     if isinstance(value, int):
         return ctypes.c_long(value)
     return ctypes.byref(value) if isinstance(value, ctypes.Structure) else value
@@ -45,7 +45,7 @@ def _argument(value: int | bytes | ctypes.Array[ctypes.c_char] | ctypes.Structur
 def syscall(
     what: str, number: int, *arguments: int | bytes | ctypes.Array[ctypes.c_char] | ctypes.Structure | None
 ) -> int:
-    return _checked(_libc.syscall(ctypes.c_long(number), *map(_argument, arguments)), what)
+    return _raise_on_error(_libc.syscall(ctypes.c_long(number), *map(_to_ctypes_argument, arguments)), what)
 
 
 #: A function of the C library, its C arguments, and its name, ready to be called.
@@ -56,7 +56,7 @@ def run_calls(calls: Iterable[PreparedCall]) -> None:
     """Make these calls in order while holding the GIL. Raises OSError when a call fails."""
     for function, arguments, what in calls:
         if function(*arguments) < 0:
-            _checked(-1, what)
+            _raise_on_error(-1, what)
 
 
 def run_calls_ignoring_errors(calls: Iterable[PreparedCall]) -> None:
@@ -68,7 +68,7 @@ def run_calls_ignoring_errors(calls: Iterable[PreparedCall]) -> None:
 def run_call(call: PreparedCall) -> int:
     """Make one call; return its result. Raises OSError."""
     function, arguments, what = call
-    return _checked(function(*arguments), what)
+    return _raise_on_error(function(*arguments), what)
 
 
 def late_bound_descriptor() -> ctypes.c_int:
@@ -104,13 +104,13 @@ def prepare_setrlimit(kind: int, soft: int, hard: int) -> PreparedCall:
 
 
 def prepare_system_call(what: str, number: int, *arguments: int | bytes | ctypes.Structure) -> PreparedCall:
-    return _libc_with_gil.syscall, (ctypes.c_long(number), *map(_argument, arguments)), what
+    return _libc_with_gil.syscall, (ctypes.c_long(number), *map(_to_ctypes_argument, arguments)), what
 
 
 def prepare_prctl(option: int, *arguments: int | ctypes.Structure) -> PreparedCall:
     """Prepare a `prctl`."""
     filled = (*arguments, 0, 0, 0, 0)[:4]
-    return _libc_with_gil.prctl, (ctypes.c_int(option), *map(_argument, filled)), f"prctl({option})"
+    return _libc_with_gil.prctl, (ctypes.c_int(option), *map(_to_ctypes_argument, filled)), f"prctl({option})"
 
 
 def prepare_mount(target: str, kind: str, flags: int, options: str) -> PreparedCall:
@@ -134,27 +134,27 @@ def prepare_process_madvise(advice: int, ranges: ctypes.Array[MemoryRange], coun
 
 
 def set_host_name(name: bytes) -> None:
-    _checked(_libc.sethostname(name, ctypes.c_size_t(len(name))), "sethostname")
+    _raise_on_error(_libc.sethostname(name, ctypes.c_size_t(len(name))), "sethostname")
 
 
 def prctl(option: int, *arguments: int | ctypes.Structure) -> int:
     filled = (*arguments, 0, 0, 0, 0)[:4]
-    return _checked(_libc.prctl(ctypes.c_int(option), *map(_argument, filled)), f"prctl({option})")
+    return _raise_on_error(_libc.prctl(ctypes.c_int(option), *map(_to_ctypes_argument, filled)), f"prctl({option})")
 
 
 def mount(source: str, target: str, kind: str | None, flags: int, options: str | None = None) -> None:
     encoded = (None if text is None else text.encode() for text in (source, target, kind))
     source_, target_, kind_ = encoded
     data = None if options is None else options.encode()
-    _checked(_libc.mount(source_, target_, kind_, ctypes.c_ulong(flags), data), f"mount({target})")
+    _raise_on_error(_libc.mount(source_, target_, kind_, ctypes.c_ulong(flags), data), f"mount({target})")
 
 
 def unmount_lazily(target: str) -> None:
-    _checked(_libc.umount2(target.encode(), 2), f"umount2({target})")
+    _raise_on_error(_libc.umount2(target.encode(), 2), f"umount2({target})")
 
 
 def unshare(flags: int) -> None:
-    _checked(_libc.unshare(ctypes.c_int(flags)), f"unshare({flags:#x})")
+    _raise_on_error(_libc.unshare(ctypes.c_int(flags)), f"unshare({flags:#x})")
 
 
 def architecture_column() -> int:

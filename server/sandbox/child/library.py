@@ -64,13 +64,13 @@ class EarlierFunctions(ModuleType):
             if earlier_file is None or earlier_file.label in begun:
                 raise AttributeError(f"module '{NAME}' has no attribute '{name}'")
             begun.add(earlier_file.label)
-            vars(self).update(_run(earlier_file, injected))
+            vars(self).update(_run_earlier_file(earlier_file, injected))
             return vars(self)[name]
 
         vars(self)["__getattr__"] = find
 
 
-def _run(earlier_file: EarlierFile, injected: Mapping[str, object]) -> dict[str, object]:
+def _run_earlier_file(earlier_file: EarlierFile, injected: Mapping[str, object]) -> dict[str, object]:
     home = ModuleType(f"{NAME}.{earlier_file.label}")
     vars(home).update(injected)
     sys.modules[home.__name__] = home

@@ -41,19 +41,19 @@ _KILL, _STOP, _GO_ON = b"k", b"s", b"g"
 SIGNALS = {_KILL: signal.SIGKILL, _STOP: signal.SIGSTOP, _GO_ON: signal.SIGCONT}
 
 
-def pack_fork(number: int, limits: ChildLimits) -> bytes:
+def pack_fork_order(number: int, limits: ChildLimits) -> bytes:
     return _NUMBER.pack(number) + _LIMITS.pack(*limits)
 
 
-def pack_kill(number: int) -> bytes:
+def pack_kill_order(number: int) -> bytes:
     return _NUMBER.pack(number) + _KILL
 
 
-def pack_stop(number: int) -> bytes:
+def pack_stop_order(number: int) -> bytes:
     return _NUMBER.pack(number) + _STOP
 
 
-def pack_go_on(number: int) -> bytes:
+def pack_continue_order(number: int) -> bytes:
     return _NUMBER.pack(number) + _GO_ON
 
 

@@ -38,13 +38,13 @@ def run_in_namespaces(inside: Callable[[], None], control: int, lifted: Collecti
         return REFUSED
     child = os.fork()
     if child == 0:
-        _first_process(inside)
+        _run_as_first_process(inside)
     os.close(control)
     _, status = os.waitpid(child, 0)
     return os.waitstatus_to_exitcode(status)
 
 
-def _first_process(inside: Callable[[], None]) -> None:
+def _run_as_first_process(inside: Callable[[], None]) -> None:
     code = 70
     try:
         libc.prctl(libc.PR_SET_PDEATHSIG, signal.SIGKILL)
@@ -75,13 +75,13 @@ def mapped_files() -> list[str]:
     return sorted(name for name in names if name.startswith("/") and os.path.isfile(name))
 
 
-def drop_nested(paths: Iterable[str]) -> list[str]:
+def remove_nested_paths(paths: Iterable[str]) -> list[str]:
     """Return the existing paths that lie below no other path of the list."""
     there = {os.path.abspath(path) for path in paths if os.path.exists(path)}
-    return sorted(path for path in there if there.isdisjoint(_parents(path)))
+    return sorted(path for path in there if there.isdisjoint(_parent_paths(path)))
 
 
-def _parents(path: str) -> Iterator[str]:
+def _parent_paths(path: str) -> Iterator[str]:
     """Yield the parents of an absolute path, without the root."""
     while path := path.rpartition("/")[0]:
         yield path
@@ -105,36 +105,40 @@ def replace_root(libraries: Iterable[str], packages: Iterable[str]) -> None:
 def _replace_root(libraries: Iterable[str], packages: Iterable[str]) -> None:
     libc.mount("none", "/", None, _MS_PRIVATE_RECURSIVE)
     loose = [path for path in dict.fromkeys(packages) if os.path.exists(path)]
-    whole = [path for path in drop_nested(libraries) if not path.startswith(tuple(f"{package}/" for package in loose))]
-    trees = {path: _clone(path, _RDONLY | _NOSUID | _NODEV) for path in (*whole, *loose)}
-    devices = {path: _clone(path, _RDONLY | _NOSUID) for path in DEVICES if os.path.exists(path)}
+    whole = [
+        path
+        for path in remove_nested_paths(libraries)
+        if not path.startswith(tuple(f"{package}/" for package in loose))
+    ]
+    trees = {path: _clone_mount_tree(path, _RDONLY | _NOSUID | _NODEV) for path in (*whole, *loose)}
+    devices = {path: _clone_mount_tree(path, _RDONLY | _NOSUID) for path in DEVICES if os.path.exists(path)}
     root = next(path for path in ("/tmp", "/var/tmp", "/mnt", "/usr") if os.path.isdir(path))
     libc.mount("none", root, "tmpfs", _MS_NOSUID_NODEV, "size=1m,nr_inodes=4096,mode=755")
     hidden = []
     for path in whole:
-        _attach(trees[path], root, path)
+        _attach_mount_tree(trees[path], root, path)
         hidden += _hide_packages(root + path)
     for path in (*loose, *devices):
-        _attach(trees.get(path) or devices[path], root, path)
+        _attach_mount_tree(trees.get(path) or devices[path], root, path)
     os.makedirs(root + FOLDER, mode=0o755)
-    _pivot(root)
+    _pivot_root(root)
     for path in ("/", *(name.removeprefix(root) for name in hidden)):
-        _set_attributes(_CWD, path, _RDONLY | _NOSUID | _NODEV, recursive=False)
+        _set_mount_attributes(_CWD, path, _RDONLY | _NOSUID | _NODEV, recursive=False)
 
 
-def _clone(path: str, attributes: int) -> tuple[int, bool]:
+def _clone_mount_tree(path: str, attributes: int) -> tuple[int, bool]:
     tree = libc.syscall(f"open_tree({path})", _OPEN_TREE, _CWD, os.fsencode(path), 1 | os.O_CLOEXEC | _RECURSIVE)
-    _set_attributes(tree, "", attributes, recursive=True)
+    _set_mount_attributes(tree, "", attributes, recursive=True)
     return tree, os.path.isdir(path)
 
 
-def _set_attributes(base: int, path: str, attributes: int, *, recursive: bool) -> None:
+def _set_mount_attributes(base: int, path: str, attributes: int, *, recursive: bool) -> None:
     request = struct.pack("=QQQQ", attributes, 0, 0, 0)
     flags = (_RECURSIVE if recursive else 0) | (0 if path else _EMPTY_PATH)
     libc.syscall(f"mount_setattr({path})", _MOUNT_SETATTR, base, os.fsencode(path), flags, request, len(request))
 
 
-def _attach(tree: tuple[int, bool], root: str, path: str) -> None:
+def _attach_mount_tree(tree: tuple[int, bool], root: str, path: str) -> None:
     descriptor, directory = tree
     target = root + path
     os.makedirs(target if directory else os.path.dirname(target), mode=0o755, exist_ok=True)
@@ -152,7 +156,7 @@ def _hide_packages(tree: str) -> list[str]:
     return hidden
 
 
-def _pivot(root: str) -> None:
+def _pivot_root(root: str) -> None:
     os.chdir(root)
     libc.syscall("pivot_root", libc.PIVOT_ROOT[libc.architecture_column()], b".", b".")
     libc.unmount_lazily(".")

@@ -37,7 +37,7 @@ RECURSION = 20_000
 Fault = dict[str, Value]
 
 
-class ProgramFailure(Exception):
+class ProgramFaultRaised(Exception):
     """A fault of the student's program, as the fields of a report."""
 
     def __init__(self, fault: Fault) -> None:
@@ -101,7 +101,7 @@ class Program:
         elif not deferred:
             self._run_student_code(self._run_top_level)
         if drawing.is_loaded():
-            self._globals[drawing.FIGURES] = drawing.figures
+            self._globals[drawing.FIGURES] = drawing.render_open_figures
         names = self._defined_names()
         self._functions = frozenset(names)
         drawings = [(DRAWING, root) for root in STAND_INS.used]
@@ -124,7 +124,7 @@ class Program:
         """Call a function of the course for a program; return the reply (see `course_calls`)."""
         return course_calls.answer_call(question, self._course_functions, self._offered)
 
-    def defines(self, function: str) -> bool:
+    def defines_function(self, function: str) -> bool:
         """Whether `load` returned this name."""
         return function in self._functions
 
@@ -135,7 +135,7 @@ class Program:
         except SystemExit as stop:
             if not any(map(self._is_written_in_file, self._globals.values())):
                 raise
-            lines = report.own_lines(stop.__traceback__, self._filename)
+            lines = report.student_file_lines(stop.__traceback__, self._filename)
             self._notes.append((EXIT, lines[0] if lines else 1))
 
     def _is_written_in_file(self, value: object) -> bool:
@@ -166,7 +166,7 @@ class Program:
             self._run_deferred if function is None else partial(self._call_with_driver, function, arguments, **named)
         )
         value = self._run_student_code(tracer.run, action)
-        described = tracer.described(value)
+        described = tracer.describe_value(value)
         try:
             return encode((described, (value,)), self._limits)
         except BaseException:  # it cannot be sent, or the student's own code in it has failed
@@ -237,7 +237,7 @@ class Program:
         try:
             return self._compile_parts(source, text, filename, parts)
         except (SyntaxError, ValueError, RecursionError, MemoryError, OverflowError) as error:
-            raise ProgramFailure(report.describe_syntax(error, self._lines)) from None
+            raise ProgramFaultRaised(report.describe_syntax_fault(error, self._lines)) from None
 
     def _compile_parts(
         self, source: bytes, text: str, filename: str, parts: Callable[[bytes, str], list[CodeType]]
@@ -259,7 +259,7 @@ class Program:
         except BaseException as error:  # SystemExit and KeyboardInterrupt too are the student's
             if isinstance(error, MemoryError):
                 self._free_reserve()
-            raise ProgramFailure(report.describe(error, self._filename, self._lines)) from None
+            raise ProgramFaultRaised(report.describe_fault(error, self._filename, self._lines)) from None
 
     def _encode_result(self, value: object, arguments: tuple[Value, ...] | None, function: str) -> bytes:
         try:
@@ -268,16 +268,16 @@ class Program:
             return encode((value, arguments), self._limits)
         except ValueTooBig as error:
             kind = "output_limit" if error.what != "depth" else "invalid_output"
-            raise ProgramFailure(_result_fault(kind, error.what, "", function, "")) from None
+            raise ProgramFaultRaised(_result_fault(kind, error.what, "", function, "")) from None
         except UnsendableValue as error:
-            raise ProgramFailure(
+            raise ProgramFaultRaised(
                 _result_fault("invalid_output", error.reason, error.culprit, function, error.path)
             ) from None
         except BaseException as error:  # __array__ and the like are the student's code
-            fault = report.describe(error, self._filename, self._lines)
+            fault = report.describe_fault(error, self._filename, self._lines)
             if fault["kind"] != "memory_limit":
                 fault["kind"] = "invalid_output"
-            raise ProgramFailure(fault) from None
+            raise ProgramFaultRaised(fault) from None
 
     def _defined_names(self) -> tuple[str, ...]:
         injected = self._injected
@@ -296,7 +296,7 @@ class Program:
         frames: list[tuple[int, str, str]] = []
         while frame is not None:
             if frame.f_code.co_filename == self._filename and len(frames) < report.MAX_FRAMES:
-                frames.insert(0, report.level(frame.f_code, frame.f_lineno, self._lines))
+                frames.insert(0, report.describe_frame(frame.f_code, frame.f_lineno, self._lines))
             frame = frame.f_back
         line_reached = frames[-1][0] if frames else None
         return {

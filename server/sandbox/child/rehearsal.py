@@ -42,10 +42,10 @@ def panne(u):
 
 def warm_up(kits: Mapping[str, KitModules]) -> None:
     """Warm up, and leave nothing else behind: no name, no random number drawn, no timer, no descriptor."""
-    with _restoring_state():
+    with _restore_state_afterwards():
         for kit in kits:
             with suppress(Exception):  # a kit that fails does so again, and is told, when a submission asks for it
-                Program(kits, _nothing).configure(kit, {"seed": 0})
+                Program(kits, _do_nothing).configure(kit, {"seed": 0})
         for _ in range(_REPETITIONS):
             _rehearse_fork_life(kits)
             _rehearse_course_call()
@@ -56,7 +56,7 @@ def warm_up(kits: Mapping[str, KitModules]) -> None:
 
 
 @contextmanager
-def _restoring_state() -> Iterator[None]:
+def _restore_state_afterwards() -> Iterator[None]:
     state, numpy_state = random.getstate(), np.random.get_state()
     streams = sys.stdout, sys.stderr, sys.__stdout__, sys.__stderr__
     try:
@@ -73,7 +73,7 @@ def _rehearse_fork_life(kits: Mapping[str, KitModules]) -> None:
     with ours, theirs:
         ours.sendall(_sample_questions())
         ours.shutdown(socket.SHUT_WR)
-        ends, child = inner.ForkDescriptors(), ForkServer(kits, _nothing)
+        ends, child = inner.ForkDescriptors(), ForkServer(kits, _do_nothing)
         ends.assign(*(theirs.fileno(), 1), *(theirs.fileno(),) * 3)
         child.set_limits(REHEARSAL_LIMITS)
         try:
@@ -94,7 +94,7 @@ def _rehearse_course_call() -> None:
     course_calls.read_reply(course_calls.answer_call(question, np, {"cross"}))
 
 
-def _nothing() -> None:
+def _do_nothing() -> None:
     """Do nothing: there is no reserve to free."""
 
 

@@ -22,25 +22,25 @@ _LIMITS = (errno.EMFILE, errno.ENFILE, errno.ENOSPC, errno.EFBIG, errno.EDQUOT)
 _REACHING_OUT = ("socket", "subprocess", "multiprocessing", "urllib", "ssl", "asyncio", "http", "ctypes")
 
 
-def describe(error: BaseException, filename: str, lines: list[str]) -> dict[str, Value]:
+def describe_fault(error: BaseException, filename: str, lines: list[str]) -> dict[str, Value]:
     """Fields of a fault: kind, exception, text, line, frames (line, function, source), module."""
-    frames = _own_frames(error.__traceback__, filename, lines)
+    frames = _student_file_frames(error.__traceback__, filename, lines)
     return {
-        "kind": _kind(error),
+        "kind": _fault_kind(error),
         "exception": type(error).__name__[:MAX_NAME],
-        "text": _text(error),
+        "text": _exception_text(error),
         "line": frames[-1][0] if frames else None,
         "frames": tuple(frames),
-        "detail": _detail(error, filename, lines),
+        "detail": _guilty_name_or_path(error, filename, lines),
     }
 
 
-def describe_syntax(error: BaseException, lines: list[str]) -> dict[str, Value]:
+def describe_syntax_fault(error: BaseException, lines: list[str]) -> dict[str, Value]:
     """Fields of a fault of the file itself; `detail` is the offending text."""
     line = error.lineno if isinstance(error, SyntaxError) else None
     has_line = isinstance(line, int) and 0 < line <= len(lines)
     source = lines[line - 1].strip()[:MAX_TEXT] if has_line and line else ""
-    message = error.msg if isinstance(error, SyntaxError) else _text(error)
+    message = error.msg if isinstance(error, SyntaxError) else _exception_text(error)
     return {
         "kind": "memory_limit" if isinstance(error, MemoryError) else "syntax_error",
         "exception": type(error).__name__[:MAX_NAME],
@@ -51,7 +51,7 @@ def describe_syntax(error: BaseException, lines: list[str]) -> dict[str, Value]:
     }
 
 
-def _text(error: BaseException) -> str:
+def _exception_text(error: BaseException) -> str:
     try:
         text = str(error)[:MAX_TEXT]
     except BaseException as failure:  # a student's __str__ may raise anything, and that changes nothing
@@ -59,7 +59,7 @@ def _text(error: BaseException) -> str:
     return text
 
 
-def own_lines(traceback: TracebackType | None, filename: str) -> list[int]:
+def student_file_lines(traceback: TracebackType | None, filename: str) -> list[int]:
     """Return the lines of the file in a traceback, outermost first."""
     lines = []
     while traceback is not None:
@@ -69,19 +69,21 @@ def own_lines(traceback: TracebackType | None, filename: str) -> list[int]:
     return lines
 
 
-def _own_frames(traceback: TracebackType | None, filename: str, lines: list[str]) -> list[tuple[int, str, str]]:
+def _student_file_frames(
+    traceback: TracebackType | None, filename: str, lines: list[str]
+) -> list[tuple[int, str, str]]:
     frames: list[tuple[int, str, str]] = []
     while traceback is not None:
         code = traceback.tb_frame.f_code
         if code.co_filename == filename:
-            frames.append(level(code, traceback.tb_lineno, lines))
+            frames.append(describe_frame(code, traceback.tb_lineno, lines))
             if len(frames) > MAX_FRAMES:
                 del frames[2]  # the way in, then the last ones: what a deep recursion needs
         traceback = traceback.tb_next
     return frames
 
 
-def level(code: CodeType, line: int | None, lines: list[str]) -> tuple[int, str, str]:
+def describe_frame(code: CodeType, line: int | None, lines: list[str]) -> tuple[int, str, str]:
     """Line, function and source of a frame: where it is called there is no line yet, and its first one is told."""
     line = line or code.co_firstlineno
     source = lines[line - 1].strip()[:MAX_SOURCE] if 0 < line <= len(lines) else ""
@@ -96,17 +98,17 @@ def _innermost_module(traceback: TracebackType | None) -> str:
     return name.partition(".")[0]
 
 
-def _kind(error: BaseException) -> str:
+def _fault_kind(error: BaseException) -> str:
     if isinstance(error, MemoryError) or getattr(error, "errno", None) == errno.ENOMEM:
         return "memory_limit"
     if isinstance(error, ImportError) and _innermost_module(error.__traceback__) != "multiprocessing":
         return "import_error"
-    return "forbidden_operation" if _refused(error) else "runtime_error"
+    return "forbidden_operation" if _is_refused_by_wall(error) else "runtime_error"
 
 
-def _refused(error: BaseException) -> bool:
+def _is_refused_by_wall(error: BaseException) -> bool:
     """Whether a wall refused what the program tried: a permission, a path out of its folder, a connection."""
-    if isinstance(error, RuntimeError) and "start new thread" in _text(error):
+    if isinstance(error, RuntimeError) and "start new thread" in _exception_text(error):
         return True
     if not isinstance(error, (OSError, ImportError)):
         return False
@@ -116,16 +118,16 @@ def _refused(error: BaseException) -> bool:
     if number in _LIMITS:
         return False
     reaching = {_innermost_module(error.__traceback__), type(error).__module__.partition(".")[0]}
-    return _escapes(getattr(error, "filename", None)) or not reaching.isdisjoint(_REACHING_OUT)
+    return _is_outside_folder(getattr(error, "filename", None)) or not reaching.isdisjoint(_REACHING_OUT)
 
 
-def _escapes(path: object) -> bool:
+def _is_outside_folder(path: object) -> bool:
     if isinstance(path, bytes):
         path = os.fsdecode(path)
     return isinstance(path, str) and (path.startswith(("/", "~")) or ".." in path.split("/"))
 
 
-def _detail(error: BaseException, filename: str, lines: list[str]) -> str:
+def _guilty_name_or_path(error: BaseException, filename: str, lines: list[str]) -> str:
     """The name or the path at the heart of the matter, or what the names on the guilty line of the file are."""
     if isinstance(error, (TypeError, ValueError, IndexError)) and not isinstance(error, UnicodeError):
         return _values_on_line(error.__traceback__, filename, lines)
@@ -134,7 +136,7 @@ def _detail(error: BaseException, filename: str, lines: list[str]) -> str:
         if isinstance(value, str):
             return value[:200]
     if isinstance(error, SystemExit):
-        return _text(error)
+        return _exception_text(error)
     return ""
 
 
@@ -155,20 +157,24 @@ def _values_on_line(traceback: TracebackType | None, filename: str, lines: list[
     for match in _NAME.finditer(lines[innermost.tb_lineno - 1]):
         name, transposed = match.group(1), match.group(2) or ""
         value = frame.f_locals.get(name, frame.f_globals.get(name))
-        part = "" if transposed else _part_of(value, lines[innermost.tb_lineno - 1][match.end() :])
-        words = _in_words(_element(value, part), "") if part else _in_words(value, transposed)
+        part = "" if transposed else _subscript_after_name(value, lines[innermost.tb_lineno - 1][match.end() :])
+        words = (
+            _describe_value_in_french(_select_element(value, part), "")
+            if part
+            else _describe_value_in_french(value, transposed)
+        )
         if words and len(described) < MAX_VALUES:
             described[name + transposed + part] = words
     return ", ".join(f"{name} {words}" for name, words in described.items())[:MAX_TEXT]
 
 
-def _part_of(value: Any, after: str) -> str:
+def _subscript_after_name(value: Any, after: str) -> str:
     """Return the part of a value that a line reads behind its name, « [:2] »; empty where it has none."""
     match = _PART.match(after)
-    return match[0] if match and _element(value, match[0]) is not None else ""
+    return match[0] if match and _select_element(value, match[0]) is not None else ""
 
 
-def _element(value: Any, part: str) -> Any:
+def _select_element(value: Any, part: str) -> Any:
     """Return a part of an array, a list or a tuple, given by numbers: « [:, 0] »; None where there is none."""
     if type(value) not in (np.ndarray, list, tuple):
         return None
@@ -184,7 +190,7 @@ def _element(value: Any, part: str) -> Any:
         return None
 
 
-def _in_words(value: Any, transposed: str) -> str:
+def _describe_value_in_french(value: Any, transposed: str) -> str:
     kind, words = type(value), ""
     if kind is np.ndarray:
         words = f"est un tableau de forme {value.shape[::-1] if transposed else value.shape}"

@@ -37,48 +37,48 @@ Instruction = bytes
 Block = tuple[Instruction, ...]
 
 
-def _op(code: int, value: int, then: int = 0, otherwise: int = 0) -> Instruction:
+def _instruction(code: int, value: int, then: int = 0, otherwise: int = 0) -> Instruction:
     return struct.pack("=HBBI", code, then, otherwise, value)
 
 
-def _return(action: int) -> Instruction:
-    return _op(_RETURN, action)
+def _return_instruction(action: int) -> Instruction:
+    return _instruction(_RETURN, action)
 
 
-def _argument(index: int, *, high: bool = False) -> int:
+def _argument_offset(index: int, *, high: bool = False) -> int:
     return 16 + 8 * index + (4 if high else 0)
 
 
 def _allow_values(index: int, values: tuple[int, ...]) -> Block:
-    tests = [piece for v in values for piece in (_op(_JUMP_EQUAL, v, 0, 1), _return(ALLOW))]
-    return (_op(_LOAD, _argument(index)), *tests, _return(ERRNO | EPERM))
+    tests = [piece for v in values for piece in (_instruction(_JUMP_EQUAL, v, 0, 1), _return_instruction(ALLOW))]
+    return (_instruction(_LOAD, _argument_offset(index)), *tests, _return_instruction(ERRNO | EPERM))
 
 
 def _clone_block(threads: bool) -> Block:
     """A thread when threads are allowed; new namespaces are an attack; a new process is refused."""
     return (
-        _op(_LOAD, _argument(0)),
-        _op(_JUMP_BITS, CLONE_NAMESPACES, 0, 1),
-        _return(KILL),
-        _op(_JUMP_BITS, CLONE_THREAD, 0, 1),
-        _return(ALLOW if threads else ERRNO | EPERM),
-        _return(ERRNO | EPERM),
+        _instruction(_LOAD, _argument_offset(0)),
+        _instruction(_JUMP_BITS, CLONE_NAMESPACES, 0, 1),
+        _return_instruction(KILL),
+        _instruction(_JUMP_BITS, CLONE_THREAD, 0, 1),
+        _return_instruction(ALLOW if threads else ERRNO | EPERM),
+        _return_instruction(ERRNO | EPERM),
     )
 
 
 def _futex_block(threads: bool) -> Block:
     """A futex in the memory of one process; threads wait for each other's end by one that could be shared."""
     return (
-        _op(_LOAD, _argument(1)),
-        _op(_JUMP_BITS, _FUTEX_PRIVATE, 0, 1),
-        _return(ALLOW),
-        _return(ALLOW if threads else ERRNO | EPERM),
+        _instruction(_LOAD, _argument_offset(1)),
+        _instruction(_JUMP_BITS, _FUTEX_PRIVATE, 0, 1),
+        _return_instruction(ALLOW),
+        _return_instruction(ALLOW if threads else ERRNO | EPERM),
     )
 
 
-def _blocks(column: int, threads: bool, folder: bool) -> dict[int, Block]:
+def _blocks_by_call_number(column: int, threads: bool, folder: bool) -> dict[int, Block]:
     """Return the block of instructions that decides each known call of an architecture."""
-    blocks: dict[int, Block] = {number: (_return(KILL),) for number in range(syscalls.LAST_KNOWN + 1)}
+    blocks: dict[int, Block] = {number: (_return_instruction(KILL),) for number in range(syscalls.LAST_KNOWN + 1)}
     tables = (
         (syscalls.ALLOWED, ALLOW),
         (syscalls.REFUSED, ERRNO | EPERM),
@@ -86,7 +86,7 @@ def _blocks(column: int, threads: bool, folder: bool) -> dict[int, Block]:
         (syscalls.ABSENT, ERRNO | ENOSYS),
     )
     for table, action in tables:
-        blocks |= dict.fromkeys(syscalls.numbers(table, column), (_return(action),))
+        blocks |= dict.fromkeys(syscalls.system_call_numbers(table, column), (_return_instruction(action),))
     conditional = {
         "clone": _clone_block(threads),
         "ioctl": _allow_values(1, _IOCTLS),
@@ -97,13 +97,13 @@ def _blocks(column: int, threads: bool, folder: bool) -> dict[int, Block]:
         **dict.fromkeys(_SELF_ONLY_CALLS, _allow_values(0, (0,))),
     }
     for name, block in conditional.items():
-        number = syscalls.number(name, column)
+        number = syscalls.system_call_number(name, column)
         if number is not None:
             blocks[number] = block
     return blocks
 
 
-def _ranges(blocks: dict[int, Block], beyond: Block) -> list[tuple[int, Block]]:
+def _group_into_runs(blocks: dict[int, Block], beyond: Block) -> list[tuple[int, Block]]:
     """Group the calls into runs of equal blocks: first number and block of each; the last run is `beyond`."""
     runs: list[tuple[int, Block]] = []
     for number in sorted(blocks):
@@ -120,8 +120,8 @@ def _binary_search(runs: list[tuple[int, Block]]) -> list[Instruction]:
     low, high = _binary_search(runs[:middle]), _binary_search(runs[middle:])
     first = runs[middle][0]
     if len(low) < 256:
-        return [_op(_JUMP_AT_LEAST, first, len(low), 0), *low, *high]
-    return [_op(_JUMP_AT_LEAST, first, 0, 1), _op(_JUMP, len(low)), *low, *high]
+        return [_instruction(_JUMP_AT_LEAST, first, len(low), 0), *low, *high]
+    return [_instruction(_JUMP_AT_LEAST, first, 0, 1), _instruction(_JUMP, len(low)), *low, *high]
 
 
 def template_filter(*, folder: bool) -> bytes:
@@ -130,32 +130,40 @@ def template_filter(*, folder: bool) -> bytes:
     `folder` allows the calls that change folders and files, where there is a private place for them.
     """
     column = libc.architecture_column()
-    spared = dict.fromkeys(syscalls.numbers(syscalls.SETTING_UP, column), (_return(ALLOW),))
-    return _assemble(_ranges(_blocks(column, threads=False, folder=folder) | spared, (_return(ERRNO | ENOSYS),)))
+    spared = dict.fromkeys(syscalls.system_call_numbers(syscalls.SETTING_UP, column), (_return_instruction(ALLOW),))
+    return _assemble_filter(
+        _group_into_runs(
+            _blocks_by_call_number(column, threads=False, folder=folder) | spared,
+            (_return_instruction(ERRNO | ENOSYS),),
+        )
+    )
 
 
 def fork_filter(*, threads: bool) -> bytes:
     """Return the fork's part of the filter."""
     column = libc.architecture_column()
-    whole, refused = _blocks(column, threads, folder=False), syscalls.numbers(syscalls.SETTING_UP, column)
-    allowed: Block = (_return(ALLOW),)
-    return _assemble(_ranges({n: whole[n] if n in refused else allowed for n in whole}, allowed))
+    whole, refused = (
+        _blocks_by_call_number(column, threads, folder=False),
+        syscalls.system_call_numbers(syscalls.SETTING_UP, column),
+    )
+    allowed: Block = (_return_instruction(ALLOW),)
+    return _assemble_filter(_group_into_runs({n: whole[n] if n in refused else allowed for n in whole}, allowed))
 
 
-def _assemble(runs: list[tuple[int, Block]]) -> bytes:
+def _assemble_filter(runs: list[tuple[int, Block]]) -> bytes:
     program = [
-        _op(_LOAD, _ARCH),
-        _op(_JUMP_EQUAL, libc.audit_architecture(), 1, 0),
-        _return(KILL),
-        _op(_LOAD, _NR),
-        *(_x32_is_an_attack() if libc.architecture_column() == 0 else []),
+        _instruction(_LOAD, _ARCH),
+        _instruction(_JUMP_EQUAL, libc.audit_architecture(), 1, 0),
+        _return_instruction(KILL),
+        _instruction(_LOAD, _NR),
+        *(_kill_x32_calls() if libc.architecture_column() == 0 else []),
         *_binary_search(runs),
     ]
     return b"".join(program)
 
 
-def _x32_is_an_attack() -> list[Instruction]:
-    return [_op(_JUMP_BITS, X32_BIT, 0, 1), _return(KILL)]
+def _kill_x32_calls() -> list[Instruction]:
+    return [_instruction(_JUMP_BITS, X32_BIT, 0, 1), _return_instruction(KILL)]
 
 
 class _FilterProgram(ctypes.Structure):

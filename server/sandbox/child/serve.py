@@ -21,7 +21,7 @@ from .course_channel import CourseCaller, serve_calls, write_all
 from .frames import FAULT_LIMITS, QUESTION_LIMITS, STEP_LIMITS
 from .frames import pack_frame as _framed
 from .kits import KitModules
-from .program import Fault, Program, ProgramFailure, redirect_output
+from .program import Fault, Program, ProgramFaultRaised, redirect_output
 from .report import MAX_TEXT
 from .streams import BoundedBytes, BoundedText
 from .wall_clock import MIN_TIMER_SECONDS, WallClock
@@ -75,7 +75,7 @@ class ForkServer:
         self._running_student_code, self._sending = False, False
         self._course = CourseCaller(self._ask_trusted_side)
         self._clock = WallClock(self._course)
-        self._memory_fault = codec.encode(_fault("memory_limit"), FAULT_LIMITS)
+        self._memory_fault = codec.encode(_build_fault("memory_limit"), FAULT_LIMITS)
         signal.signal(signal.SIGALRM, self._on_timer)
         signal.signal(signal.SIGPROF, self._on_timer)
         faulthandler.register(signal.SIGXCPU, inner.TRACEBACK, all_threads=False)
@@ -106,9 +106,9 @@ class ForkServer:
         self._program.unload()
 
     def serve(self) -> None:
-        while header := self._read(frames.HEADER.size):
+        while header := self._read_wire(frames.HEADER.size):
             length, self._token, kind = frames.HEADER.unpack(header)
-            payload = self._read(length)
+            payload = self._read_wire(length)
             questions = frames.unpack_frames(payload) if kind == frames.TOGETHER else [(self._token, kind, payload)]
             for self._token, kind, question in questions:
                 if not self._answer_question(kind, question):
@@ -121,14 +121,14 @@ class ForkServer:
         elif kind == frames.TRACE:
             self._trace(codec.decode(payload, QUESTION_LIMITS))
         elif kind == frames.LOAD:
-            return self._load(codec.decode(payload, QUESTION_LIMITS))
+            return self._load_program(codec.decode(payload, QUESTION_LIMITS))
         elif kind == frames.HOLD:
-            self._hold(codec.decode(payload, QUESTION_LIMITS))
+            self._hold_functions(codec.decode(payload, QUESTION_LIMITS))
         else:
-            self._configure(codec.decode(payload, QUESTION_LIMITS))
+            self._configure_kit(codec.decode(payload, QUESTION_LIMITS))
         return True
 
-    def _configure(self, question: Any) -> None:
+    def _configure_kit(self, question: Any) -> None:
         try:
             self._program.configure(question["kit"], question["parameters"], question["without"])
         except Exception:
@@ -136,10 +136,10 @@ class ForkServer:
             os._exit(70)
         self.send(self._token, frames.CONFIGURED, b"")
 
-    def _load(self, question: Any) -> bool:
+    def _load_program(self, question: Any) -> bool:
         signal.setitimer(signal.ITIMER_PROF, self._cpu_seconds)
         self._clock.set_course_seconds(question["wall"])
-        outcome, names = self._timed(
+        outcome, names = self._run_with_timer(
             question["wall"],
             lambda: self._program.load(
                 question["source"].tobytes(),
@@ -148,14 +148,14 @@ class ForkServer:
                 deferred=question["waits"],
                 library_files=library.decode_library(question["library"]),
                 course_functions=question["course_functions"],
-                ask=self._ask,
+                ask=self._call_course,
                 stands_in=question["stands_in"],
             ),
         )
         self.send(self._token, outcome, names)
         return outcome == frames.VALUE
 
-    def _hold(self, question: Any) -> None:
+    def _hold_functions(self, question: Any) -> None:
         """Hold the course's functions and answer a program's calls; then tell how that ended, and end.
 
         Their processor time is limited as a program's is.
@@ -164,12 +164,12 @@ class ForkServer:
         self._program.hold_course_functions(library.decode_library(question["library"]), question["offered"])
         self.send(self._token, frames.CONFIGURED, b"")
         self._running_student_code = True  # time may run out from here on
-        outcome, fault = self._outcome(partial(serve_calls, self._program.answer_call, question["max_calls"]))
+        outcome, fault = self._run_for_outcome(partial(serve_calls, self._program.answer_call, question["max_calls"]))
         self._running_student_code = False
         self.send(self._token, frames.DONE if outcome == frames.VALUE else outcome, fault)
         os._exit(0)
 
-    def _ask(self, name: str, arguments: tuple[object, ...], named: Mapping[str, object]) -> object:
+    def _call_course(self, name: str, arguments: tuple[object, ...], named: Mapping[str, object]) -> object:
         """Have a function of the course called for the program."""
         try:
             return self._course.call(name, arguments, named)
@@ -181,15 +181,15 @@ class ForkServer:
         self._sending = True  # timers wait
         try:
             self.send(self._token, frames.ASK, b"")
-            length, _, _ = frames.HEADER.unpack(self._read(frames.HEADER.size))
-            return self._read(length)
+            length, _, _ = frames.HEADER.unpack(self._read_wire(frames.HEADER.size))
+            return self._read_wire(length)
         finally:
             self._sending = False
 
     def _trace(self, question: Any) -> None:
         """Answer a traced call; each step is sent before its line runs."""
         call = (question["function"], question["arguments"], question["named"], self._send_step)
-        outcome, answer = self._timed(question["wall"], lambda: self._program.trace(*call))
+        outcome, answer = self._run_with_timer(question["wall"], lambda: self._program.trace(*call))
         self.send(self._token, outcome, answer)
 
     def _send_step(self, record: Value) -> None:
@@ -205,7 +205,7 @@ class ForkServer:
         end = self._token
         parts = frames.unpack_frames(batch)
         function, wall, faults, return_arguments = frames.unpack_shared(next(parts)[2])
-        if not self._program.defines(function):
+        if not self._program.defines_function(function):
             return
         tokens = frames.unpack_tokens(next(parts)[2])
         arguments = _BatchArguments(parts)
@@ -214,42 +214,44 @@ class ForkServer:
         self._clock.start(wall)
         for number, self._token in enumerate(tokens):
             self._sending = False
-            outcome, answer = self._outcome(partial(self._call, function, arguments, number, return_arguments))
+            outcome, answer = self._run_for_outcome(
+                partial(self._call_function, function, arguments, number, return_arguments)
+            )
             self._sending = True
             faults -= outcome == frames.FAULT
             over = number == last or not faults
             began = monotonic()
             self.send(self._token, outcome, answer, _framed(end, frames.DONE, b"") if over else b"")
             if (waited := monotonic() - began) > MIN_TIMER_SECONDS:  # nobody reads: that time is given back
-                self._clock.give(waited)
+                self._clock.add_seconds(waited)
             if over:
                 break
         self._running_student_code = self._sending = False
         self._clock.stop()
 
-    def _call(self, function: str, arguments: _BatchArguments, number: int, return_arguments: bool) -> bytes:
+    def _call_function(self, function: str, arguments: _BatchArguments, number: int, return_arguments: bool) -> bytes:
         return self._program.call(
             function, arguments.of_call(number), return_arguments=return_arguments, is_first=not number
         )
 
-    def _timed(self, wall: float, action: Callable[[], bytes]) -> tuple[int, bytes]:
+    def _run_with_timer(self, wall: float, action: Callable[[], bytes]) -> tuple[int, bytes]:
         """Run an action under a wall timer; return its outcome and payload."""
         self._running_student_code = True
         self._clock.start(wall)
-        outcome, payload = self._outcome(action)
+        outcome, payload = self._run_for_outcome(action)
         self._running_student_code = False
         self._clock.stop()
         return outcome, payload
 
-    def _outcome(self, action: Callable[[], bytes]) -> tuple[int, bytes]:
+    def _run_for_outcome(self, action: Callable[[], bytes]) -> tuple[int, bytes]:
         try:
             return frames.VALUE, action()
-        except ProgramFailure as failure:
+        except ProgramFaultRaised as failure:
             return frames.FAULT, self._encode_fault(failure.fault)
         except MemoryError:
             return frames.FAULT, self._memory_fault
         except BaseException as error:  # the student broke something of ours in their own process
-            return frames.FAULT, self._encode_fault(_fault("invalid_output", type(error).__name__))
+            return frames.FAULT, self._encode_fault(_build_fault("invalid_output", type(error).__name__))
 
     def _encode_fault(self, fault: Fault) -> bytes:
         try:
@@ -262,7 +264,7 @@ class ForkServer:
             signal.setitimer(
                 signal.ITIMER_PROF if number == signal.SIGPROF else signal.ITIMER_REAL, _RETRY_TIMER_SECONDS
             )
-        elif number == signal.SIGALRM and self._clock.goes_on():
+        elif number == signal.SIGALRM and self._clock.restart_if_time_left():
             return
         elif self._running_student_code:
             self._end_with_timeout("cpu" if number == signal.SIGPROF else "wall", frame)
@@ -280,7 +282,7 @@ class ForkServer:
     def send(self, token: int, kind: int, payload: bytes, then: bytes = b"") -> None:
         write_all(self._wire, _framed(token, kind, payload) + then)
 
-    def _read(self, length: int) -> bytes:
+    def _read_wire(self, length: int) -> bytes:
         """Return the next bytes of the wire; none once it is closed. A short frame comes in by one system call."""
         while len(self._unread) < length:
             piece = os.read(inner.WIRE, max(length - len(self._unread), _READ_AHEAD))
@@ -309,19 +311,19 @@ class _BatchArguments:
         return tuple([value.copy() if type(value) is np.ndarray else value for value in row])
 
 
-def _fault(kind: str, text: str = "") -> Fault:
+def _build_fault(kind: str, text: str = "") -> Fault:
     return {"kind": kind, "exception": "", "text": text[:MAX_TEXT], "line": None, "frames": (), "detail": ""}
 
 
 def sample_configure() -> bytes:
     """Return a CONFIGURE question as the trusted side sends it."""
-    return _framed(2, frames.CONFIGURE, _encoded({"kit": None, "parameters": {"seed": 0}, "without": ()}))
+    return _framed(2, frames.CONFIGURE, _encode_sample({"kit": None, "parameters": {"seed": 0}, "without": ()}))
 
 
 def sample_load(source: bytes) -> bytes:
     load: dict[str, Value] = {"source": np.frombuffer(source, np.uint8), "filename": "solution.py", "wall": 1000.0}
     load |= {"shows_last": False, "waits": False, "library": (), "course_functions": (), "stands_in": True}
-    return _framed(3, frames.LOAD, _encoded(load))
+    return _framed(3, frames.LOAD, _encode_sample(load))
 
 
 def sample_calls(function: str, count: int, *arguments: bytes, return_arguments: bool = False) -> bytes:
@@ -333,10 +335,10 @@ def sample_calls(function: str, count: int, *arguments: bytes, return_arguments:
 
 
 def sample_arguments(*arguments: Value) -> bytes:
-    return _framed(0, frames.ARGUMENTS, _encoded(arguments))
+    return _framed(0, frames.ARGUMENTS, _encode_sample(arguments))
 
 
-def _encoded(value: Value) -> bytes:
+def _encode_sample(value: Value) -> bytes:
     return codec.encode(value, QUESTION_LIMITS)
 
 

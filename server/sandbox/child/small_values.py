@@ -27,7 +27,7 @@ _unpack_length = struct.Struct("<I").unpack_from
 _unpack_sides = struct.Struct("<II").unpack_from
 
 
-class _Unusual(ValueError):
+class _NeedsGeneralCodecError(ValueError):
     """Something that the general codec must see."""
 
 
@@ -47,7 +47,7 @@ def encode(value: object, limits: ValueLimits) -> bytes:
 
 def _encode_all(values: Iterable[Any], write: Callable[[bytes], None], pieces: list[bytes], depth: int) -> None:
     if depth > _MAX_DEPTH or len(pieces) > _MAX_ITEMS:
-        raise _Unusual
+        raise _NeedsGeneralCodecError
     for value in values:
         kind = type(value)
         if kind is float or kind is np.float64:
@@ -58,7 +58,7 @@ def _encode_all(values: Iterable[Any], write: Callable[[bytes], None], pieces: l
             write(_TAGGED_INT.pack(b"i", value))
         elif kind is tuple or kind is list:
             if len(value) > _MAX_ITEMS:
-                raise _Unusual
+                raise _NeedsGeneralCodecError
             write(_TAGGED_LENGTH.pack(b"t" if kind is tuple else b"l", len(value)))
             _encode_all(value, write, pieces, depth + 1)
         else:
@@ -72,30 +72,30 @@ def _encode_other(value: Any, write: Callable[[bytes], None], pieces: list[bytes
         write(_TAGGED_LENGTH.pack(b"d", len(value)))
         for key, item in value.items():
             if type(key) is not str:
-                raise _Unusual
+                raise _NeedsGeneralCodecError
             _encode_text(key, write)
             _encode_all((item,), write, pieces, depth + 1)
     elif value is None or type(value) is bool:
         write({None: b"N", True: b"T", False: b"F"}[value])
     else:
-        raise _Unusual
+        raise _NeedsGeneralCodecError
 
 
 def _encode_text(text: str, write: Callable[[bytes], None]) -> None:
     data = text.encode()
     if len(data) > _MAX_BYTES:
-        raise _Unusual
+        raise _NeedsGeneralCodecError
     write(_TAGGED_LENGTH.pack(b"s", len(data)) + data)
 
 
 def _encode_array(array: Any) -> bytes:
     if array.dtype != _FLOATS or array.nbytes > _MAX_BYTES:
-        raise _Unusual
+        raise _NeedsGeneralCodecError
     if array.ndim == 1:
         return _VECTOR.pack(b"a", _FLOATS_CODE, 1, len(array)) + bytes(array.tobytes())
     if array.ndim == 2:
         return _MATRIX.pack(b"a", _FLOATS_CODE, 2, *array.shape) + bytes(array.tobytes())
-    raise _Unusual
+    raise _NeedsGeneralCodecError
 
 
 def decode(data: bytes, limits: ValueLimits) -> Value:
@@ -113,7 +113,7 @@ def decode(data: bytes, limits: ValueLimits) -> Value:
 def _decode_all(data: bytes, at: int, count: int, depth: int) -> tuple[list[Value], int]:
     """Return `count` values from the position `at`, and the position after them."""
     if depth > _MAX_DEPTH or count > _MAX_ITEMS:
-        raise _Unusual
+        raise _NeedsGeneralCodecError
     values: list[Value] = []
     for _ in range(count):
         tag = data[at]
@@ -147,14 +147,14 @@ def _decode_all(data: bytes, at: int, count: int, depth: int) -> tuple[list[Valu
 def _decode_text(data: bytes, at: int) -> tuple[str, int]:
     end = at + 4 + _unpack_length(data, at)[0]
     if end > len(data):
-        raise _Unusual
+        raise _NeedsGeneralCodecError
     return data[at + 4 : end].decode(), end
 
 
 def _decode_array(data: bytes, at: int) -> tuple[codec.Array, int]:
     code, dimensions = data[at], data[at + 1]
     if code != _FLOATS_CODE:
-        raise _Unusual
+        raise _NeedsGeneralCodecError
     if dimensions == 1:
         (length,) = _unpack_length(data, at + 2)
         return np.frombuffer(data, _FLOATS, length, at + 6).copy(), at + 6 + 8 * length
@@ -162,7 +162,7 @@ def _decode_array(data: bytes, at: int) -> tuple[codec.Array, int]:
         rows, columns = _unpack_sides(data, at + 2)
         size = rows * columns
         return np.frombuffer(data, _FLOATS, size, at + 10).reshape(rows, columns).copy(), at + 10 + 8 * size
-    raise _Unusual
+    raise _NeedsGeneralCodecError
 
 
 def _decode_dict(data: bytes, at: int, depth: int) -> tuple[dict[str, Value], int]:
@@ -171,10 +171,10 @@ def _decode_dict(data: bytes, at: int, depth: int) -> tuple[dict[str, Value], in
     table: dict[str, Value] = {}
     for _ in range(count):
         if data[at] != _TEXT:
-            raise _Unusual
+            raise _NeedsGeneralCodecError
         key, at = _decode_text(data, at + 1)
         if key in table:
-            raise _Unusual
+            raise _NeedsGeneralCodecError
         (table[key],), at = _decode_all(data, at, 1, depth + 1)
     return table, at
 

@@ -33,10 +33,10 @@ class BoundedBytes(io.RawIOBase):
     def write(self, data: object) -> int:
         view = memoryview(data).cast("B")  # type: ignore[arg-type]
         if not self._full and len(view):
-            self._put(view)
+            self._write_within_limit(view)
         return len(view)
 
-    def _put(self, view: memoryview) -> None:
+    def _write_within_limit(self, view: memoryview) -> None:
         room = self._bound - os.lseek(self._descriptor, 0, os.SEEK_CUR)
         if room > 0:
             os.write(self._descriptor, view[:room])

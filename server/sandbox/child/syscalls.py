@@ -84,13 +84,13 @@ prlimit64:302/261 process_madvise:440/440
 LAST_KNOWN = 469
 
 
-def numbers(table: str, column: int) -> tuple[int, ...]:
+def system_call_numbers(table: str, column: int) -> tuple[int, ...]:
     """Numbers of one table for an architecture: column 0 is x86-64, 1 is aarch64."""
     fields = (entry.partition(":")[2].split("/")[column] for entry in table.split())
     return tuple(sorted({int(field) for field in fields if field}))
 
 
-def number(name: str, column: int) -> int | None:
+def system_call_number(name: str, column: int) -> int | None:
     """Number of one call of any table; None when the architecture has no such call."""
     for entry in " ".join((ALLOWED, CONDITIONAL, REFUSED, FOLDER, ABSENT)).split():
         if entry.partition(":")[0] == name:

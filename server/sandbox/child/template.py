@@ -64,7 +64,7 @@ class Template:
         self._lifted = frozenset(self._configuration["lifted"])
         self._own_view = self._configuration["namespaces"] and "view" not in self._lifted
         if self._configuration["imports"] == "matplotlib":
-            drawing.prepare()
+            drawing.configure_matplotlib()
         for name in modules_to_import(self._configuration["imports"]):
             importlib.import_module(name)
         self._kits = {name: kits.import_kit(files) for name, files in self._configuration["kits"].items()}
@@ -72,7 +72,7 @@ class Template:
         self._memory_statistics = inner.open_memory_statistics()
         spread = huge_pages.huge_page_addresses()
         processes = os.open("/proc", os.O_PATH | os.O_CLOEXEC)
-        rules = self._leave_host()
+        rules = self._replace_root_and_drop_privileges()
         if "environment" not in self._lifted:
             os.environ.clear()
         rehearsal.warm_up(self._kits)
@@ -80,7 +80,7 @@ class Template:
         nest, self._refusal = self._try_namespaces(processes)
         stage, filters = inner.prepare_seccomp(self._lifted, folder=nest is not None and nest.folder)
         self._nest, self._wall_builder = nest, inner.WallBuilder(nest, filters, self._lifted, rules=rules)
-        self._wall_builder.base_memory = inner.address_space(self._memory_statistics)
+        self._wall_builder.base_memory = inner.mapped_address_space_bytes(self._memory_statistics)
         if not drawing.is_loaded():
             sys.meta_path.insert(0, STAND_INS)
         self._child = serve.ForkServer(self._kits, self._wall_builder.reserve.close)
@@ -90,16 +90,16 @@ class Template:
         self._wall_builder.prefault = self._learn_prefault(processes)
         libc.run_calls(stage)
 
-    def _leave_host(self) -> bool:
+    def _replace_root_and_drop_privileges(self) -> bool:
         """Replace the root and drop privileges; return whether Landlock rules for the forks are at their descriptor."""
         libraries = [*(path for path in sys.path if path not in self._configuration["sites"]), *outer.mapped_files()]
         packages = self._configuration["packages"]
         identity = namespaces.can_become_unprivileged()
         if self._own_view:
             outer.replace_root(libraries, packages)
-        rules = landlock.version() > 0
+        rules = landlock.landlock_abi_version() > 0
         if rules:
-            readable = outer.drop_nested([*_without_packages(libraries), *packages])
+            readable = outer.remove_nested_paths([*_without_packages(libraries), *packages])
             ruleset = landlock.create_ruleset(readable, outer.DEVICES, [namespaces.HOME] if self._own_view else [])
             os.dup2(ruleset, inner.RULES, inheritable=False)
             os.close(ruleset)
@@ -142,14 +142,14 @@ class Template:
         """Obey orders until the other end of the control socket is closed."""
         gc.freeze()
         hello: dict[str, Value] = {"do": "hello", "base_memory": self._wall_builder.base_memory}
-        hello["memory"] = inner.own_memory(self._memory_statistics)
-        hello |= {"landlock": landlock.version(), "refusal": self._refusal}
+        hello["memory"] = inner.resident_anonymous_bytes(self._memory_statistics)
+        hello |= {"landlock": landlock.landlock_abi_version(), "refusal": self._refusal}
         self._control.sendall(codec.encode(hello, CONTROL_LIMITS))
         self._poll.register(self._control.fileno(), select.POLLIN)
         while True:
             for descriptor, _ in self._poll.poll():
                 if descriptor != self._control.fileno():
-                    self._reap(descriptor)
+                    self._report_child_exit(descriptor)
                 elif not self._handle_order():
                     return
 
@@ -159,12 +159,12 @@ class Template:
             return False
         number, limits = orders.unpack_order(data)
         if sent:
-            self._fork(number, limits, *memoryview(sent[0][2]).cast("i"))
+            self._fork_child(number, limits, *memoryview(sent[0][2]).cast("i"))
         elif number in self._living:
             os.kill(self._living[number], orders.SIGNALS[limits])
         return True
 
-    def _fork(self, number: int, limits: bytes, *descriptors: int) -> None:
+    def _fork_child(self, number: int, limits: bytes, *descriptors: int) -> None:
         walls = self._walls.get(limits) or self._build_walls(limits)
         if limits != self._current_limits:
             self._current_limits = limits
@@ -186,12 +186,12 @@ class Template:
         self._walls[limits] = walls = self._wall_builder.build(orders.unpack_limits(limits))
         return walls
 
-    def _reap(self, pidfd: int) -> None:
+    def _report_child_exit(self, pidfd: int) -> None:
         number = self._children.pop(pidfd)
         self._poll.unregister(pidfd)
         os.close(pidfd)
         _, status, usage = os.wait4(self._living.pop(number), 0)
-        cpu, memory = usage.ru_utime + usage.ru_stime, inner.own_memory(self._memory_statistics)
+        cpu, memory = usage.ru_utime + usage.ru_stime, inner.resident_anonymous_bytes(self._memory_statistics)
         self._control.sendall(
             orders.pack_report(orders.ExitReport(number, status, cpu, usage.ru_maxrss * 1024, memory))
         )
@@ -208,12 +208,12 @@ def _without_packages(libraries: list[str]) -> list[str]:
     return paths
 
 
-def start(control: int, configuration: bytes, at_forks: ForkHookRecorder) -> None:
-    template = Template(control, _decoded(configuration), at_forks)
+def start_template(control: int, configuration: bytes, at_forks: ForkHookRecorder) -> None:
+    template = Template(control, _decode_configuration(configuration), at_forks)
     template.prepare()
     template.serve()
 
 
-def _decoded(configuration: bytes) -> dict[str, Any]:
+def _decode_configuration(configuration: bytes) -> dict[str, Any]:
     decoded: Any = codec.decode(configuration, CONTROL_LIMITS)
     return dict(decoded)

@@ -100,31 +100,33 @@ class Tracer:
         except Exception:
             return
 
-    def described(self, value: object) -> Value:
+    def describe_value(self, value: object) -> Value:
         return self._described.describe(value)
 
     def _trace_call(self, frame: FrameType, event: str, arg: Any) -> Any:
         """Global trace function, called at every call."""
-        return self._guarded(self._on_call, frame, event, arg)
+        return self._call_hook_safely(self._on_call, frame, event, arg)
 
     def _trace_frame(self, frame: FrameType, event: str, arg: Any) -> Any:
         """Local trace function of traced frames."""
-        return self._guarded(self._on_event, frame, event, arg)
+        return self._call_hook_safely(self._on_event, frame, event, arg)
 
-    def _guarded(self, look: Callable[[FrameType, str, Any], Any], frame: FrameType, event: str, arg: Any) -> Any:
+    def _call_hook_safely(
+        self, look: Callable[[FrameType, str, Any], Any], frame: FrameType, event: str, arg: Any
+    ) -> Any:
         """Stop tracing on any failure of ours: it must not disturb the program."""
         try:
             start = clock()
             hook = look(frame, event, arg)
             self._spent += clock() - start
             if self._spent > SECONDS and not self._is_stopped:
-                self._stop(TIME_OVER)
+                self._stop_tracing(TIME_OVER)
         except BaseException:
             settrace(None)
             return None
         return hook
 
-    def _stop(self, reason: str) -> None:
+    def _stop_tracing(self, reason: str) -> None:
         self._is_stopped = True
         settrace(None)
         self._report_omission(reason)
@@ -239,15 +241,15 @@ class Tracer:
         words: tuple[str, str] = ("", ""),
     ) -> None:
         if self._steps >= STEPS:
-            return self._stop(STEPS_OVER)
+            return self._stop_tracing(STEPS_OVER)
         self._steps += 1
-        changes, gone = self._changes(entry, names)
+        changes, gone = self._changed_variables(entry, names)
         self._emit(("step", event, entry.number, entry.line, changes, gone, back, words))
         if self._nodes > NODES:
-            self._stop(NODES_OVER)
+            self._stop_tracing(NODES_OVER)
         return None
 
-    def _changes(self, entry: _FollowedCall, names: Any) -> tuple[Value, Value]:
+    def _changed_variables(self, entry: _FollowedCall, names: Any) -> tuple[Value, Value]:
         """Return name and value of each new or changed variable, and the names of deleted ones."""
         changes: list[Value] = []
         there: set[str] = set()

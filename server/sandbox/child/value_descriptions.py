@@ -47,7 +47,7 @@ _NAMED = frozenset(map(id, (FunctionType, BuiltinFunctionType)))
 
 
 class ValueDescriber:
-    """Describes values. The same object gets the same number (`alias`) each time, as long as it lives."""
+    """Describes values. The same object gets the same number (`object_number`) each time, as long as it lives."""
 
     def __init__(self) -> None:
         self._numbers: dict[int, int] = {}
@@ -66,37 +66,37 @@ class ValueDescriber:
         room[0] -= 1
         kind = id(type(value))
         if kind in _SCALARS:
-            return _scalar(value)
+            return _describe_scalar(value)
         if kind in _NUMPY:
-            return "numpy", value.dtype.str, _number(value.item())
+            return "numpy", value.dtype.str, _unify_nan(value.item())
         if kind == _ARRAY:
-            return self._array(value, room)
+            return self._describe_array(value, room)
         if kind in _SEQUENCES:
-            return self._sequence(value, kind, level, room)
+            return self._describe_sequence(value, kind, level, room)
         if kind == _DICT:
-            return self._mapping(value, level, room)
+            return self._describe_mapping(value, level, room)
         return "other", type_name(type(value)), _object_name(value, kind)
 
-    def _sequence(self, value: Any, kind: int, level: int, room: list[int]) -> Value:
+    def _describe_sequence(self, value: Any, kind: int, level: int, room: list[int]) -> Value:
         items = [self._describe(item, level + 1, room) for item in _take_items(value, level, room) if room[0] > 0]
-        alias = self.alias(value) if kind in _MUTABLE else None
+        alias = self.object_number(value) if kind in _MUTABLE else None
         return "sequence", _SEQUENCES[kind], alias, _length(value), tuple(items)
 
-    def _mapping(self, value: dict[Any, Any], level: int, room: list[int]) -> Value:
+    def _describe_mapping(self, value: dict[Any, Any], level: int, room: list[int]) -> Value:
         pairs = [
             (self._describe(key, level + 1, room), self._describe(item, level + 1, room))
             for key, item in _take_items(value.items(), level, room)
             if room[0] > 0
         ]
-        return "mapping", self.alias(value), len(value), tuple(pairs)
+        return "mapping", self.object_number(value), len(value), tuple(pairs)
 
-    def _array(self, array: Any, room: list[int]) -> Value:
+    def _describe_array(self, array: Any, room: list[int]) -> Value:
         limit = NUMBERS if room[0] == NODES - 1 else max(0, min(NUMBERS, room[0]))
         numbers = _first_numbers(array, limit)
         room[0] -= len(numbers)
-        return "array", array.dtype.str, self.alias(array), array.shape, tuple(numbers)
+        return "array", array.dtype.str, self.object_number(array), array.shape, tuple(numbers)
 
-    def alias(self, value: object) -> int:
+    def object_number(self, value: object) -> int:
         return self._numbers.setdefault(id(value), len(self._numbers))
 
 
@@ -113,7 +113,7 @@ def _length(value: Any) -> int:
         return 2**62
 
 
-def _scalar(value: Any) -> Value:
+def _describe_scalar(value: Any) -> Value:
     if value is None:
         return ("none",)
     if type(value) is int:
@@ -121,10 +121,10 @@ def _scalar(value: Any) -> Value:
         return ("big", bits) if bits > BITS else ("int", value)
     if type(value) is str:
         return "text", value[:TEXT], len(value)
-    return type(value).__name__, _number(value)
+    return type(value).__name__, _unify_nan(value)
 
 
-def _number(value: Any) -> Any:
+def _unify_nan(value: Any) -> Any:
     """Return the number; a single nan object stands for all nans."""
     if value == value:  # noqa: PLR0124
         return value
@@ -138,13 +138,13 @@ def _first_numbers(array: Any, limit: int) -> list[Any]:
         return []
     items = array.flat[:limit]
     if kind in "fc" and array.dtype.itemsize > (8 if kind == "f" else 16):
-        return [_number((float if kind == "f" else complex)(item)) for item in items]
+        return [_unify_nan((float if kind == "f" else complex)(item)) for item in items]
     if kind in "fc":
-        return [_number(item) for item in items.tolist()]
-    return [_item(item) for item in items.tolist()] if kind in "UO" else list(items.tolist())
+        return [_unify_nan(item) for item in items.tolist()]
+    return [_describe_array_item(item) for item in items.tolist()] if kind in "UO" else list(items.tolist())
 
 
-def _item(value: Any) -> Any:
+def _describe_array_item(value: Any) -> Any:
     """Describe an item of an array of objects or texts."""
     if id(type(value)) not in _SCALARS:
         return type_name(type(value))
@@ -152,7 +152,7 @@ def _item(value: Any) -> Any:
         return value[:NAME]
     if type(value) is int and value.bit_length() > BITS:
         return "int"
-    return "None" if value is None else _number(value)
+    return "None" if value is None else _unify_nan(value)
 
 
 def type_name(kind: type) -> str:
@@ -212,16 +212,16 @@ def is_same(before: Any, now: Any) -> bool:
     if type(before) is not type(now):
         return False
     if type(now) is Fingerprint:
-        return before.number == now.number and _alike(before.content, now.content)
+        return before.number == now.number and _is_deeply_equal(before.content, now.content)
     return before is now or bool(before == now) or bool(before != before and now != now)  # noqa: PLR0124
 
 
-def _alike(before: Any, other: Any) -> bool:
+def _is_deeply_equal(before: Any, other: Any) -> bool:
     """Equal, and of the same types all the way: 1 is not 1.0."""
     if type(before) is not type(other):
         return False
     if type(before) is tuple:
-        return len(before) == len(other) and all(map(_alike, before, other))
+        return len(before) == len(other) and all(map(_is_deeply_equal, before, other))
     return before is other or bool(before == other)
 
 

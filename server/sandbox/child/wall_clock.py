@@ -32,7 +32,7 @@ class WallClock:
             seconds = self._seconds_left
         signal.setitimer(signal.ITIMER_REAL, max(seconds, MIN_TIMER_SECONDS))
 
-    def give(self, seconds: float) -> None:
+    def add_seconds(self, seconds: float) -> None:
         """Give the program so many seconds more."""
         signal.setitimer(signal.ITIMER_REAL, seconds + signal.getitimer(signal.ITIMER_REAL)[0])
 
@@ -40,7 +40,7 @@ class WallClock:
         left, _ = signal.setitimer(signal.ITIMER_REAL, 0)
         self._seconds_left = left + self._waited_for_course()
 
-    def goes_on(self) -> bool:
+    def restart_if_time_left(self) -> bool:
         """When the timer says that no time is left: whether there is some, for which it is started anew."""
         left = alarm.seconds_left_after_stop() or self._waited_for_course()
         if left > MIN_TIMER_SECONDS:

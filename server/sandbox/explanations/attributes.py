@@ -32,7 +32,7 @@ def explain_module_name(module: str, name: str) -> str:
     """Return what to write instead of a name that a module does not have, or no longer has."""
     instead = renamed_names.ATTRIBUTES.get(module, {}).get(name)
     if instead:
-        return describe_gone(f"{module}.{name}", module, instead)
+        return describe_removed_name(f"{module}.{name}", module, instead)
     short = module.replace("numpy", "np", 1)
     if module in ("math", "cmath") and (instead := renamed_names.NEVER_OF_NUMPY.get(name)):
         return f"Le module « {module} » n’a pas de « {name} » : écrivez {instead.format(np='np')}."
@@ -56,7 +56,7 @@ def _names_of_module(module: str) -> tuple[str, ...]:
 
 def explain_numpy_name(name: str, alias: str) -> str:
     if instead := renamed_names.NUMPY.get(name):
-        return describe_gone(f"{alias}.{name}", "numpy", instead.format(np=alias))
+        return describe_removed_name(f"{alias}.{name}", "numpy", instead.format(np=alias))
     if instead := renamed_names.NEVER_OF_NUMPY.get(name):
         return f"numpy n’a pas de « {name} » : écrivez {instead.format(np=alias)}."
     near = difflib.get_close_matches(name, numpy_names(), 1, 0.75)
@@ -114,7 +114,7 @@ def _near_member(kind: str, name: str) -> str:
 _ARRAY_MEMBERS = frozenset(name for name in dir(np.ndarray) if not name.startswith("_")) | {"append"}
 
 
-def describe_gone(name: str, module: str, instead: str) -> str:
+def describe_removed_name(name: str, module: str, instead: str) -> str:
     library = {"numpy": "NumPy 2", "scipy": "SciPy"}.get(module.partition(".")[0], "Python 3")
     return f"{name} a disparu de {library} : {instead} le remplace."
 

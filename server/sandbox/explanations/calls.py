@@ -47,10 +47,10 @@ def _explain_one_number(match: re.Match[str], source: str) -> str:
 
 def _explain_arguments(match: re.Match[str], source: str) -> str:
     function, takes, given = match.groups()
-    return _wrong_count(function, takes, given)
+    return _wrong_count_sentence(function, takes, given)
 
 
-def _wrong_count(function: str, takes: str, given: str) -> str:
+def _wrong_count_sentence(function: str, takes: str, given: str) -> str:
     if function.startswith("__init__"):
         return f"La construction de cet objet prend {_counted(takes, self_too=True)}, et en reçoit {int(given) - 1}."
     count = takes.replace("from", "de").replace("to", "à")
@@ -123,7 +123,7 @@ PATTERNS: tuple[Pattern, ...] = (
     (
         r"^(?:[\w.]+\.)?(\w+)(?:\(\))? (?:takes|expected) (?:exactly |at least |at most )?(\d+|one|no) "
         r"(?:positional )?arguments?,? (?:\(|got |but )(\d+)",
-        lambda match, source: _wrong_count(
+        lambda match, source: _wrong_count_sentence(
             called_function(source) if match[1] == "function" else match[1],
             {"one": "1", "no": "0"}.get(match[2], match[2]),
             match[3],

@@ -14,7 +14,7 @@ def shape(written: str) -> str:
     return f"({sizes[0]},)" if len(sizes) == 1 else f"({', '.join(sizes)})"
 
 
-def _shapes(text: str) -> str:
+def _operand_shapes(text: str) -> str:
     """Return the shapes of operands, of which numpy writes the result's last: it is told once."""
     found = list(dict.fromkeys(shape(it) for it in re.findall(r"\([\d,\s]*\)", text)))
     return " et ".join(found)
@@ -80,7 +80,7 @@ def _explain_dot(match: re.Match[str], source: str) -> str:
 
 
 def _explain_remapped(match: re.Match[str], source: str) -> str:
-    originals = " et ".join(shape(it) for it in re.findall(r"(\([\d,\s]*\))->", match[1])) or _shapes(match[1])
+    originals = " et ".join(shape(it) for it in re.findall(r"(\([\d,\s]*\))->", match[1])) or _operand_shapes(match[1])
     return f"Ces tableaux n’ont pas des formes qui vont ensemble : {originals}."
 
 
@@ -195,7 +195,7 @@ PATTERNS: tuple[Pattern, ...] = (
     (r"could not be broadcast together with remapped shapes (.*)", _explain_remapped),
     (
         r"could not (?:be )?broadcast (?:together with |input array from )shapes? (.*)",
-        lambda match, source: f"Ces tableaux n’ont pas des formes qui vont ensemble : {_shapes(match[1])}.",
+        lambda match, source: f"Ces tableaux n’ont pas des formes qui vont ensemble : {_operand_shapes(match[1])}.",
     ),
     (
         r"non-broadcastable output operand with shape (\([\d,]*\)) doesn't match the broadcast shape (\([\d,]*\))",

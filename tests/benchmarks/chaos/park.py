@@ -16,7 +16,7 @@ from pathlib import Path
 
 import httpx
 
-from server.queue.lease_owner import is_dead, process_owner
+from server.queue.lease_owner import is_owner_dead, process_owner
 from tests.benchmarks.chaos.proxy import Wires
 from tests.benchmarks.chaos.servers import Postgres, cluster
 from tests.support.cluster import free_port
@@ -198,7 +198,7 @@ class Park:
             disk.close()
         self.postgres.close()
         here, deadline = process_owner(os.getpid()), time.monotonic() + 10
-        while left := [one for part in self.parts for one in part.below if not is_dead(one, here)]:
+        while left := [one for part in self.parts for one in part.below if not is_owner_dead(one, here)]:
             if time.monotonic() > deadline:
                 break
             time.sleep(0.1)

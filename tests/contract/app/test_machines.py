@@ -93,7 +93,7 @@ class Park:
 
     def __init__(self, folder: Path, settings: Settings, nats: Nats, code: str) -> None:
         self._folder, self._code, self.nats = folder, code, nats
-        self.database = Database(settings.url)
+        self.database = Database(settings.sqlalchemy_url)
         self.values = {
             "BALISE_DATABASE_URL": str(settings.database_url),
             "BALISE_NATS_URL": nats.url,

@@ -174,7 +174,7 @@ def _load_demo(data: Path, students: int) -> UUID:
 
     def load() -> UUID:
         settings = Settings(data_dir=data)
-        database, course = Database(settings.url), the_course()
+        database, course = Database(settings.sqlalchemy_url), the_course()
         module = course.modules["l20"]
         loaded = create_demo_class(
             database,

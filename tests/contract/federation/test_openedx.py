@@ -55,7 +55,7 @@ class OpenEdx:
 
     def __init__(self, address: str, live: Server, data: Path) -> None:
         self.address, self.live = address, live
-        self.database = Database(Settings(data_dir=data).url)
+        self.database = Database(Settings(data_dir=data).sqlalchemy_url)
         self.outgoing = Outgoing(parse_networks("127.0.0.0/8"), insecure=True)
         self.provider = self._register(httpx.get(f"{address}/description", timeout=PATIENCE).json())
 

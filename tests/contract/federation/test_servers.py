@@ -33,7 +33,7 @@ def register(data: Path, protocol: Protocol, form: Mapping[str, str], rule: Mapp
     """Register a server as an administrator does, and open it; return its id."""
     parse = registration.parse_oidc if protocol == Protocol.oidc else registration.parse_cas
     texts, settings = parse(form, insecure=True)
-    database = Database(Settings(data_dir=data).url)
+    database = Database(Settings(data_dir=data).sqlalchemy_url)
     with database.write() as db:
         added = registration.add_server(db, protocol, texts, settings, None, trusts=True)  # type: ignore[arg-type]
         added.paused_at = None

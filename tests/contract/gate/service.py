@@ -119,7 +119,7 @@ def end(live: Live) -> None:
 @contextmanager
 def opened(addresses: tuple[str, ...], settings: Settings, web: int) -> Iterator[Service]:
     """A class on a running service, and who attacks it."""
-    database, exercise = Database(settings.url), load_course(render=False).exercises[EXERCISE]
+    database, exercise = Database(settings.sqlalchemy_url), load_course(render=False).exercises[EXERCISE]
     teacher, student, attacker = (new_account(database, role) for role in (Role.teacher, Role.student, Role.teacher))
     hashed = hash_password(PASSWORD)
     with database.write() as db:

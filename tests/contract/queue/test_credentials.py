@@ -170,6 +170,6 @@ def test_invalid_certificate_file_is_reported(settings: Settings, tmp_path: Path
 
 
 def test_tls_options_of_the_database_url_reach_its_driver() -> None:
-    url = Settings(database_url="postgresql://u:p@h/b?sslmode=verify-full&sslrootcert=/ca.pem").url
+    url = Settings(database_url="postgresql://u:p@h/b?sslmode=verify-full&sslrootcert=/ca.pem").sqlalchemy_url
     _, passed = make_engine(url).dialect.create_connect_args(make_url(url))
     assert {"sslmode": "verify-full", "sslrootcert": "/ca.pem"}.items() <= passed.items()

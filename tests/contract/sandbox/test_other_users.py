@@ -13,9 +13,9 @@ from tests.sandbox.users import ORDINARY, PROJECT, python_of_nobody
 
 AS_ANOTHER = """
 import sys
-from server.sandbox import Sandbox, ProgramFault, probe, safe_to_serve
+from server.sandbox import Sandbox, ProgramFault, probe, is_safe_to_serve
 reports = probe(slow=False)
-assert safe_to_serve(reports), reports
+assert is_safe_to_serve(reports), reports
 with Sandbox({}) as sandbox, sandbox.open(b"import numpy as np\\ndef f(x):\\n    return x + np.ones(1)\\n") as session:
     assert session.call("f", 1).value.tolist() == [2.0]
 print("tenu")

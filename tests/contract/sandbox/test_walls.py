@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from server.sandbox import Sandbox, WallReport, WallStatus, probe, safe_to_serve
+from server.sandbox import Sandbox, WallReport, WallStatus, is_safe_to_serve, probe
 from server.sandbox.assaults import ASSAULTS, Assault
 from server.sandbox.child import landlock, libc, namespaces, outer, seccomp, syscalls
 from server.sandbox.child.imports import ForkHookRecorder
@@ -28,15 +28,15 @@ def test_every_wall_that_must_stand_stands_here(monkeypatch: pytest.MonkeyPatch)
     reports = [*at_once.values(), *waited]
     assert {report.name for report in reports} == {assault.name for assault in ASSAULTS}
     assert [report for report in reports if report.required and report.status != WallStatus.STANDING] == []
-    assert safe_to_serve(reports)
+    assert is_safe_to_serve(reports)
 
 
 @pytest.mark.parametrize("status", [WallStatus.MISSING, WallStatus.UNAVAILABLE])
 def test_it_is_unsafe_to_serve_without_a_required_wall(status: WallStatus) -> None:
     standing = WallReport("a", WallStatus.STANDING, "", True)
-    assert safe_to_serve([standing, WallReport("b", status, "", False)])
-    assert not safe_to_serve([standing, WallReport("b", status, "", True)])
-    assert not safe_to_serve([])
+    assert is_safe_to_serve([standing, WallReport("b", status, "", False)])
+    assert not is_safe_to_serve([standing, WallReport("b", status, "", True)])
+    assert not is_safe_to_serve([])
 
 
 def unavailable(assault: Assault) -> str:
@@ -94,7 +94,7 @@ def test_of_what_is_shown_only_the_outermost_is_named(tmp_path: Path) -> None:
     for name in ("a/b/c", "a-b", "ab/c"):
         (tmp_path / name).mkdir(parents=True)
     asked = ("ab/c", "a/b/c", "a-b", "a", "a/b", "absent", "a-b/../a")
-    found = outer.drop_nested(f"{tmp_path}/{name}" for name in asked)
+    found = outer.remove_nested_paths(f"{tmp_path}/{name}" for name in asked)
     assert found == [f"{tmp_path}/{name}" for name in ("a", "a-b", "ab/c")]
 
 
@@ -115,7 +115,7 @@ def test_no_call_is_in_two_tables_and_the_attackers_calls_are_in_none() -> None:
     assert len(names) == len(set(names))
     assert not attackers & set(names)
     for column in (0, 1):
-        numbers = [number for table in tables for number in syscalls.numbers(table, column)]
+        numbers = [number for table in tables for number in syscalls.system_call_numbers(table, column)]
         assert len(numbers) == len(set(numbers))
         assert max(numbers) <= syscalls.LAST_KNOWN
 
@@ -156,19 +156,21 @@ def test_the_filter_answers_as_the_tables_say(monkeypatch: pytest.MonkeyPatch, m
     column = libc.architecture_column()
     parts = seccomp.template_filter(folder=folder), seccomp.fork_filter(threads=False)
     expected = dict.fromkeys(range(syscalls.LAST_KNOWN + 1), seccomp.KILL)
-    expected |= dict.fromkeys(syscalls.numbers(syscalls.ALLOWED, column), seccomp.ALLOW)
-    expected |= dict.fromkeys(syscalls.numbers(syscalls.REFUSED, column), seccomp.ERRNO | seccomp.EPERM)
+    expected |= dict.fromkeys(syscalls.system_call_numbers(syscalls.ALLOWED, column), seccomp.ALLOW)
+    expected |= dict.fromkeys(syscalls.system_call_numbers(syscalls.REFUSED, column), seccomp.ERRNO | seccomp.EPERM)
     answer = seccomp.ALLOW if folder else seccomp.ERRNO | seccomp.EPERM
-    expected |= dict.fromkeys(syscalls.numbers(syscalls.FOLDER, column), answer)
-    expected |= dict.fromkeys(syscalls.numbers(syscalls.ABSENT, column), seccomp.ERRNO | seccomp.ENOSYS)
+    expected |= dict.fromkeys(syscalls.system_call_numbers(syscalls.FOLDER, column), answer)
+    expected |= dict.fromkeys(syscalls.system_call_numbers(syscalls.ABSENT, column), seccomp.ERRNO | seccomp.ENOSYS)
     expected |= dict.fromkeys(range(syscalls.LAST_KNOWN + 1, 2000), seccomp.ERRNO | seccomp.ENOSYS)
-    for number in syscalls.numbers(syscalls.CONDITIONAL, column):
+    for number in syscalls.system_call_numbers(syscalls.CONDITIONAL, column):
         del expected[number]
     assert {number: answered(parts, machine, number) for number in expected} == expected
     other = "aarch64" if machine == "x86_64" else "x86_64"
     assert [run_filter(part, other, 0) for part in parts] == [seccomp.KILL] * 2
     spared = {number for number in expected if run_filter(parts[0], machine, number) != expected[number]}
-    assert spared <= set(syscalls.numbers(syscalls.SETTING_UP, column)), "a template is refused all the rest too"
+    assert spared <= set(syscalls.system_call_numbers(syscalls.SETTING_UP, column)), (
+        "a template is refused all the rest too"
+    )
 
 
 @pytest.mark.parametrize("machine", ["x86_64", "aarch64"])
@@ -179,7 +181,7 @@ def test_the_filter_looks_at_arguments(monkeypatch: pytest.MonkeyPatch, machine:
         parts = seccomp.template_filter(folder=False), seccomp.fork_filter(threads=threads)
 
         def answer(name: str, *arguments: int, parts: tuple[bytes, ...] = parts) -> int:
-            number = syscalls.number(name, libc.architecture_column())
+            number = syscalls.system_call_number(name, libc.architecture_column())
             assert number is not None
             return answered(parts, machine, number, *arguments)
 
@@ -249,4 +251,4 @@ def test_a_filter_fits_the_kernel() -> None:
     for program in (seccomp.template_filter(folder=False), seccomp.fork_filter(threads=False)):
         assert len(program) % 8 == 0
         assert len(program) // 8 <= 4096
-    assert landlock.version() >= 1
+    assert landlock.landlock_abi_version() >= 1
