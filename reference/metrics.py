@@ -220,7 +220,7 @@ def _select_pairs(poses: Floats, delta: float, unit: Unit, overlapping: bool) ->
     if unit == "metres":
         if overlapping or not delta > 0.0:
             raise MetricError("delta", f"of {delta} metres must be positive, and pairs over metres do not overlap")
-        return _pair_neighbours(_stops_by_distance(poses, delta))
+        return _pair_neighbours(_sample_poses_by_distance(poses, delta))
     if delta != int(delta) or delta < 1:
         raise MetricError("delta", f"{delta} is not a number of poses, one or more")
     step = int(delta)
@@ -229,7 +229,7 @@ def _select_pairs(poses: Floats, delta: float, unit: Unit, overlapping: bool) ->
     return _pair_neighbours(np.arange(0, n, step))
 
 
-def _stops_by_distance(poses: Floats, delta: float) -> Integers:
+def _sample_poses_by_distance(poses: Floats, delta: float) -> Integers:
     """Poses, the first one included, each of them the first to lie `delta` metres of path or more after the last."""
     steps = np.linalg.norm(np.diff(_positions_of(poses), axis=0), axis=1).tolist()
     stops, run = [0], 0.0

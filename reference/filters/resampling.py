@@ -67,7 +67,7 @@ def effective_sample_size(weights: ArrayLike) -> float:
 
     Raises InvalidWeightsError.
     """
-    w = _check_weights(weights)
+    w = _check_nonnegative_weights(weights)
     shares = w / _check_positive_sum(w)
     return float(1.0 / (shares @ shares))
 
@@ -154,7 +154,7 @@ def stratified_resampling(weights: ArrayLike, rng: np.random.Generator, count: i
 
     Raises InvalidWeightsError, and InvalidArgumentError unless count >= 1.
     """
-    w = _check_weights(weights)
+    w = _check_nonnegative_weights(weights)
     teeth = _check_count(count, w.size)
     ends = np.minimum(np.cumsum(w / _check_positive_sum(w)) * teeth, teeth)
     ends[_last_positive_index(w) :] = teeth
@@ -169,7 +169,7 @@ def multinomial_resampling(weights: ArrayLike, rng: np.random.Generator, count: 
 
     Raises InvalidWeightsError, and InvalidArgumentError unless count >= 1.
     """
-    w = _check_weights(weights)
+    w = _check_nonnegative_weights(weights)
     drawn = _draw_multinomial_counts(w / _check_positive_sum(w), _check_count(count, w.size), rng)
     return Resampling(np.repeat(np.arange(w.size), drawn), w.size)
 
@@ -179,7 +179,7 @@ def residual_resampling(weights: ArrayLike, rng: np.random.Generator, count: int
 
     Raises InvalidWeightsError, and InvalidArgumentError unless count >= 1.
     """
-    w = _check_weights(weights)
+    w = _check_nonnegative_weights(weights)
     total, teeth = _check_positive_sum(w), _check_count(count, w.size)
     shares = w / total * teeth
     # A share that rounding has put just below a whole number is that number.
@@ -201,7 +201,7 @@ def _draw_multinomial_counts(shares: Floats, draws: int, rng: np.random.Generato
     return copies
 
 
-def _check_weights(weights: ArrayLike) -> Floats:
+def _check_nonnegative_weights(weights: ArrayLike) -> Floats:
     return _check_not_negative(_check_shape(weights))
 
 

@@ -191,7 +191,7 @@ class LiveClassViews:
             read = partial(self._read_if_changed, view, class_id, watched)
             key = f"class:{class_id}"
             async for reading in self._events.follow(
-                key, read, watches_all_jobs=True, find_rest=watched.seconds_between_readings
+                key, read, also_watches_all_jobs=True, find_rest=watched.seconds_between_readings
             ):
                 watched.reading = reading
                 watched.notify_watchers()

@@ -92,7 +92,7 @@ def split_full_name(text: str, family_first: bool | None = None) -> SplitName:
 
 
 def _split_at_capitals(words: Sequence[str]) -> SplitName | None:
-    kinds = [_classify_word_case(word) for word in words]
+    kinds = [_classify_name_word(word) for word in words]
     capitals = [place for place, kind in enumerate(kinds) if kind == "upper"]
     if not capitals or "lower" not in kinds:
         return None
@@ -109,7 +109,7 @@ def _split_at_capitals(words: Sequence[str]) -> SplitName | None:
     return SplitName(" ".join(family), " ".join(given))
 
 
-def _classify_word_case(word: str) -> str:
+def _classify_name_word(word: str) -> str:
     """Tell a word in capitals from another one. A single letter, or a word without letters, is neither."""
     letters = [sign for sign in CELTIC.sub("", word) if sign.isalpha() and sign != "ß"]
     bare = word.rstrip("'’").casefold()

@@ -117,7 +117,7 @@ class Member:
         return tuple(self.membership.groups)
 
     @property
-    def lacks_password(self) -> bool:
+    def awaits_first_password(self) -> bool:
         """Whether a list created the account, and nobody has chosen its password yet."""
         return self.membership.created_by_list and self.account.login is not None and self.account.password_hash is None
 

@@ -133,7 +133,7 @@ def run(course: Course, selected: Sequence[Exercise]) -> int:
     tallies = []
     with closing(parallel.run_in_order(course, run_job, jobs, "Altérations")) as trials:
         for subject, own_alterations in zip(subjects, alterations_by_subject, strict=True):
-            tallies.append(tally_trials(subject, list(islice(trials, len(own_alterations)))))
+            tallies.append(apply_marks_to_trials(subject, list(islice(trials, len(own_alterations)))))
             for text in exercise_report_lines(tallies[-1]):
                 print(text, flush=True)
     print(summary_line(tallies))
@@ -175,7 +175,7 @@ def _measure_or_explain(grader: SandboxGrader, subject: MutationSubject) -> Muta
         return str(reason)
 
 
-def tally_trials(subject: MutationSubject, trials: Sequence[MutantTrial]) -> MutantTally:
+def apply_marks_to_trials(subject: MutationSubject, trials: Sequence[MutantTrial]) -> MutantTally:
     """Sum up the results of an exercise's alterations, checked against its marks."""
     reasons = {trial.detail for trial in trials}
     if all(trial.fate is MutantStatus.BROKEN for trial in trials) and len(reasons) == 1:

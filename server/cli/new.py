@@ -18,7 +18,7 @@ def run(arguments: Namespace) -> int:
     if arguments.source is not None:
         return _import_drafts(arguments.kind, arguments.name, arguments.source, course)
     try:
-        files = _write_skeleton(arguments.kind, arguments.name, course)
+        files = _create_files_of_kind(arguments.kind, arguments.name, course)
     except new.SkeletonRefused as refused:
         raise CommandError(f"{refused}.") from refused
     except OSError as error:
@@ -47,7 +47,7 @@ def _import_drafts(kind: str, name: str, source: Path, course: Path) -> int:
     return 0
 
 
-def _write_skeleton(kind: str, name: str, course: Path) -> list[Path]:
+def _create_files_of_kind(kind: str, name: str, course: Path) -> list[Path]:
     return editions.copy_to_next_edition(name, course) if kind == EDITION else new.write_skeleton(kind, name, course)
 
 

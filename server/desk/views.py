@@ -197,7 +197,7 @@ def build_people_page(
         "left": [member for member in students if member.status is Status.left],
         "groups": labels,
         "group": group if group in labels else "",
-        "without_password": sum(member.lacks_password for member in active),
+        "without_password": sum(member.awaits_first_password for member in active),
     }
 
 

@@ -50,7 +50,7 @@ def iter_export_files(database: Database, course: Course, account_id: UUID) -> I
         account = identity.find_account(db, account_id)
         if account is None:
             return
-        yield "compte.json", _encode_json(_account_data(db, account))
+        yield "compte.json", _encode_json(_load_account_section(db, account))
         yield "classes.json", _encode_json(_classes_data(db, account_id))
         yield "notes.json", _encode_json(marks_data(db, account_id))
         yield "exercices.json", _encode_json(_exercises_data(db, account_id))
@@ -108,7 +108,7 @@ def _grading_data(submission: Submission, grading: Grading, feedback_rules: Feed
     }
 
 
-def _account_data(db: Session, account: Account) -> dict[str, Any]:
+def _load_account_section(db: Session, account: Account) -> dict[str, Any]:
     sessions = identity.load_sessions(db, account.id)
     tokens = identity.load_all_tokens(db, account.id)
     calendar = calendars.find_calendar_address(db, account.id)

@@ -117,9 +117,9 @@ class JobEvents:
         return [event for events in self._watchers.values() for event in events]
 
     @contextmanager
-    def _watch(self, key: str, *, watches_all_jobs: bool) -> Iterator[asyncio.Event]:
+    def _watch(self, key: str, *, also_watches_all_jobs: bool) -> Iterator[asyncio.Event]:
         with _registered_watcher(self._watchers, key) as event:
-            if watches_all_jobs:
+            if also_watches_all_jobs:
                 self._global_watchers.add(event)
             try:
                 yield event
@@ -131,15 +131,15 @@ class JobEvents:
         key: str,
         read: Callable[[], SnapshotType],
         *,
-        watches_all_jobs: bool = False,
+        also_watches_all_jobs: bool = False,
         find_rest: Callable[[], float] = lambda: 0.0,
     ) -> AsyncIterator[SnapshotType]:
         """Yield what `read` returns (in a thread), then each different value, until it is done or the server stops.
 
-        `watches_all_jobs`: the end of any job may change it. `find_rest` returns the seconds to rest after a read. An
+        `also_watches_all_jobs`: the end of any job may change it. `find_rest`: the seconds to rest after a read. An
         unavailable database is asked again.
         """
-        with self._watch(key, watches_all_jobs=watches_all_jobs) as event:
+        with self._watch(key, also_watches_all_jobs=also_watches_all_jobs) as event:
             latest: SnapshotType | None = None
             while True:
                 woken = time.time_ns()
@@ -154,7 +154,7 @@ class JobEvents:
                 if self._closed:
                     return
                 await asyncio.sleep(find_rest())
-                await _wait_for_event(event, min(self._poll_interval_seconds(), _seconds_until_settled(snapshot)))
+                await _wait_or_set_event(event, min(self._poll_interval_seconds(), _seconds_until_settled(snapshot)))
 
     async def wait_until_done(self, key: str, read: Callable[[], SnapshotType], seconds: float) -> SnapshotType:
         """Return the snapshot once it is done, or as it is after `seconds`.
@@ -170,7 +170,7 @@ class JobEvents:
             if key in self._recently_changed:
                 event.set()
             while not self._closed:
-                await _wait_for_event(event, min(deadline - time.monotonic(), self._poll_interval_seconds()))
+                await _wait_or_set_event(event, min(deadline - time.monotonic(), self._poll_interval_seconds()))
                 if time.monotonic() >= deadline:
                     break
                 woken = time.time_ns()
@@ -215,7 +215,7 @@ async def _read_snapshot_or_none(key: str, read: Callable[[], SnapshotType]) -> 
         return None
 
 
-async def _wait_for_event(event: asyncio.Event, seconds: float) -> None:
+async def _wait_or_set_event(event: asyncio.Event, seconds: float) -> None:
     """Wait until the event is set, by others or after `seconds`. (Cancellation by a timeout costs more.)"""
     timeout = asyncio.get_running_loop().call_later(seconds, event.set)
     try:

@@ -112,7 +112,7 @@ def load_subjects_to_review(
     progress = load_class_progress(db, course, school_class, now)
     if len(progress.students) < FEWEST_TO_PROJECT:
         raise Conflict(TOO_FEW)
-    may_ask = partial(_may_ask_about_exercise, course, _exercises_with_held_back_feedback(db, progress))
+    may_ask = partial(_may_ask_hunt_of_exercise, course, _exercises_with_held_back_feedback(db, progress))
     needs = rank_subjects_to_review(_load_recall_histories(db, progress, may_ask), now)
     module = course.modules.get(school_class.module)
     exercises = [] if module is None else list(module.exercises)
@@ -132,7 +132,7 @@ def _exercises_with_held_back_feedback(db: Session, progress: ClassProgress) -> 
     return frozenset(name for name in names if load_projection_rules(db, students, name).refusal)
 
 
-def _may_ask_about_exercise(course: Course, held_back: frozenset[str], exercise: Exercise) -> bool:
+def _may_ask_hunt_of_exercise(course: Course, held_back: frozenset[str], exercise: Exercise) -> bool:
     return exercise.id not in held_back and may_have_hunts(course, exercise)
 
 

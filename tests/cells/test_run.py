@@ -186,7 +186,7 @@ CLIMB = """import sys
 cadre = sys._getframe()
 while cadre:
     if hasattr(cadre.f_globals.get("drawing"), "FIGURES"):
-        cadre.f_globals["drawing"].figures = lambda: (np.frombuffer({bytes!r}, np.uint8),)
+        cadre.f_globals["drawing"].render_open_figures = lambda: (np.frombuffer({bytes!r}, np.uint8),)
     cadre = cadre.f_back
 """
 FORGED = {

@@ -65,7 +65,7 @@ def tally(one: Exercise) -> alterations.MutantTally:
     trials = [
         alterations.run_job(HERE, (subject, each)) for each in alterations.find_alterations(subject.code.solution)
     ]
-    return alterations.tally_trials(subject, trials)
+    return alterations.apply_marks_to_trials(subject, trials)
 
 
 def diffs(found: list[alterations.MutantTrial]) -> list[str]:

@@ -150,7 +150,7 @@ def test_what_was_open_stays_open_to_all_and_the_first_teacher_is_the_administra
         assert teacher.role == Role.administrator
         assert gradebook.find_attempt(db, teacher, landed.sent["wrong"]).submission.account_id == landed.ada
         for account in (None, db.get_one(Account, landed.busy)):
-            assert solutions.load_solution_access(db, account, POSES).reason(NOTHING_YET) is AccessReason.to_all
+            assert solutions.load_solution_access(db, account, POSES).access_reason(NOTHING_YET) is AccessReason.to_all
         roles = set(db.execute(select(Account.role).where(Account.id != landed.teacher)).scalars())
     assert roles == {"student", "guest"}
 

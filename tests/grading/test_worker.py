@@ -387,7 +387,7 @@ def test_a_job_that_does_not_end_is_given_up_at_once_with_its_worker(
         lease = QUIET.claim(db, owner, [GRADE], 60)
     assert lease is not None
     with pytest.raises(Ended):
-        LeaseHeartbeat(sqlite, QUIET, settings, give_up_handlers(course))._beat(lease, time.monotonic() - 1)
+        LeaseHeartbeat(sqlite, QUIET, settings, give_up_handlers(course))._extend_lease(lease, time.monotonic() - 1)
     assert none(sqlite, Job)
     assert only(sqlite, Grading).outcome == Outcome.INTERNAL_ERROR
 

@@ -217,8 +217,8 @@ def test_many_who_wait_do_not_all_look_at_once(monkeypatch: pytest.MonkeyPatch) 
     async def main() -> tuple[list[bool], list[int]]:
         events, board_wakes = JobEvents(), []
         with ExitStack() as stack:
-            waiting = [stack.enter_context(events._watch(str(key), watches_all_jobs=False)) for key in range(25)]
-            board = stack.enter_context(events._watch("class", watches_all_jobs=True))
+            waiting = [stack.enter_context(events._watch(str(key), also_watches_all_jobs=False)) for key in range(25)]
+            board = stack.enter_context(events._watch("class", also_watches_all_jobs=True))
             for notification in (f"another{JOB_STARTED_SUFFIX}", "another"):
                 events.job_changed(notification)
                 board_wakes.append(board.is_set())
@@ -238,7 +238,7 @@ def test_changes_during_a_refresh_start_another_refresh(monkeypatch: pytest.Monk
     async def main() -> None:
         events = JobEvents()
         with ExitStack() as stack:
-            waiting = [stack.enter_context(events._watch(str(key), watches_all_jobs=False)) for key in range(7)]
+            waiting = [stack.enter_context(events._watch(str(key), also_watches_all_jobs=False)) for key in range(7)]
             events.job_changed("another")
             await waiting[0].wait()
             waiting[0].clear()
@@ -254,14 +254,14 @@ def test_the_more_wait_the_more_rarely_each_looks_for_nothing(monkeypatch: pytes
     async def note(_event: asyncio.Event, seconds: float) -> None:
         waits.append(seconds)
 
-    monkeypatch.setattr(events_module, "_wait_for_event", note)
+    monkeypatch.setattr(events_module, "_wait_or_set_event", note)
 
     async def main() -> None:
         events = JobEvents()
         with ExitStack() as stack:
             for count in (1, 799):
                 for key in range(count):
-                    stack.enter_context(events._watch(str(key), watches_all_jobs=False))
+                    stack.enter_context(events._watch(str(key), also_watches_all_jobs=False))
                 seen = iter([Count(0), Count(3)])
                 await collect(events.follow("a", lambda seen=seen: next(seen)))  # type: ignore[misc]
 

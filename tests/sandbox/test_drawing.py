@@ -140,7 +140,7 @@ def test_what_is_no_picture_is_an_invalid_answer(studio: Studio, answer: str) ->
 cadre = sys._getframe()
 while cadre:
     if hasattr(cadre.f_globals.get("drawing"), "FIGURES"):
-        cadre.f_globals["drawing"].figures = lambda: {answer}
+        cadre.f_globals["drawing"].render_open_figures = lambda: {answer}
     cadre = cadre.f_back
 """
     with studio(source.encode(), drawing=True) as session, pytest.raises(ProgramFault) as caught:

@@ -77,9 +77,9 @@ class HelperProcessWork:
         _WORKS[self.number] = self
 
     def answer_each(self, items: Sequence[Any], context: Any = None, *, telling: bool = False) -> Iterator[Any]:
-        """Yield for each item its answer, or an Unfinished where it takes too much, `telling` with its last report.
+        """Yield for each item its answer, or where it takes too much an UnfinishedAnswer, `telling` with its report.
 
-        Raises ConfinedError where the handler fails. The helper of a generator that is closed early is stopped.
+        Raises HelperProcessError where the handler fails. The helper of a generator that is closed early is stopped.
         """
         done, unfinished, tried = 0, dict[int, UnfinishedAnswer](), set[int]()
         while done < len(items):
@@ -162,7 +162,7 @@ class _HelperProcess:
         return int.from_bytes(self._shared[:8])
 
     def receive(self) -> Sequence[Any] | None:
-        """Return the next answers; None after the last one. Raises Unfinished or ConfinedError."""
+        """Return the next answers; None after the last one. Raises UnfinishedAnswer or HelperProcessError."""
         try:
             self._wait_for_answers()
             message: _HelperMessage = self._channel.recv()
@@ -179,7 +179,7 @@ class _HelperProcess:
         raise HelperProcessError(message.content)
 
     def _wait_for_answers(self) -> None:
-        """Return when there is something to read. Raises Unfinished where the helper uses no processor."""
+        """Return when there is something to read. Raises UnfinishedAnswer where the helper uses no processor."""
         used, changed = -1.0, time.monotonic()
         while not self._channel.poll(_LOOK_SECONDS):
             now = _processor_ticks(self._pid)

@@ -200,7 +200,7 @@ class HuntPrograms:
             program.close()
 
     def try_input(self, hunt: Hunt, wrong: Program, args: Arguments) -> HuntAnswer:
-        """Return what an input shows. Raises OutsideStatement."""
+        """Return what an input shows. Raises InputOutsideStatement."""
         answer = next(self.try_inputs(hunt, wrong, [args]))
         if answer is None:
             raise InputOutsideStatement

@@ -190,7 +190,7 @@ class DeclaredHuntPrograms:
         return hunt.grader.find_simplest_failure(hunt.check, failure, self._wrong, self._right, time.monotonic, until)
 
     def try_case(self, case: Case) -> HuntTrialAnswers:
-        """Return what an input shows. Raises OutsideStatement where the solution gives no value."""
+        """Return what an input shows. Raises InputOutsideStatement where the solution gives no value."""
         check = self._hunt.check
         (right,), (got,) = self._right.play([case.scenario]), self._wrong.play([case.scenario])
         if right.fault is not None or right.raised is not None:
@@ -203,7 +203,7 @@ class DeclaredHuntPrograms:
 
 
 def try_hunt(hunt: DeclaredHunt, programs: Programs, case: Case) -> HuntTrialAnswers:
-    """Try one input on both programs. Raises OutsideStatement."""
+    """Try one input on both programs. Raises InputOutsideStatement."""
     with closing(DeclaredHuntPrograms(hunt, programs)) as ground:
         return ground.try_case(case)
 

@@ -143,7 +143,7 @@ async def stream_progress(
         return _load_progress(database, account, class_id, regrade_id)
 
     await run_in_threadpool(read)  # a refusal must come before the stream begins
-    snapshots = hub.follow(str(UUID(regrade_id)), read, watches_all_jobs=True, find_rest=lambda: REFRESH_SECONDS)
+    snapshots = hub.follow(str(UUID(regrade_id)), read, also_watches_all_jobs=True, find_rest=lambda: REFRESH_SECONDS)
     lines: AsyncIterator[str] = stream_sse(snapshots, _progress_json, name="progress")
     return StreamingResponse(lines, media_type="text/event-stream", headers=STREAM_HEADERS)
 
