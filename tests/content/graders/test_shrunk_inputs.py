@@ -20,7 +20,7 @@ from graders.core.contract.local import LOCAL
 from graders.core.contract.streams import stream
 from graders.core.contract.values import Arguments
 from tests.support.quick import some
-from tests.support.shipped import CODE
+from tests.support.shipped import CODE, exercises_of_kind
 
 SHRINKING = Budget(calls=120, seconds=math.inf)
 SEED = 5
@@ -34,16 +34,16 @@ for _nom in {functions!r}:
 """
 #: Where honest programs take seconds for one call.
 LONG = {"l20/mcl", "l20/defi_kidnappe", "l20/tp_slam", "l20/defi_robuste", "l20/defi_amers"}
-SHRINKING_CHECKS = [
-    pytest.param(name, check.id, marks=pytest.mark.slow if name in LONG else ())
-    for name, grader in CODE.items()
-    for check in grader.checks
-    if hasattr(check, "cases") and (getattr(check, "shrinkers", ()) or hasattr(check, "simpler"))
-]
+#: Honest programs that are asked in the fast suite: the solution, and one that holds the statement to its word.
+FEW = ("solution", "reperes_connus")
 
 
-def check_of(grader: CodeGrader, name: str) -> Check:
-    return next(check for check in grader.checks if check.id == name)
+def shrinking_checks(grader: CodeGrader) -> list[Check]:
+    return [
+        check
+        for check in grader.checks
+        if hasattr(check, "cases") and (getattr(check, "shrinkers", ()) or hasattr(check, "simpler"))
+    ]
 
 
 def shrunk_inputs(grader: CodeGrader, check: Check) -> Iterator[Arguments]:
@@ -68,15 +68,27 @@ def only(check: Check, *asked: Arguments) -> Check:
     return dataclasses.replace(check, cases=cases)  # type: ignore[call-arg]
 
 
-@pytest.mark.filterwarnings("ignore")  # honest programs may be warned, as elsewhere
-@pytest.mark.parametrize(("exercise", "name"), SHRINKING_CHECKS)
-def test_honest_programs_answer_what_is_shrunk(exercise: str, name: str) -> None:
-    grader = CODE[exercise]
-    check = check_of(grader, name)
+def honest_programs(grader: CodeGrader, *, is_whole: bool) -> dict[str, str]:
+    """The honest programs by their names: `FEW`, or all of them."""
     paths = sorted((grader.folder / "specimens/ok").glob("*.py"))
-    honest = {"solution": grader.solution, **{path.stem: path.read_text(encoding="utf-8") for path in paths}}
-    kit, shrunk = grader.kit(stream(SEED, "kit")), list(shrunk_inputs(grader, check))
-    for style, source in honest.items():
-        with closing(Runner(LOCAL, source.encode(), kit, budget=NO_SHRINKING)) as runner:
-            finding = run_check(only(check, *shrunk), Bench(check.id, runner, stream(SEED, check.id), kit))
-        assert finding.passed, f"{style} : {finding.result.message}"
+    programs = {"solution": grader.solution, **{path.stem: path.read_text(encoding="utf-8") for path in paths}}
+    return programs if is_whole else {name: source for name, source in programs.items() if name in FEW}
+
+
+@pytest.mark.filterwarnings("ignore")  # honest programs may be warned, as elsewhere
+@pytest.mark.parametrize(
+    ("exercise", "is_whole"),
+    [
+        *((name, False) for name in exercises_of_kind("code") if name not in LONG),
+        *(pytest.param(name, True, marks=pytest.mark.slow) for name in exercises_of_kind("code")),
+    ],
+)
+def test_honest_programs_answer_what_is_shrunk(exercise: str, is_whole: bool) -> None:
+    grader = CODE[exercise]
+    kit = grader.kit(stream(SEED, "kit"))
+    for check in shrinking_checks(grader):
+        shrunk = list(shrunk_inputs(grader, check))
+        for style, source in honest_programs(grader, is_whole=is_whole).items():
+            with closing(Runner(LOCAL, source.encode(), kit, budget=NO_SHRINKING)) as runner:
+                finding = run_check(only(check, *shrunk), Bench(check.id, runner, stream(SEED, check.id), kit))
+            assert finding.passed, f"{check.id}, {style} : {finding.result.message}"
