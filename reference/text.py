@@ -50,7 +50,7 @@ def decode_lines(
 
 def _decode_bytes(data: bytes, argument: str, error: type[InvalidArgumentError]) -> str:
     mark, encoding = next(
-        ((mark, name) for mark, name in _MARKED if data.startswith(mark)), (b"", _guess_encoding(data))
+        ((mark, name) for mark, name in _MARKED if data.startswith(mark)), (b"", _guess_unmarked_encoding(data))
     )
     body = data[len(mark) :]
     try:
@@ -62,7 +62,7 @@ def _decode_bytes(data: bytes, argument: str, error: type[InvalidArgumentError])
         raise error(argument, f"line {line} is no text in {encoding.upper()}") from None
 
 
-def _guess_encoding(data: bytes) -> str:
+def _guess_unmarked_encoding(data: bytes) -> str:
     """Return the encoding of bytes without a mark: letters and digits have one byte of two that is zero in UTF-16."""
     zeros = [byte == 0 for byte in data[:4]]
     if zeros == [False, True, False, True]:

@@ -133,7 +133,7 @@ class DynamicWindow:
 
         Braking where no way leads.
         """
-        limits, target = self.limits, self._next_route_point(pose)
+        limits, target = self.limits, self._cheapest_neighbour_point(pose)
         slower = brake_speeds(speed[None], limits)[0]
         if target is None:
             return np.asarray(slower)
@@ -156,7 +156,7 @@ class DynamicWindow:
         """The cost of the way from a point (2,) of the world to the goal, drawn between the centres of cells."""
         return float(self._costs_to_go(np.asarray(point, dtype=np.float64)[None])[0])
 
-    def _next_route_point(self, pose: Floats) -> Floats | None:
+    def _cheapest_neighbour_point(self, pose: Floats) -> Floats | None:
         """Return the next point (2,) of the cheapest way: a centre of a cell, or the goal; None for no way."""
         x, y = np.floor(self.world.to_cells(pose[:2])).astype(np.int64).tolist()
         height, width = self.ways.shape

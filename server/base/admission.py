@@ -85,7 +85,7 @@ class RequestAdmission:
         if not self._is_scheduled:
             return
         self._call_later(0.0 if self._members or self._takes_strangers() else INTERVAL / 4, self._next_pass)
-        while self._taken_up < PER_PASS and (applicant := self._take_next_connection()) is not None:
+        while self._taken_up < PER_PASS and (applicant := self._admit_next_connection()) is not None:
             applicant.take_up()
 
     def note_request_ended(self, applicant: WaitingConnection) -> None:
@@ -110,7 +110,7 @@ class RequestAdmission:
             del self._in_progress[applicant]
         return not self._strangers_taken_up and (not self._in_progress or now >= self._strangers_at + INTERVAL)
 
-    def _take_next_connection(self) -> WaitingConnection | None:
+    def _admit_next_connection(self) -> WaitingConnection | None:
         """Return the next one, which is counted as taken up; None where no other is to be now."""
         for queues in (self._members, self._strangers):
             while queues and (queues is self._members or self._takes_strangers()):

@@ -88,7 +88,7 @@ def _may_receive_slip(member: Member, staff: Collection[UUID]) -> bool:
     return member.membership.created_by_list and member.account.login is not None and is_only_student
 
 
-def may_student_receive_slip(db: Session, class_id: UUID, account_id: UUID) -> bool:
+def may_student_receive_password_link(db: Session, class_id: UUID, account_id: UUID) -> bool:
     """Whether a teacher of this class may hand a link to a password to this account now."""
     school_class = repository.find_class(db, class_id)
     if school_class is None or school_class.archived_at is not None:

@@ -59,7 +59,7 @@ def lesson_start_times(now: datetime) -> tuple[datetime, ...]:
     return tuple(now - ELAPSED - BETWEEN_LESSONS * weeks for weeks in reversed(range(LESSON_COUNT)))
 
 
-def divide_exercises_among_lessons(module: Module) -> tuple[tuple[Exercise, ...], ...]:
+def divide_exercises_evenly(module: Module) -> tuple[tuple[Exercise, ...], ...]:
     """The module's exercises in the order in which one meets them, shared among the lessons."""
     places = {lesson.slug: place for place, lesson in enumerate(module.lessons)}
     met = sorted(module.exercises, key=lambda exercise: places.get(exercise.seance, len(places)))
@@ -102,7 +102,7 @@ def plan_attempts(
     repertoires = {exercise.id: build_submission_repertoire(exercise, random) for exercise in module.exercises}
     steps = [
         step
-        for start, exercises in zip(lesson_start_times(now), divide_exercises_among_lessons(module), strict=True)
+        for start, exercises in zip(lesson_start_times(now), divide_exercises_evenly(module), strict=True)
         for number, pupil in enumerate(pupils)
         if random.random() >= ABSENCE_PROBABILITY
         for step in _plan_attempts_in_lesson(number, pupil, exercises, repertoires, random, start)

@@ -25,7 +25,7 @@ from server.comments.line_tracking import LineRange
 from server.comments.schemas import WHOLE_WORK, ThreadTarget
 from server.course import Course, Exercise, Module
 from server.demo.people import GROUPS
-from server.demo.story import LESSON_DURATION, PlannedAttempt, divide_exercises_among_lessons, lesson_start_times
+from server.demo.story import LESSON_DURATION, PlannedAttempt, divide_exercises_evenly, lesson_start_times
 from server.gradebook import service as gradebook
 from server.identity.models import Account
 from server.lesson import service as lessons
@@ -64,7 +64,7 @@ class DemoClassroom:
 
 def create_assignments(db: Session, room: DemoClassroom, now: datetime) -> Assignment:
     """One for each lesson, due a week after, and a test in one of them; a test to come. The test that is past."""
-    starts, by_lesson = lesson_start_times(now), divide_exercises_among_lessons(room.module)
+    starts, by_lesson = lesson_start_times(now), divide_exercises_evenly(room.module)
     for number, (start, exercises) in enumerate(zip(starts, by_lesson, strict=True)):
         late, per_day = (LatePolicy.accept, None) if number % 2 else (LatePolicy.penalty, 2.0)
         given = exercises[:-TEST_LENGTH] if number == TEST_LESSON and len(exercises) > TEST_LENGTH else exercises
@@ -93,7 +93,7 @@ def create_assignments(db: Session, room: DemoClassroom, now: datetime) -> Assig
 
 def record_lessons_with_presence(db: Session, room: DemoClassroom, now: datetime) -> None:
     """Hold each lesson with its first exercises; the last one goes on, and who has finished helps somebody."""
-    starts, by_lesson = lesson_start_times(now), divide_exercises_among_lessons(room.module)
+    starts, by_lesson = lesson_start_times(now), divide_exercises_evenly(room.module)
     for start, exercises in zip(starts, by_lesson, strict=True):
         names = tuple(exercise.id for exercise in exercises[: lessons.MAX_EXERCISES])
         plan = LessonPlan(names, Afterwards.help if start == starts[-1] else Afterwards.none)

@@ -141,7 +141,7 @@ def read_signed_link(db: Session, name: str, action: str, signature: str) -> Sig
     return SignedLink(school_class.name, row.address, action == STOP, row.confirmed_at is not None)
 
 
-def follow_signed_link(db: Session, name: str, action: str, signature: str, now: datetime) -> SignedLink:
+def confirm_or_delete_subscription(db: Session, name: str, action: str, signature: str, now: datetime) -> SignedLink:
     """Confirm the address of a subscription, or stop it. Raises NotFound."""
     row, school_class = find_signed_subscription(db, name, action, signature)
     followed = SignedLink(school_class.name, row.address, action == STOP, is_confirmed=True, done=True)

@@ -13,7 +13,7 @@ from server.course import Course
 from server.database import Database
 from server.marks import repository
 from server.marks.cells import Cell, ascii_slug, write_french_csv
-from server.marks.files import FormatTime, numbered_assignment_titles
+from server.marks.files import FormatTime, distinct_assignment_titles
 from server.marks.means import round_points
 from server.marks.schemas import ExerciseMark, Gradebook, StudentMarks
 
@@ -53,7 +53,7 @@ def list_counting_attempt_files(
     if only is not None and all(assignment.id != only for assignment in gradebook.assignments):
         raise NotFound(NO_SUCH_ASSIGNMENT)
     labels = _label_by_real_name(gradebook.rows) if names else _label_by_pseudonym(gradebook.rows)
-    titles = numbered_assignment_titles(gradebook.assignments)
+    titles = distinct_assignment_titles(gradebook.assignments)
     folders = _number_duplicate_names([ascii_slug(title, "devoir") for title in titles])
     copies = []
     for index, assignment in enumerate(gradebook.assignments):

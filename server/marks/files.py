@@ -67,7 +67,7 @@ def french_state_words(state: MarkState) -> str:
     return STATE_WORDS.get(state, "")
 
 
-def numbered_assignment_titles(assignments: Sequence[Assignment]) -> tuple[str, ...]:
+def distinct_assignment_titles(assignments: Sequence[Assignment]) -> tuple[str, ...]:
     """Return the titles of assignments, numbered where several have the same."""
     return _number_duplicate_titles([assignment.title for assignment in assignments])
 
@@ -101,7 +101,7 @@ def build_marks_sheet(gradebook: Gradebook) -> WorkbookSheet:
         )
         for row in gradebook.rows
     ]
-    titles = (*numbered_assignment_titles(gradebook.assignments), *(column.full_title for column in gradebook.columns))
+    titles = (*distinct_assignment_titles(gradebook.assignments), *(column.full_title for column in gradebook.columns))
     return WorkbookSheet("Notes", (*PERSON, *_number_duplicate_titles(titles), AVERAGE), rows, frozen=2)
 
 
@@ -114,7 +114,7 @@ SCOPES = {True: "tous les devoirs", False: "ce devoir"}
 
 def build_exercises_sheet(gradebook: Gradebook) -> WorkbookSheet:
     """Return a table with a line for each student, assignment and exercise."""
-    titles = numbered_assignment_titles(gradebook.assignments)
+    titles = distinct_assignment_titles(gradebook.assignments)
     rows = [
         (
             *person_cells(row.member),
@@ -152,7 +152,7 @@ def build_explanations_sheet(gradebook: Gradebook, format_time: FormatTime) -> W
         dates = (assignment.opens_at, assignment.due_at, assignment.closes_at)
         remark = "contrôle, pas encore publié" if is_test_withheld(assignment, gradebook.at) else ""
         title, summary = (
-            numbered_assignment_titles(gradebook.assignments)[index],
+            distinct_assignment_titles(gradebook.assignments)[index],
             gradebook.assignment_statistics(index),
         )
         texts = (format_time(date) if date else "" for date in dates)
@@ -251,7 +251,7 @@ def build_moodle_table(gradebook: Gradebook, identifier: MoodleIdentifier) -> Mo
     Tests that are not released are left out, as Moodle would show them, and so are columns that are not published;
     students without an identifier of their own are too.
     """
-    titles = numbered_assignment_titles(gradebook.assignments)
+    titles = distinct_assignment_titles(gradebook.assignments)
     shown = [n for n, assignment in enumerate(gradebook.assignments) if not is_test_withheld(assignment, gradebook.at)]
     published = [n for n, column in enumerate(gradebook.columns) if column.is_published]
     items = _number_duplicate_titles(

@@ -79,7 +79,7 @@ def count_attempts(db: Session, account_id: UUID) -> int:
     return _count_rows(db, Submission, Submission.account_id == account_id)
 
 
-def count_messages(db: Session, account_id: UUID) -> int:
+def count_messages_by_or_about(db: Session, account_id: UUID) -> int:
     """Count the messages about an account's work, and those that it wrote."""
     own = select(Thread.id).where(Thread.account_id == account_id)
     return _count_rows(db, Message, or_(Message.thread_id.in_(own), Message.author_id == account_id))

@@ -111,7 +111,7 @@ def preview_erasure(
         elsewhere=elsewhere,
         attempts=repository.count_attempts(db, account.id),
         marks=repository.count_teacher_marks(db, account.id, class_id),
-        messages=repository.count_messages(db, account.id),
+        messages=repository.count_messages_by_or_about(db, account.id),
         sittings=repository.count_sittings(db, account.id, class_id),
         classes=len(repository.load_class_ids_of_account(db, account.id)) if whole else 1,
         tests=tuple(repository.load_titles_of_withholding_tests(db, account.id, class_id, now)),

@@ -58,7 +58,7 @@ def choose_subjects_for_today(schedules: Mapping[str, Schedule], now: datetime, 
     return due[: max(0, min(SITTING_QUESTIONS, DAILY_QUESTIONS - answered_today))]
 
 
-def count_day_streak(days: Collection[date], today: date) -> int:
+def count_streak_with_forgiven_gaps(days: Collection[date], today: date) -> int:
     """Count the days with answers in a row, between which no more than `FORGIVEN_DAYS` passed."""
     streak, after = 0, today
     for day in sorted(set(days), reverse=True):

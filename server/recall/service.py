@@ -23,7 +23,7 @@ from server.recall.scheduling import (
     Schedule,
     choose_subjects_for_today,
     compute_schedule,
-    count_day_streak,
+    count_streak_with_forgiven_gaps,
     sort_due_subjects,
 )
 from server.recall.subjects import iter_misconceptions, subject_of_misconception
@@ -90,7 +90,7 @@ def load_account_recall_state(
         fading={subject: confused.get(subject, ()) for subject in sort_due_subjects(schedules, now)},
         answered_today=answered_today,
         answers={subject: counts[subject] for subject in due},
-        streak=count_day_streak(days, today),
+        streak=count_streak_with_forgiven_gaps(days, today),
         next_at=min((planned.due_at for planned in schedules.values()), default=None),
         is_off=choices.get(REMINDERS) == OFF,
     )

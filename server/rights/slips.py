@@ -18,4 +18,4 @@ def is_password_link_in_force(db: Session, link: PasswordLink) -> bool:
     if maker is None or maker.disabled_at is not None:
         return False
     may_make = rights.has_right(db, maker, Right.hand_out_passwords, link.class_id)
-    return may_make and slips.may_student_receive_slip(db, link.class_id, link.account_id)
+    return may_make and slips.may_student_receive_password_link(db, link.class_id, link.account_id)

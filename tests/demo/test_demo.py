@@ -20,7 +20,7 @@ from server.database import Database, utc_now
 from server.demo.living import SimulatedLessonThread
 from server.demo.loading import choose_demo_module, create_demo_class
 from server.demo.people import FAMILY, GIVEN, draw_simulated_students
-from server.demo.story import LESSON_DURATION, divide_exercises_among_lessons, lesson_start_times, plan_attempts
+from server.demo.story import LESSON_DURATION, divide_exercises_evenly, lesson_start_times, plan_attempts
 from server.gradebook import standings
 from server.marks.loading import load_gradebook
 from server.submissions.models import Submission
@@ -69,7 +69,7 @@ def test_the_same_seed_tells_the_same_story(course: Course) -> None:
 
 def test_each_exercise_is_in_one_lesson(course: Course) -> None:
     module = course.modules["l20"]
-    given = [one for lesson in divide_exercises_among_lessons(module) for one in lesson]
+    given = [one for lesson in divide_exercises_evenly(module) for one in lesson]
     assert len(given) == len(module.exercises)
     assert set(given) == set(module.exercises)
 

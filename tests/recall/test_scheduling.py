@@ -15,7 +15,7 @@ from server.recall.scheduling import (
     Review,
     choose_subjects_for_today,
     compute_schedule,
-    count_day_streak,
+    count_streak_with_forgiven_gaps,
 )
 
 START = datetime(2026, 9, 1, 18, 0, tzinfo=UTC)
@@ -94,7 +94,7 @@ def test_the_most_forgotten_come_first_and_a_sitting_is_short() -> None:
 
 def test_a_streak_forgives_a_week() -> None:
     today = date(2026, 11, 28)
-    assert count_day_streak([], today) == 0
-    assert count_day_streak([date(2026, 11, 21), date(2026, 11, 27), date(2026, 11, 27)], today) == 2
-    assert count_day_streak([date(2026, 11, 10), date(2026, 11, 21)], today) == 1
-    assert count_day_streak([date(2026, 11, 20)], today) == 0
+    assert count_streak_with_forgiven_gaps([], today) == 0
+    assert count_streak_with_forgiven_gaps([date(2026, 11, 21), date(2026, 11, 27), date(2026, 11, 27)], today) == 2
+    assert count_streak_with_forgiven_gaps([date(2026, 11, 10), date(2026, 11, 21)], today) == 1
+    assert count_streak_with_forgiven_gaps([date(2026, 11, 20)], today) == 0

@@ -144,7 +144,7 @@ def _run_submit(arguments: argparse.Namespace) -> int:
 def _submit_and_print_verdict(
     connection: ServerConnection, exercise: str, file: Path, arguments: argparse.Namespace
 ) -> int:
-    submission = connection.wait_for_verdict(connection.submit(exercise, _read_submission_content(file)))
+    submission = connection.wait_until_graded_or_held(connection.submit(exercise, _read_submission_content(file)))
     if getattr(arguments, "json", False):
         print(json.dumps(submission, ensure_ascii=False))
     elif getattr(arguments, "problems", False):

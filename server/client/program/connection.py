@@ -78,7 +78,7 @@ class ServerConnection:
                 time.sleep(pause)
         return dict(_parse_json(self._request("POST", path, body, headers)))
 
-    def wait_for_verdict(self, submission: dict[str, Json]) -> dict[str, Json]:
+    def wait_until_graded_or_held(self, submission: dict[str, Json]) -> dict[str, Json]:
         """Wait for the verdict, or until a test holds it back; return the submission."""
         path = f"/api/v1/submissions/{submission['id']}"
         deadline = time.monotonic() + MAX_WAIT_SECONDS

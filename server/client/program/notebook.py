@@ -51,7 +51,9 @@ def grade_cell(exercise: str, cell: str) -> NotebookVerdict:
     if not exercise:
         raise ClientError("quel exercice ? Écrivez par exemple « %%balise l20/poses » en tête de la cellule.")
     connection = ServerConnection(SERVER, tokens.find_token(SERVER))
-    submission = connection.wait_for_verdict(connection.submit(find_exercise_id(connection, exercise), {"code": cell}))
+    submission = connection.wait_until_graded_or_held(
+        connection.submit(find_exercise_id(connection, exercise), {"code": cell})
+    )
     page = connection.attempt_page_url(submission)
     return NotebookVerdict(report.render_verdict(submission, page), page, _load_first_figure(connection, submission))
 

@@ -73,6 +73,6 @@ def follow_link(
 ) -> Response:
     """Do what the link says; mail programs send this themselves to stop mails (RFC 8058)."""
     with database.write() as db:
-        link = service.follow_signed_link(db, subscription_id, action, signature, utc_now())
+        link = service.confirm_or_delete_subscription(db, subscription_id, action, signature, utc_now())
     account = load_session_account(request, database)
     return render_page(request, "mails/link.html", account, headers=LINK_HEADERS, link=link)

@@ -10,7 +10,7 @@ from server.desk.marks.cells import COUNTS_ZERO, assignment_cell, cell_text, cou
 from server.desk.marks.schemas import AveragePage, ExerciseView, MarkForm, MarkPage
 from server.desk.marks.views import UNKNOWN
 from server.desk.views import class_head
-from server.marks.files import exercise_value_cell, numbered_assignment_titles
+from server.marks.files import distinct_assignment_titles, exercise_value_cell
 from server.marks.means import format_number
 from server.marks.own import list_average_terms
 from server.marks.schemas import ActiveDecision, ActiveOverride, AssignmentMark, Gradebook
@@ -45,7 +45,7 @@ def mark_page(course: Course, access: ClassAccess, gradebook: Gradebook, assignm
         raise NotFound(UNKNOWN)
     index = ids.index(assignment_id)
     (row,) = gradebook.rows
-    mark, titles = row.marks[index], numbered_assignment_titles(gradebook.assignments)
+    mark, titles = row.marks[index], distinct_assignment_titles(gradebook.assignments)
     is_open = access.school_class.archived_at is None and mark.state is not MarkState.not_concerned
     may_change = access.has(Right.change_marks) and is_open
     is_assignment = gradebook.assignments[index].id != access.school_class.id
@@ -125,5 +125,5 @@ def average_page(course: Course, access: ClassAccess, gradebook: Gradebook) -> A
         head=class_head(course, access, "/carnet"),
         student=row.member.name,
         average=points_text(row.average),
-        terms=list_average_terms(row, numbered_assignment_titles(gradebook.assignments)),
+        terms=list_average_terms(row, distinct_assignment_titles(gradebook.assignments)),
     )

@@ -36,9 +36,9 @@ from server.desk.views import class_head, class_href, count_students_by_label, r
 from server.marks.files import (
     MoodleIdentifier,
     build_moodle_table,
+    distinct_assignment_titles,
     explain_marking_rules,
     marks_as_lines,
-    numbered_assignment_titles,
 )
 from server.marks.loading import GradebookInputs, build_gradebook
 from server.marks.means import format_number
@@ -95,7 +95,7 @@ def gradebook_page(db: Session, access: ClassAccess, inputs: GradebookInputs, qu
     assignments = inputs.assigned.assignments
     titles = {
         str(assignment.id): title
-        for assignment, title in zip(assignments, numbered_assignment_titles(assignments), strict=True)
+        for assignment, title in zip(assignments, distinct_assignment_titles(assignments), strict=True)
     }
     if query.assignment and query.assignment not in titles:
         raise NotFound(UNKNOWN)

@@ -179,7 +179,7 @@ def test_a_frozen_worker_that_comes_back_writes_nothing(hasty: Service, caplog: 
         return fake_grade(replace(sent, source=b"outcome: wrong_answer"))
 
     frozen = hasty.hand(freezing)
-    frozen.worker._runner.heartbeat._beat = lambda *_: None  # type: ignore[method-assign]
+    frozen.worker._runner.heartbeat._extend_lease = lambda *_: None  # type: ignore[method-assign]
     sent = hasty.submit()
     assert begun.wait(PATIENCE)
     hand = hasty.hand()
