@@ -114,8 +114,8 @@ def test_both_mistakes_are_told_with_the_points_of_each_function() -> None:
     assert found is not None
     name, place = found.diagnosis.titles
     assert name == verdict.diagnosis.title
-    assert place == "changer la ligne 15 fait réussir 2 vérifications, les autres fonctions une fois justes"
-    assert "Changer la ligne 15 fait réussir 2 vérifications" in found.diagnosis.explanation
+    assert place == "déplacer la ligne 15 fait réussir 2 vérifications, les autres fonctions une fois justes"
+    assert "Déplacer la ligne 15 fait réussir 2 vérifications" in found.diagnosis.explanation
     assert "jugée avec les autres justes : fusionner 7 sur 14, enchainer 7." in found.diagnosis.explanation
     assert not set(found.diagnosis.explains[0]) & set(found.diagnosis.explains[1])
     assert "qui échoue" not in found.diagnosis.explanation
