@@ -172,7 +172,6 @@ def only(name: str, among: tuple[int, ...], but_for: Callable[[Arguments], Argum
 
     def is_right_otherwise(trial: ProgramTrial) -> bool:
         """Are these rays right without what is blamed, and long rays too?"""
-        """The wrong probes without what is blamed, and long rays, are right."""
         calls = [but_for(CALLS[k]) for k in trial.ask_probes().wrong_indices()]
         asked = [*(args for args in calls if distance(*args) < args[4]), *FAR_RAYS]
         answers = trial.ask(asked)
