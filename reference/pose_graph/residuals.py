@@ -102,9 +102,10 @@ def sighting_chi2(graph: PoseGraph, poses: Floats, landmarks: Floats) -> Floats:
 
 
 def chi2(graph: PoseGraph, poses: Floats, landmarks: Floats | None = None) -> float:
-    """The sum (4) that is minimised."""
-    total = float(edge_chi2(graph, poses).sum())
-    return total if landmarks is None else total + float(sighting_chi2(graph, poses, landmarks).sum())
+    """The sum (4) that is minimised; not finite where it overflows."""
+    with np.errstate(over="ignore", invalid="ignore"):
+        total = float(edge_chi2(graph, poses).sum())
+        return total if landmarks is None else total + float(sighting_chi2(graph, poses, landmarks).sum())
 
 
 def _weighted_squares(e: Floats, information: Floats) -> Floats:

@@ -36,7 +36,7 @@ class NameRefuter:
         return any(name not in self._names[other] for other in elsewhere) or any(
             name not in shown and self._always_shows(earlier, name)
             for earlier, shown in self._certain.items()
-            if earlier != index and self._mutants.probes[earlier].function == function
+            if self._mutants.probes[earlier].function == function
         )
 
     def _always_shows(self, index: int, name: str) -> bool:

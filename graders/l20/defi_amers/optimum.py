@@ -85,8 +85,7 @@ def _minimum(one: Map, found: Found) -> Mismatch | None:
     worst = float(max(poses.max(), landmarks.max()))
     if worst <= POSE_TOLERANCE:
         return None
-    with np.errstate(over="ignore", invalid="ignore"):
-        reached, least = one.chi2(found.poses, found.landmarks), one.solution.chi2[-1]
+    reached, least = one.chi2(found.poses, found.landmarks), one.solution.chi2[-1]
     if worst <= SAME_VALLEY and reached <= least * (1.0 + CHI2_TOLERANCE):
         return None
     unmoved = float(np.abs(gaps(one.poses, found.poses)).max()), float(np.abs(one.landmarks - found.landmarks).max())

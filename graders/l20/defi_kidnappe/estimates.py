@@ -13,23 +13,18 @@ from graders.core.code.bench import Bench
 from graders.core.contract.values import Arguments
 from graders.l20 import journeys
 from graders.l20.mcl.answers import ESTIMATE
-from graders.l20.mcl.estimates import require_estimate_near
+from graders.l20.mcl.estimates import HEAVY, heavy_beside_light, require_estimate_near_weight
 from graders.l20.mcl.scenes import ALWAYS, SPREAD
 from graders.l20.mcl.telling import observed
 
-HEAVY, LIGHT = np.array([4.4, 2.6, 0.9]), np.array([5.3, 3.1, 0.3])
-FAR_AWAY = np.array([19.4, 11.3, -2.0])
-NEAR, TURNED = 0.55, 0.35
-WORDS = "un endroit proche des particules qui ont le poids"
+#: Where light particles are: a cell away from the heavy ones, and in another room.
+A_CELL_AWAY, FAR_AWAY = np.array([5.3, 3.1, 0.3]), np.array([19.4, 11.3, -2.0])
 
 
 @cache
 def unequal() -> Arguments:
-    """Make forty particles that weigh nine tenths, the heaviest in their middle, and 120 light ones a cell away."""
-    rng = np.random.default_rng(ALWAYS)
-    cloud = np.vstack([HEAVY, journeys.around(HEAVY, 39, SPREAD, rng), journeys.around(LIGHT, 120, SPREAD, rng)])
-    weights = np.concatenate([[0.06], np.full(39, 0.84 / 39), np.full(120, 0.1 / 120)])
-    return np.roll(cloud, 60, axis=0), np.roll(weights, 60)
+    """Make forty particles that weigh nine tenths, and 120 light ones a cell away."""
+    return heavy_beside_light(A_CELL_AWAY, 120)
 
 
 @cache
@@ -45,4 +40,4 @@ def outnumbered() -> Arguments:
 def weighed(bench: Bench) -> None:
     """The weight is on few particles, near many light ones, then far from them."""
     for cloud in (unequal(), outnumbered()):
-        require_estimate_near(bench, cloud, HEAVY, NEAR, TURNED, WORDS)
+        require_estimate_near_weight(bench, cloud)

@@ -41,17 +41,30 @@ HEAVY, LIGHT = np.array([4.4, 2.6, 0.9]), np.array([6.4, 4.6, 0.1])
 
 @cache
 def uneven() -> Arguments:
-    """Forty particles that weigh nine tenths, the heaviest in their middle, beside 160 light ones."""
+    """Forty particles that weigh nine tenths, beside 160 light ones."""
+    return heavy_beside_light(LIGHT, 160)
+
+
+def heavy_beside_light(light: Floats, count: int) -> Arguments:
+    """Forty particles that weigh nine tenths, HEAVY in their middle the heaviest, beside `count` around a `light` pose.
+
+    The cloud (40 + count, 3) and its weights; the heavy ones stand in the middle of the list.
+    """
     rng = np.random.default_rng(ALWAYS)
-    cloud = np.vstack([HEAVY, journeys.around(HEAVY, 39, SPREAD, rng), journeys.around(LIGHT, 160, SPREAD, rng)])
-    weights = np.concatenate([[0.06], np.full(39, 0.84 / 39), np.full(160, 0.1 / 160)])
-    return np.roll(cloud, 80, axis=0), np.roll(weights, 80)
+    cloud = np.vstack([HEAVY, journeys.around(HEAVY, 39, SPREAD, rng), journeys.around(light, count, SPREAD, rng)])
+    weights = np.concatenate([[0.06], np.full(39, 0.84 / 39), np.full(count, 0.1 / count)])
+    return np.roll(cloud, count // 2, axis=0), np.roll(weights, count // 2)
 
 
 @observed(ESTIMATE)
 def weighed(bench: Bench) -> None:
     """Nine tenths of the weight are on a fifth of the particles."""
-    require_estimate_near(bench, uneven(), HEAVY, 0.55, 0.35, "un endroit proche des particules qui ont le poids")
+    require_estimate_near_weight(bench, uneven())
+
+
+def require_estimate_near_weight(bench: Bench, cloud: Arguments) -> None:
+    """Refuse an estimate away from HEAVY, around which the weight is. Raises Rejection."""
+    require_estimate_near(bench, cloud, HEAVY, 0.55, 0.35, "un endroit proche des particules qui ont le poids")
 
 
 def require_estimate_near(bench: Bench, cloud: Arguments, pose: Floats, near: float, turned: float, words: str) -> None:
